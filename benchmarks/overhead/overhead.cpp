@@ -1,0 +1,132 @@
+// What the projection costs beyond its kicks: the time of a step with one evaluation of f over the time of the same kicks
+// written by hand, on plain arrays, with the same gradient. The two alternate in short batches, so that a busy machine
+// disturbs both alike; the ratio of each pair of batches is taken, and their median and quartiles are printed.
+//
+//     bench_overhead [rounds]          pin it to a core: taskset -c 1 bench_overhead
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <random>
+#include <vector>
+
+#include <semiexplicit/semiexplicit.hpp>
+
+using namespace semiexplicit;
+
+namespace {
+
+/// All kicks of one step from z, and their mean: nothing but the arithmetic of the explicit map. `size` is a constant for
+/// problems of fixed size, as it would be in hand-written code.
+template <class H>
+class ByHand {
+  static constexpr int Size = twice(H::Dof);
+  using Storage = Vector<double, Size>;
+
+ public:
+  ByHand(const H& hamiltonian, const Scheme<double>& scheme, const PhasePoint<double, H::Dof>& z)
+      : hamiltonian_(hamiltonian), scheme_(scheme), z_(z.vector()), a_(z_), b_(z_), gradient_(z_) {}
+
+  __attribute__((flatten)) void step(double dt) {
+    if constexpr (Size != Eigen::Dynamic &&
+                  Size <= 40) {  // on the stack, where the compiler can keep it in registers
+      double a[Size], b[Size], gradient[Size];
+      run(dt, z_.data(), a, b, gradient, Size);
+    } else {
+      run(dt, z_.data(), a_.data(), b_.data(), gradient_.data(), z_.size());
+    }
+  }
+
+ private:
+  void run(double dt, double* z, double* a, double* b, double* gradient, Eigen::Index size) const {
+    for (Eigen::Index i = 0; i < size; ++i) a[i] = b[i] = z[i];
+    const std::size_t n = scheme_.b.size();
+    for (std::size_t i = 0; i < n; ++i) {
+      kick(dt * scheme_.a[i], a, b, gradient, size / 2);
+      kick(dt * scheme_.b[i], b, a, gradient, size / 2);
+    }
+    kick(dt * scheme_.a[n], a, b, gradient, size / 2);
+    for (Eigen::Index i = 0; i < size; ++i) z[i] = (a[i] + b[i]) / 2;
+  }
+  void kick(double t, const double* from, double* to, double* gradient, Eigen::Index d) const {
+    using Column = Vector<double, H::Dof>;
+    hamiltonian_.gradient(Eigen::Map<const Column>(from, d), Eigen::Map<const Column>(from + d, d),
+                          Eigen::Map<Column>(gradient, d), Eigen::Map<Column>(gradient + d, d));
+    for (Eigen::Index i = 0; i < d; ++i) to[i] += t * gradient[d + i];
+    for (Eigen::Index i = 0; i < d; ++i) to[d + i] -= t * gradient[i];
+  }
+
+  H hamiltonian_;
+  Scheme<double> scheme_;
+  Storage z_, a_, b_, gradient_;
+};
+
+template <class Work>
+double seconds(int steps, const Work& work) {
+  const auto start = std::chrono::steady_clock::now();
+  for (int i = 0; i < steps; ++i) work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+double quantile(std::vector<double>& values, double q) {
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+template <class H>
+void compare(const char* name, const H& hamiltonian, const PhasePoint<double, H::Dof>& z0, double dt,
+             int rounds) {
+  const auto scheme = schemes::yoshida6<double>();
+  ByHand<H> hand(hamiltonian, scheme, z0);
+  Semiexplicit library(hamiltonian, scheme);
+  auto z = z0;
+  std::int64_t evaluations = 0, steps = 0;
+  const auto library_step = [&] { evaluations += library.step(z, dt).evaluations, ++steps; };
+  const auto hand_step = [&] { hand.step(dt); };
+
+  const double trial = seconds(20, library_step) / 20;
+  const int batch = std::max(1, static_cast<int>(2e-4 / trial));
+  std::vector<double> ratios, hand_times;
+  for (int i = 0; i < rounds; ++i) {
+    const double by_hand = seconds(batch, hand_step);
+    const double by_library = seconds(batch, library_step);
+    ratios.push_back(by_library / by_hand);
+    hand_times.push_back(by_hand / batch);
+  }
+  const double calls = static_cast<double>(scheme.kicks());
+  std::printf("%-22s %9.1f %9.3f %8.3f %8.3f %12.3f\n", name, 1e9 * quantile(hand_times, 0.5) / calls,
+              quantile(ratios, 0.5), quantile(ratios, 0.25), quantile(ratios, 0.75),
+              static_cast<double>(evaluations) / static_cast<double>(steps));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const int rounds = argc > 1 ? std::atoi(argv[1]) : 400;
+  if (rounds < 4) {
+    std::fprintf(stderr, "bench_overhead: rounds must be 4 or more\n");
+    return 2;
+  }
+  std::printf("%-22s %9s %9s %8s %8s %12s\n", "problem (yoshida6)", "ns/kick", "ratio", "1st qu.", "3rd qu.",
+              "evaluations");
+
+  compare("NLS 5", systems::NlsLattice<double, 5>(),
+          PhasePoint<double, 5>({3, .01, .01, .01, .01}, {1, 0, 0, 0, 0}), 1e-3, rounds);
+
+  PhasePoint<double, Eigen::Dynamic> lattice(1000);
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> normal;
+  for (auto& value : lattice.vector()) value = normal(random);
+  compare("NLS 1000", systems::NlsLattice<double>(1000), lattice, 1e-3, rounds);
+
+  const systems::PointVortices<double, 10> vortices(
+      Vector<double, 10>{-.5, .3, .6, .7, -.2, -.8, -.9, -.3, .7, -.6});
+  compare("ten vortices", vortices,
+          vortices.phase_point(Vector<double, 10>{3, -10, 6, 9, 0, 7, -8, 5, 9, 7},
+                               Vector<double, 10>{-5, -6, 0, -2, 0, 10, 2, 9, 0, -1}),
+          1e-2, rounds);
+
+  compare("one degree of freedom", systems::Product<double>(), PhasePoint<double, 1>(-3, 0), 1e-3, rounds);
+}

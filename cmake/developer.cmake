@@ -1,0 +1,28 @@
+# What the project's own tests and programs are compiled with; nothing here reaches a program that uses the library.
+option(SEMIEXPLICIT_DEVELOPER_WARNINGS "Compile the tests and programs with many warnings, as errors" OFF)
+option(SEMIEXPLICIT_SANITIZE "Compile the tests and programs with the address and undefined-behaviour sanitizers" OFF)
+option(SEMIEXPLICIT_NATIVE "Compile the examples and benchmarks for this machine, fully optimised" OFF)
+
+# For code that must be free of warnings whatever the options say.
+add_library(semiexplicit_warnings INTERFACE)
+target_compile_options(semiexplicit_warnings INTERFACE -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror)
+
+# For every test and program.
+add_library(semiexplicit_developer INTERFACE)
+if(SEMIEXPLICIT_DEVELOPER_WARNINGS)
+  target_link_libraries(semiexplicit_developer INTERFACE semiexplicit_warnings)
+endif()
+if(SEMIEXPLICIT_SANITIZE)
+  set(sanitizers -fsanitize=address,undefined -fno-sanitize-recover=all)
+  target_compile_options(semiexplicit_developer INTERFACE ${sanitizers} -fno-omit-frame-pointer)
+  target_compile_definitions(semiexplicit_developer INTERFACE _GLIBCXX_ASSERTIONS)
+  target_link_options(semiexplicit_developer INTERFACE ${sanitizers})
+endif()
+
+# For examples and benchmarks, on top: whole programs, so that no two parts of one disagree about Eigen's alignment.
+add_library(semiexplicit_program INTERFACE)
+target_link_libraries(semiexplicit_program INTERFACE semiexplicit semiexplicit_developer)
+if(SEMIEXPLICIT_NATIVE)
+  target_compile_options(semiexplicit_program INTERFACE -O3 -march=native)
+  target_compile_definitions(semiexplicit_program INTERFACE NDEBUG)
+endif()

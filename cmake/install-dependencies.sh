@@ -1,0 +1,84 @@
+#!/usr/bin/env bash
+# install-dependencies.sh run|test|check...: installs what these tasks need and this machine lacks. Where all is there
+# it does nothing and needs no rights.
+set -euo pipefail
+
+# Debian's name of each package, and why it is needed.
+declare -A purpose=(
+  [g++]="the C++20 compiler, with concepts (g++ 12 and clang 14 are tested)"
+  [cmake]="configures the build (3.22 or later)"
+  [ninja-build]="runs the build; CMakePresets.json names it"
+  [libeigen3-dev]="Eigen 3.4 or later, the one dependency of the library itself"
+  [libcli11-dev]="CLI11, the command lines of the example programs"
+  [gnuplot-nox]="gnuplot, which the example programs call to draw their pictures"
+  [catch2]="Catch2 2 or 3, the test framework"
+  [libboost-dev]="Boost headers: multiprecision numbers and reference functions of the tests"
+  [clang]="the second compiler that everything must pass"
+  [clang-format]="checks the formatting"
+)
+# The program by which a package is recognised, wherever it comes from; libraries are asked of dpkg.
+declare -A program=(
+  [g++]=g++ [cmake]=cmake [ninja-build]=ninja [gnuplot-nox]=gnuplot [clang]=clang++ [clang-format]=clang-format
+)
+
+packages=()
+for task in "$@"; do
+  case $task in
+    run) packages+=(g++ cmake ninja-build libeigen3-dev libcli11-dev gnuplot-nox) ;;
+    test) packages+=(g++ cmake ninja-build libeigen3-dev libcli11-dev catch2 libboost-dev) ;;
+    check) packages+=(clang clang-format) ;;
+    *)
+      echo "install-dependencies.sh: unknown task '$task'; give run, test or check" >&2
+      exit 2
+      ;;
+  esac
+done
+
+has_apt() { command -v apt-get >/dev/null && command -v dpkg-query >/dev/null; }
+
+is_here() {
+  if [ -n "${program[$1]:-}" ]; then
+    command -v "${program[$1]}" >/dev/null
+  elif has_apt; then
+    [ "$(dpkg-query --show --showformat='${db:Status-Status}' "$1" 2>/dev/null)" = installed ]
+  else
+    true # CMake will look for it, and say so if it is not there
+  fi
+}
+
+mapfile -t packages < <(printf '%s\n' "${packages[@]}" | sort --unique)
+missing=()
+for package in "${packages[@]}"; do
+  is_here "$package" || missing+=("$package")
+done
+[ ${#missing[@]} -gt 0 ] || exit 0
+
+if ! has_apt; then
+  echo "This system has no apt-get, so please install by its own means (under Debian's names):" >&2
+  for package in "${packages[@]}"; do
+    state="not looked for here"
+    if [ -n "${program[$package]:-}" ]; then
+      state="missing"
+      if is_here "$package"; then state="here"; fi
+    fi
+    printf '  %-14s %s: %s\n' "$package" "${purpose[$package]}" "$state" >&2
+  done
+  exit 1
+fi
+
+install=(apt-get install --yes --quiet --no-install-recommends "${missing[@]}")
+give_up() {
+  echo "$1 Please run as root, then start again:" >&2
+  echo "  apt-get update && ${install[*]}" >&2
+  exit 1
+}
+
+as_root=(env DEBIAN_FRONTEND=noninteractive)
+if [ "$(id -u)" -ne 0 ]; then
+  command -v sudo >/dev/null || give_up "Packages are missing, and there is no sudo to install them with."
+  as_root=(sudo "${as_root[@]}")
+fi
+
+echo "Installing: ${missing[*]}" >&2
+"${as_root[@]}" apt-get update --quiet >&2 || echo "apt-get update failed; trying with the lists at hand" >&2
+"${as_root[@]}" "${install[@]}" >&2 || give_up "Installing failed."

@@ -1,0 +1,51 @@
+#!/usr/bin/env bash
+# test.sh [--all]: installs what is missing, builds the tests and runs them. --all goes on with the formatting, the same
+# tests built by clang++, and the tests under the address and undefined-behaviour sanitizers.
+set -euo pipefail
+# shellcheck source=cmake/stage.sh
+source "$(dirname "${BASH_SOURCE[0]}")/stage.sh"
+
+all=false
+case "$*" in
+  "") ;;
+  --all) all=true ;;
+  *)
+    current_stage="arguments"
+    echo "usage: bash cmake/test.sh [--all]" >&2
+    exit 2
+    ;;
+esac
+
+# Configures, builds and tests one preset of CMakePresets.json.
+build_and_test() {
+  stage "$1: configure"
+  cmake --preset "$1"
+  stage "$1: build"
+  cmake --build --preset "$1" --parallel "$(nproc)"
+  stage "$1: test"
+  ctest --preset "$1" --parallel "$(nproc)"
+}
+
+check_format() {
+  local formatter=clang-format
+  if command -v clang-format-14 >/dev/null; then formatter=clang-format-14; fi
+  if ! "$formatter" --version | grep -q 'version 14\.'; then
+    echo "skipped: versions format differently, this project's is 14, and here is $("$formatter" --version)" >&2
+    return
+  fi
+  find include tests examples benchmarks \( -name '*.hpp' -o -name '*.cpp' \) -print0 |
+    xargs -0 "$formatter" --dry-run --Werror
+}
+
+stage "Dependencies"
+bash cmake/install-dependencies.sh test
+build_and_test dev
+
+if $all; then
+  stage "Dependencies of the further checks"
+  bash cmake/install-dependencies.sh check
+  stage "Formatting"
+  check_format
+  build_and_test clang
+  build_and_test asan
+fi

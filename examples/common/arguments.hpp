@@ -1,0 +1,194 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <exception>
+#include <filesystem>
+#include <iostream>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "method.hpp"
+
+namespace examples {
+
+/// What every program lets its user choose about a run, beside the method.
+struct Settings {
+  double dt = 0.01;
+  double time = 100;
+  std::int64_t samples = 2000;
+  std::filesystem::path output = "out";
+  bool no_plot = false;
+
+  /// The whole number of steps that comes nearest to `time`.
+  std::int64_t steps() const {
+    const double count = std::round(time / dt);
+    if (count < 1) throw std::invalid_argument("--dt is larger than --time; give a smaller step or a longer time");
+    if (count > 1e15) throw std::invalid_argument("--time / --dt is more steps than anybody can wait for");
+    return static_cast<std::int64_t>(count);
+  }
+
+  void make_output_folder() const {
+    std::error_code failure;
+    std::filesystem::create_directories(output, failure);
+    if (failure || !std::filesystem::is_directory(output))
+      throw std::invalid_argument("--output: the folder " + output.string() + " cannot be made" +
+                                  (failure ? ": " + failure.message() : "; something else has that name"));
+  }
+};
+
+/// Accepts finite numbers above zero; a NaN fails every comparison and so this one.
+inline CLI::Validator positive() {
+  return {[](std::string& text) {
+            double value = 0;
+            const bool fine = CLI::detail::lexical_cast(text, value) && value > 0 && std::isfinite(value);
+            return fine ? std::string() : "'" + text + "' is not a positive number";
+          },
+          "> 0"};
+}
+
+inline CLI::Validator finite() {
+  return {[](std::string& text) {
+            double value = 0;
+            const bool fine = CLI::detail::lexical_cast(text, value) && std::isfinite(value);
+            return fine ? std::string() : "'" + text + "' is not a finite number";
+          },
+          "", "finite"};
+}
+
+inline CLI::Validator whole_number(std::int64_t least, std::int64_t most) {
+  const std::string range = std::to_string(least) + " to " + std::to_string(most);
+  return {[=](std::string& text) {
+            std::int64_t value = 0;
+            const bool fine = CLI::detail::lexical_cast(text, value) && least <= value && value <= most;
+            return fine ? std::string() : "'" + text + "' is not a whole number from " + range;
+          },
+          range};
+}
+
+/// How many single-letter edits lie between two words (Levenshtein).
+inline std::size_t edits_between(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, replaced});
+    }
+  }
+  return row.back();
+}
+
+inline std::string joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
+}
+
+/// Accepts one of `words`; otherwise names the nearest and all of them.
+inline CLI::Validator one_of(const std::vector<std::string>& words, const std::string& shown) {
+  return {[=](std::string& text) {
+            if (std::find(words.begin(), words.end(), text) != words.end()) return std::string();
+            const auto nearest = std::min_element(words.begin(), words.end(), [&](const auto& a, const auto& b) {
+              return edits_between(text, a) < edits_between(text, b);
+            });
+            return "there is no '" + text + "'; did you mean " + *nearest + "? Known: " + joined(words);
+          },
+          shown};
+}
+
+inline void add_settings(CLI::App& app, Settings& settings) {
+  const auto add = [&](const char* name, auto& value, const char* about) {
+    return app.add_option(name, value, about)->capture_default_str();
+  };
+  add("--dt", settings.dt, "step size")->check(positive())->type_name("");
+  add("--time", settings.time, "time to integrate to")->check(positive())->type_name("");
+  add("--samples", settings.samples, "rows of the CSV file at most")
+      ->check(whole_number(1, 1'000'000'000))
+      ->type_name("");
+  add("--output", settings.output, "folder for the CSV files and the picture")->type_name("DIR");
+  app.add_flag("--no-plot", settings.no_plot, "leave the picture out");
+}
+
+inline void add_method(CLI::App& app, Method& method) {
+  const auto choice = [&](const char* name, auto& value, const std::vector<std::string>& words,
+                          const char* about) {
+    return app.add_option(name, value, about)->check(one_of(words, joined(words)))->type_name("");
+  };
+  choice("--method", method.name, Method::names(), "the integrator")->capture_default_str();
+  app.add_option("--scheme", method.scheme, "kicks of a step, of any method but gauss; names below")
+      ->check(one_of(schemes::names(), ""))
+      ->type_name("NAME")
+      ->default_str("low_defect6_s13; tao: yoshida6");
+  choice("--solver", method.solver, {"newton", "broyden"}, "of the semiexplicit projection")->capture_default_str();
+  choice("--rule", method.rule, {"product", "paper"}, "when the solver stops: drift per step, or absolute")
+      ->capture_default_str();
+  app.add_option("--tolerance", method.tolerance, "of that rule")
+      ->check(positive())
+      ->type_name("")
+      ->default_str("product: 1e-16, paper: 1e-13");
+  app.add_option("--omega", method.omega, "coupling of the copies in tao")
+      ->check(finite())
+      ->type_name("")
+      ->capture_default_str();
+  app.add_option("--stages", method.stages, "of gauss")
+      ->check(whole_number(1, 8))
+      ->type_name("")
+      ->capture_default_str();
+  app.footer("Schemes: " + joined(schemes::names()) + ".");
+}
+
+/// An option that none of the methods that run listens to is a misunderstanding, and refused.
+inline void refuse_idle_options(const CLI::App& app, const std::vector<std::string>& methods) {
+  struct Listeners {
+    const char* option;
+    std::vector<std::string> methods;
+  };
+  const std::vector<Listeners> all{{"--scheme", {"semiexplicit", "midpoint", "pihajoki", "tao"}},
+                                   {"--solver", {"semiexplicit"}},
+                                   {"--rule", {"semiexplicit"}},
+                                   {"--tolerance", {"semiexplicit"}},
+                                   {"--omega", {"tao"}},
+                                   {"--stages", {"gauss"}}};
+  for (const auto& [option, listeners] : all) {
+    const bool heard =
+        std::find_first_of(methods.begin(), methods.end(), listeners.begin(), listeners.end()) != methods.end();
+    if (app.count(option) > 0 && !heard)
+      throw std::invalid_argument(std::string(option) + " means nothing to " + joined(methods) +
+                                  "; it is for " + joined(listeners));
+  }
+}
+
+/// Parses the arguments and runs `body`, which gives the exit code. Bad arguments (std::invalid_argument, too) end in
+/// one line and exit code 2, other failures in one line and exit code 1.
+template <class Body>
+int run_program(CLI::App& app, int argc, char** argv, const Body& body) {
+  const std::string name = std::filesystem::path(argv[0]).filename().string();
+  const auto complain = [&](const std::string& what, const char* more, int code) {
+    std::cerr << name << ": " << what << more << '\n';
+    return code;
+  };
+  const std::string hint = " (see " + name + " --help)";
+  try {
+    app.parse(argc, argv);
+    return body();
+  } catch (const CLI::Success& help) {
+    return app.exit(help);
+  } catch (const CLI::ParseError& error) {
+    return complain(error.what(), hint.c_str(), 2);
+  } catch (const std::invalid_argument& error) {
+    return complain(error.what(), "", 2);
+  } catch (const std::exception& error) {
+    return complain(error.what(), "", 1);
+  }
+}
+
+}  // namespace examples

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cerrno>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+extern char** environ;
+
+namespace examples {
+
+/// A text as gnuplot reads it literally.
+inline std::string quoted(const std::string& text) {
+  std::string result = "'";
+  for (const char c : text) result += c == '\'' ? "''" : std::string(1, c);
+  return result + "'";
+}
+
+/// Lines every script begins with. `output` may be given from outside.
+inline std::string gnuplot_prologue(const std::filesystem::path& png, int width, int height) {
+  const std::string size = " size " + std::to_string(width) + "," + std::to_string(height);
+  return "# Draws the picture again: gnuplot " + std::filesystem::path(png).replace_extension("gp").string() +
+         "\nif (!exists('output')) output = " + quoted(png.string()) +
+         "\nif (strstrt(GPVAL_TERMINALS, 'pngcairo')) {\n  set terminal pngcairo font 'sans,15'" + size +
+         "\n} else {\n  set terminal png font 'arial,15'" + size +
+         "\n}\nset output output\nset datafile separator ','\nset encoding utf8\n";
+}
+
+/// Runs gnuplot on a script; its exit code, or -1 where there is no gnuplot. Without a shell: no name needs quoting.
+inline int run_gnuplot(const std::string& script, const std::string& output) {
+  std::string command = "output = " + quoted(output), file = script, name = "gnuplot", option = "-e";
+  char* const arguments[] = {name.data(), option.data(), command.data(), file.data(), nullptr};
+  pid_t child = 0;
+  if (posix_spawnp(&child, "gnuplot", nullptr, nullptr, arguments, environ) != 0) return -1;
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0)
+    if (errno != EINTR) throw std::system_error(errno, std::generic_category(), "waiting for gnuplot");
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+/// Leaves the script beside the picture `png`, and draws it. The picture gets its name when it is whole. Without
+/// gnuplot there is a hint and no picture.
+inline void draw(const std::filesystem::path& png, const std::string& script) {
+  const std::filesystem::path script_path = std::filesystem::path(png).replace_extension("gp");
+  const std::filesystem::path part = png.string() + ".part";
+  std::filesystem::remove(png);  // an older one would belong to other data
+  std::ofstream out(script_path);
+  out << script << std::flush;
+  if (!out) throw std::runtime_error(script_path.string() + ": cannot be written; is the disk full?");
+
+  const int code = run_gnuplot(script_path.string(), part.string());
+  if (code == 0) {
+    std::filesystem::rename(part, png);
+    std::cout << "picture: " << png.string() << '\n';
+    return;
+  }
+  std::error_code ignored;
+  std::filesystem::remove(part, ignored);
+  if (code > 0) throw std::runtime_error("gnuplot failed on " + script_path.string());
+  std::cerr << "No picture: gnuplot is not installed (Debian, Ubuntu: apt-get install gnuplot-nox). Then: gnuplot "
+            << script_path.string() << '\n';
+}
+
+}  // namespace examples

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdio>
+#include <functional>
+#include <iomanip>
+#include <iostream>
+#include <string>
+#include <vector>
+
+#include "run.hpp"
+
+namespace examples {
+
+template <class... Numbers>
+std::string formatted(const char* format, Numbers... numbers) {
+  char text[64];
+  std::snprintf(text, sizeof text, format, numbers...);
+  return text;
+}
+
+/// One column a run, one line a figure.
+inline void print_table(std::ostream& out, const std::vector<Run>& runs, double dt) {
+  std::vector<std::vector<std::string>> lines;
+  const auto line = [&](const std::string& name, const std::function<std::string(const Run&)>& entry) {
+    lines.push_back({name});
+    for (const Run& run : runs) lines.back().push_back(entry(run));
+  };
+
+  line("", [](const Run& run) { return run.method.name; });
+  line("scheme", [](const Run& run) { return run.method.coefficients(); });
+  line("dt", [&](const Run&) { return formatted("%g", dt); });
+  const auto& most = std::max_element(runs.begin(), runs.end(), [](const Run& a, const Run& b) {
+                       return a.quantities.size() < b.quantities.size();
+                     })->quantities;
+  for (std::size_t i = 0; i < most.size(); ++i) {
+    const std::string what = most[i].name == "defect" ? "defect" : most[i].name + " error";
+    const auto entry = [&](double Run::Quantity::*which) {
+      return [=](const Run& run) {
+        return i < run.quantities.size() ? formatted("%.1e", run.quantities[i].*which) : std::string("-");
+      };
+    };
+    line(what + ", worst", entry(&Run::Quantity::worst));
+    line(what + ", final", entry(&Run::Quantity::final));
+  }
+  line("gradient calls", [](const Run& run) { return std::to_string(run.report.gradients); });
+  line("calls per step", [](const Run& run) {
+    return formatted("%.1f", static_cast<double>(run.report.gradients) / run.attempted_steps());
+  });
+  line("evaluations per step", [](const Run& run) {
+    return formatted("%.2f", static_cast<double>(run.report.evaluations) / run.attempted_steps());
+  });
+  line("seconds", [](const Run& run) { return formatted("%.3f", run.report.seconds); });
+  line("status", [](const Run& run) {
+    return run.failure.empty() ? "t = " + formatted("%g", run.report.t) : "FAILED, t = " + formatted("%.3g", run.report.t);
+  });
+
+  std::vector<std::size_t> widths(runs.size() + 1, 0);
+  for (const auto& cells : lines)
+    for (std::size_t i = 0; i < cells.size(); ++i) widths[i] = std::max(widths[i], cells[i].size());
+  for (const auto& cells : lines) {
+    out << std::left << std::setw(static_cast<int>(widths[0])) << cells[0] << std::right;
+    for (std::size_t i = 1; i < cells.size(); ++i) out << "  " << std::setw(static_cast<int>(widths[i])) << cells[i];
+    out << '\n';
+  }
+}
+
+}  // namespace examples

@@ -1,0 +1,256 @@
+#pragma once
+
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+
+#include <Eigen/LU>
+
+#include <semiexplicit/baseline/gauss_tableau.hpp>
+#include <semiexplicit/core/compensated_update.hpp>
+#include <semiexplicit/splitting/pihajoki.hpp>
+
+namespace semiexplicit {
+
+/// How GaussLegendre finds its stages.
+enum class StageSolver {
+  fixed_point,  ///< each stage from the newest values of the others: no derivatives, O(s² d) work an iteration
+  newton        ///< full Newton with a dense 2ds × 2ds matrix each iteration: for small problems
+};
+
+struct GaussLegendreOptions {
+  int stages = 2;  ///< 1 to 8; order 2 · stages; 1 is the implicit midpoint rule
+  StageSolver solver = StageSolver::fixed_point;
+  double tolerance =
+      0;  ///< bound on the norm of the stages' last change, absolute; 0: until rounding stops it
+  int max_iterations = 100;  ///< the step is refused beyond
+  bool extrapolate = true;  ///< start the stages from the last step's collocation polynomial, instead of at z
+};
+
+/// The implicit Gauss-Legendre Runge-Kutta method: symplectic, symmetric, keeps quadratic invariants, order 2s. The strongest
+/// general rival of the semiexplicit method, and therefore written to win: extrapolated starting values, Gauss-Seidel
+/// iteration that stops at the rounding floor, compensated update.
+///
+/// Newton's method takes the Hessian of H where it has one (HasHessian), else central differences of the gradient (4d calls a
+/// stage). Memory: (3s + 3) vectors of length 2d; Newton's method (2ds)² numbers more, and its factorisation may use the heap.
+///
+/// Sources: Hairer, Lubich, Wanner, Geometric Numerical Integration, II.1.3 and VIII.6; Antoñana, Makazaga, Murua,
+/// Numer. Algorithms 76 (2017) 861.
+template <class H>
+class GaussLegendre {
+ public:
+  using Scalar = typename detail::Checked<H>::Scalar;
+  static constexpr int Dof = H::Dof;
+  using State = PhasePoint<Scalar, Dof>;
+
+  /// Throws std::invalid_argument unless 1 ≤ stages ≤ 8, max_iterations ≥ 1 and tolerance ≥ 0.
+  GaussLegendre(H hamiltonian, GaussLegendreOptions options = {})
+      : hamiltonian_(std::move(hamiltonian)),
+        options_(options),
+        tableau_(options.stages),
+        update_(dof()),
+        gradients_(2 * dof(), options.stages),
+        started_(gradients_),
+        displacements_(2 * dof(), options.stages),
+        change_(State(dof()).vector()),
+        point_(change_) {
+    if (!(options.max_iterations >= 1 && options.tolerance >= 0))
+      throw std::invalid_argument("GaussLegendre: max_iterations must be 1 or more, and tolerance 0 or more");
+    if (options.solver == StageSolver::newton) newton_.emplace(2 * dof(), options.stages);
+  }
+
+  /// One step of size dt, which may be negative; z is untouched unless the report is ok(). `evaluations` are iterations,
+  /// `correction` is the norm of the stages' last change.
+  StepReport step(State& z, const Scalar& dt) {
+    using std::isfinite;
+    StepReport report;
+    if (!detail::valid_step(dt))
+      report.status = Status::invalid_step;
+    else if (z.vector().size() != change_.size() || !z.vector().allFinite())
+      report.status = Status::invalid_state;
+    if (!report.ok()) return report;
+
+    start(z, dt, report);
+    last_dt_ = Scalar(0);  // nothing to extrapolate from until the step is done
+    report.status = iterate(z, dt, report);
+    if (!report.ok()) return report;
+    const Eigen::Index d = dof();
+    const bool finite = update_.update(z, [&](Eigen::Index i) {
+      Scalar sum(0);
+      for (Eigen::Index j = 0; j < gradients_.cols(); ++j)
+        sum += (dt * tableau_.b[j]) * (i < d ? gradients_(i + d, j) : -gradients_(i - d, j));
+      return sum;
+    });
+    if (finite)
+      last_dt_ = dt;
+    else
+      report.status = Status::not_finite;
+    return report;
+  }
+
+  Eigen::Index dof() const { return dof_of(hamiltonian_); }
+  const H& hamiltonian() const { return hamiltonian_; }
+  const GaussLegendreOptions& options() const { return options_; }
+  const GaussTableau<Scalar>& tableau() const { return tableau_; }
+
+ private:
+  using Vec = typename State::Storage;
+  using Stages = Eigen::Matrix<Scalar, twice(Dof), Eigen::Dynamic>;  // a column a stage
+  using Dense = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
+
+  /// First values of the stages' gradients and displacements.
+  void start(const State& z, const Scalar& dt, StepReport& report) {
+    if (options_.extrapolate && last_dt_ == dt && update_.continues(z)) {
+      started_.swap(gradients_);
+      gradients_.setZero();
+      for (Eigen::Index i = 0; i < gradients_.cols(); ++i)
+        for (Eigen::Index j = 0; j < gradients_.cols(); ++j)
+          gradients_.col(i) += tableau_.extrapolation(i, j) * started_.col(j);
+    } else {
+      detail::gradient_at(hamiltonian_, z.vector().data(), gradients_.col(0).data(), dof());
+      for (Eigen::Index i = 1; i < gradients_.cols(); ++i) gradients_.col(i) = gradients_.col(0);
+      ++report.gradients;
+    }
+    for (Eigen::Index i = 0; i < gradients_.cols(); ++i) {
+      displace(i, dt);
+      displacements_.col(i) = change_;
+    }
+  }
+
+  Status iterate(const State& z, const Scalar& dt, StepReport& report) {
+    using std::isfinite;
+    using std::sqrt;
+    const Scalar floor = 100 * Eigen::NumTraits<Scalar>::epsilon() * detail::norm(z.vector());
+    Scalar previous(0);
+    for (;;) {
+      const Scalar change = options_.solver == StageSolver::newton ? newton_iteration(z, dt, report)
+                                                                   : fixed_point_iteration(z, dt, report);
+      ++report.evaluations;
+      report.correction = static_cast<double>(change);
+      if (report.evaluations > 1) report.rate = static_cast<double>(change / previous);
+      if (!isfinite(change)) return Status::not_finite;
+      if (change == Scalar(0) || change < Scalar(options_.tolerance)) return Status::success;
+      if (report.evaluations > 1 && change >= previous &&
+          change <=
+              floor + 100 * Eigen::NumTraits<Scalar>::epsilon() * detail::norm(displacements_.reshaped()))
+        return options_.tolerance == 0 ? Status::success : Status::rounding_limited;
+      if (report.evaluations >= options_.max_iterations) return Status::no_convergence;
+      previous = change;
+    }
+  }
+
+  /// change_ = dt Σ_j a_ij X_j, what the gradients say the displacement of stage i is.
+  void displace(Eigen::Index i, const Scalar& dt) {
+    const Eigen::Index d = dof();
+    Scalar* __restrict out = change_.data();
+    change_.setZero();
+    for (Eigen::Index j = 0; j < gradients_.cols(); ++j) {
+      const Scalar factor = tableau_.m(i, j) * (dt * tableau_.b[j]);
+      const Scalar* __restrict gradient = gradients_.col(j).data();
+      for (Eigen::Index k = 0; k < d; ++k) out[k] += factor * gradient[d + k];
+      for (Eigen::Index k = 0; k < d; ++k) out[d + k] -= factor * gradient[k];
+    }
+  }
+
+  void stage_gradient(const State& z, Eigen::Index i) {
+    point_ = z.vector() + displacements_.col(i);
+    detail::gradient_at(hamiltonian_, point_.data(), gradients_.col(i).data(), dof());
+  }
+
+  /// One sweep over the stages; returns the norm of what changed.
+  SEMIEXPLICIT_FLATTEN Scalar fixed_point_iteration(const State& z, const Scalar& dt, StepReport& report) {
+    using std::sqrt;
+    Scalar squared(0);
+    for (Eigen::Index i = 0; i < gradients_.cols(); ++i) {
+      if (report.evaluations > 0) {
+        displace(i, dt);
+        squared += (change_ - displacements_.col(i)).squaredNorm();
+        displacements_.col(i) = change_;
+      }
+      stage_gradient(z, i);
+      ++report.gradients;
+    }
+    // The first sweep only evaluates the gradients at the starting values: a change is yet to be seen.
+    return report.evaluations > 0 ? sqrt(squared) : std::numeric_limits<Scalar>::max();
+  }
+
+  /// What Newton's method needs: the Hessian of a stage, and the matrix and right-hand side of all.
+  struct Newton {
+    Newton(Eigen::Index size, Eigen::Index stages)
+        : hessian(size, size),
+          matrix(size * stages, size * stages),
+          residual(size * stages),
+          lu(size * stages),
+          ahead(Vec::Zero(size)),
+          behind(ahead) {}
+    Eigen::Matrix<Scalar, twice(Dof), twice(Dof)> hessian;
+    Dense matrix;
+    Vector<Scalar, Eigen::Dynamic> residual;
+    Eigen::PartialPivLU<Dense> lu;
+    Vec ahead, behind;
+  };
+
+  /// One Newton step on all stages together; returns the norm of the correction.
+  Scalar newton_iteration(const State& z, const Scalar& dt, StepReport& report) {
+    Newton& work = *newton_;
+    const Eigen::Index d = dof(), n = 2 * d, stages = gradients_.cols();
+    for (Eigen::Index j = 0; j < stages; ++j) {
+      stage_gradient(z, j);
+      ++report.gradients;
+      stage_hessian(report);
+      for (Eigen::Index i = 0; i < stages; ++i) {
+        const Scalar factor = tableau_.m(i, j) * (dt * tableau_.b[j]);
+        auto block = work.matrix.block(i * n, j * n, n, n);  // δ_ij I - dt a_ij J H''
+        block.topRows(d) = -factor * work.hessian.bottomRows(d);
+        block.bottomRows(d) = factor * work.hessian.topRows(d);
+        if (i == j) block.diagonal().array() += Scalar(1);
+      }
+    }
+    for (Eigen::Index i = 0; i < stages; ++i) {
+      displace(i, dt);
+      work.residual.segment(i * n, n) = change_ - displacements_.col(i);
+    }
+    work.lu.compute(work.matrix);
+    work.residual = work.lu.solve(work.residual).eval();
+    displacements_.reshaped() += work.residual;
+    return detail::norm(work.residual);
+  }
+
+  /// The Hessian at point_.
+  void stage_hessian(StepReport& report) {
+    Newton& work = *newton_;
+    const Eigen::Index d = dof();
+    if constexpr (HasHessian<H>) {
+      using Column = const Vector<Scalar, Dof>;
+      hamiltonian_.hessian(Eigen::Map<Column>(point_.data(), d), Eigen::Map<Column>(point_.data() + d, d),
+                           work.hessian);
+    } else {
+      using std::cbrt;
+      const Scalar size = detail::norm(point_);
+      const Scalar h = cbrt(Eigen::NumTraits<Scalar>::epsilon()) * (size > Scalar(0) ? size : Scalar(1));
+      for (Eigen::Index k = 0; k < 2 * d; ++k) {
+        const Scalar middle = point_[k];
+        point_[k] = middle + h;
+        detail::gradient_at(hamiltonian_, point_.data(), work.ahead.data(), d);
+        point_[k] = middle - h;
+        detail::gradient_at(hamiltonian_, point_.data(), work.behind.data(), d);
+        point_[k] = middle;
+        work.hessian.col(k) = (work.ahead - work.behind) / (2 * h);
+      }
+      report.gradients += 4 * d;
+    }
+  }
+
+  H hamiltonian_;
+  GaussLegendreOptions options_;
+  GaussTableau<Scalar> tableau_;
+  CompensatedUpdate<Scalar, Dof> update_;
+  Stages gradients_, started_, displacements_;
+  Vec change_, point_;
+  Scalar last_dt_ = Scalar(0);
+  std::optional<Newton> newton_;
+};
+
+}  // namespace semiexplicit

@@ -1,0 +1,86 @@
+#pragma once
+
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include <Eigen/Core>
+
+#include <semiexplicit/core/vector.hpp>
+
+namespace semiexplicit {
+
+/// The coefficients of the Gauss-Legendre collocation method with s stages (order 2s), computed to the accuracy of Scalar.
+///
+/// Source: Hairer, Lubich, Wanner, Geometric Numerical Integration, II.1.3. The a_ij are kept as m_ij = a_ij / b_j with
+/// m_ij + m_ji = 1, which holds exactly in floating point then: the condition of symplecticity b_i a_ij + b_j a_ji = b_i b_j
+/// survives the rounding of the coefficients (Antoñana, Makazaga, Murua, Numer. Algorithms 76 (2017) 861).
+template <class Scalar>
+struct GaussTableau {
+  using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
+
+  Vector<Scalar, Eigen::Dynamic> c;  ///< nodes in [0, 1], ascending
+  Vector<Scalar, Eigen::Dynamic> b;  ///< weights
+  Matrix m;                          ///< a_ij / b_j
+  Matrix extrapolation;              ///< stage values of the next step from those of this one: ℓ_j(1 + c_i)
+
+  /// Throws std::invalid_argument unless 1 ≤ stages ≤ 8.
+  explicit GaussTableau(int stages) {
+    if (stages < 1 || stages > 8)
+      throw std::invalid_argument("GaussLegendre: " + std::to_string(stages) +
+                                  " stages asked for; give 1 to 8");
+    c.resize(stages);
+    b.resize(stages);
+    m.resize(stages, stages);
+    extrapolation.resize(stages, stages);
+    for (int i = 0; i < stages; ++i) {
+      const auto [root, slope] = legendre_root(stages, i);
+      c[i] = (1 - root) / 2;
+      b[i] = 1 / ((1 - root * root) * slope * slope);
+    }
+    for (int i = 0; i < stages; ++i) {
+      m(i, i) = Scalar(1) / 2;
+      for (int j = i + 1; j < stages; ++j) {
+        // a_ij is the integral of ℓ_j from 0 to c_i, which the method's own quadrature integrates exactly.
+        Scalar integral(0);
+        for (int k = 0; k < stages; ++k) integral += b[k] * lagrange(j, c[i] * c[k]);
+        m(i, j) = c[i] * integral / b[j];
+        m(j, i) = 1 - m(i, j);
+      }
+      for (int j = 0; j < stages; ++j) extrapolation(i, j) = lagrange(j, 1 + c[i]);
+    }
+  }
+
+ private:
+  /// ℓ_j(x), the polynomial that is 1 at c_j and 0 at the other nodes.
+  Scalar lagrange(int j, const Scalar& x) const {
+    Scalar value(1);
+    for (int k = 0; k < c.size(); ++k)
+      if (k != j) value *= (x - c[k]) / (c[j] - c[k]);
+    return value;
+  }
+
+  struct Root {
+    Scalar root, slope;
+  };
+  /// The i-th largest root of the Legendre polynomial of degree n, and the slope there: Newton from the usual cosine.
+  static Root legendre_root(int n, int i) {
+    using std::abs;
+    Scalar x(std::cos(3.14159265358979323846 * (i + 0.75) / (n + 0.5)));
+    Scalar slope(0);
+    for (int iteration = 0; iteration < 12;
+         ++iteration) {  // quadratic from three digits: enough for thousands
+      Scalar previous(1), value(x);
+      for (int k = 2; k <= n; ++k) {
+        const Scalar next = ((2 * k - 1) * x * value - (k - 1) * previous) / k;
+        previous = value;
+        value = next;
+      }
+      slope = n * (x * value - previous) / (x * x - 1);
+      x -= value / slope;
+    }
+    return {x, slope};
+  }
+};
+
+}  // namespace semiexplicit

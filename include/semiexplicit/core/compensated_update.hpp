@@ -1,0 +1,56 @@
+#pragma once
+
+#include <semiexplicit/core/phase_point.hpp>
+
+namespace semiexplicit {
+
+/// Adds increments to a state with compensated (Kahan's) summation: what rounding cuts off in one step is carried into the
+/// next, so that the sum over a long run has the error of about one rounding instead of one a step. Holds two vectors of
+/// length 2d. The carry belongs to the point that the last update() made; any other point starts without one.
+template <class Scalar, int Dof>
+class CompensatedUpdate {
+ public:
+  explicit CompensatedUpdate(Eigen::Index dof)
+      : carry_(PhasePoint<Scalar, Dof>(dof).vector()), next_(carry_) {}
+
+  /// Is z the very point that the last update() made?
+  bool continues(const PhasePoint<Scalar, Dof>& z) const {
+    const Scalar* const state = z.vector().data();
+    const Scalar* const next = next_.data();
+    int different = 0;  // no early exit: a loop without branches is faster
+    for (Eigen::Index i = 0; i < next_.size(); ++i) different |= !(state[i] == next[i]);
+    return different == 0;
+  }
+
+  /// z += increment(i) in every component i < 2d, or nothing at all and false where one would not be finite.
+  template <class Increment>
+  bool update(PhasePoint<Scalar, Dof>& z, const Increment& increment) {
+    if (!continues(z)) carry_.setZero();
+    Scalar* __restrict state = z.vector().data();
+    Scalar* __restrict carry = carry_.data();
+    Scalar* __restrict next = next_.data();
+    const Eigen::Index n = next_.size();
+    Scalar not_finite(0);  // becomes NaN
+    for (Eigen::Index i = 0; i < n; ++i) {
+      // Knuth's two-sum: exact whichever operand is larger.
+      const Scalar delta = increment(i) + carry[i];
+      const Scalar sum = state[i] + delta;
+      const Scalar moved = sum - state[i];
+      carry[i] = (state[i] - (sum - moved)) + (delta - moved);
+      next[i] = sum;
+      not_finite += sum - sum;
+    }
+    if (!(not_finite == Scalar(0))) {
+      next_.setConstant(
+          std::numeric_limits<Scalar>::quiet_NaN());  // no state equals it: the carry is dropped
+      return false;
+    }
+    for (Eigen::Index i = 0; i < n; ++i) state[i] = next[i];
+    return true;
+  }
+
+ private:
+  typename PhasePoint<Scalar, Dof>::Storage carry_, next_;
+};
+
+}  // namespace semiexplicit

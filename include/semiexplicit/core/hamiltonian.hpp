@@ -1,0 +1,138 @@
+#pragma once
+
+#include <concepts>
+#include <type_traits>
+#include <utility>
+
+#include <semiexplicit/core/vector.hpp>
+
+namespace semiexplicit {
+
+/// H names the type it computes with: `using Scalar = double;`.
+template <class H>
+concept HasScalar = requires {
+  typename H::Scalar;
+};
+
+/// H names its degrees of freedom d, so that q and p lie in R^d: `static constexpr int Dof = 5;`, or
+/// Eigen::Dynamic.
+template <class H>
+concept HasDof = requires {
+  { H::Dof } -> std::convertible_to<int>;
+  requires(H::Dof > 0 || H::Dof == Eigen::Dynamic);
+};
+
+/// An H of dynamic size also says it at run time: `Eigen::Index dof() const;`. A fixed one need not.
+template <class H>
+concept HasRuntimeDof = requires(const H& h) {
+  { h.dof() } -> std::convertible_to<Eigen::Index>;
+};
+
+/// H writes both halves of its gradient, ∂H/∂q and ∂H/∂p, into the caller's storage in one call. This is the
+/// only thing that an integrator ever asks of it, and the unit in which work is counted.
+template <class H>
+concept HasGradient = requires(const H& h, ConstRef<typename H::Scalar, H::Dof> q,
+                               ConstRef<typename H::Scalar, H::Dof> p, Ref<typename H::Scalar, H::Dof> dHdq,
+                               Ref<typename H::Scalar, H::Dof> dHdp) {
+  h.gradient(q, p, dHdq, dHdp);
+};
+
+/// What a user writes: a copyable type with `Scalar`, `Dof` (and `dof()` if dynamic) and `gradient`. A
+/// gradient may throw; the state then stays at the last good step and the stepper stays usable. NaN or Inf in
+/// its result is reported likewise.
+///
+///     struct Product {  // H = (q² + 1)(p² + 1)/2
+///       using Scalar = double;
+///       static constexpr int Dof = 1;
+///       void gradient(ConstRef<double, 1> q, ConstRef<double, 1> p,
+///                     Ref<double, 1> dHdq, Ref<double, 1> dHdp) const {
+///         dHdq[0] = q[0] * (p[0] * p[0] + 1);
+///         dHdp[0] = p[0] * (q[0] * q[0] + 1);
+///       }
+///     };
+template <class H>
+concept Hamiltonian = std::copy_constructible<H> && HasScalar<H> && HasDof<H> && HasGradient<H> &&
+    (H::Dof != Eigen::Dynamic || HasRuntimeDof<H>);
+
+/// Optional: the value H(q, p), for the energy error of a run. No integrator needs it.
+template <class H>
+concept HasEnergy = Hamiltonian<H> &&
+    requires(const H& h, ConstRef<typename H::Scalar, H::Dof> q, ConstRef<typename H::Scalar, H::Dof> p) {
+  { h.energy(q, p) } -> std::convertible_to<typename H::Scalar>;
+};
+
+/// Optional: the symmetric 2d × 2d matrix [H_qq H_qp; H_pq H_pp]. Only Newton's method of the implicit
+/// baselines uses it.
+template <class H>
+concept HasHessian = Hamiltonian<H> &&
+    requires(const H& h, ConstRef<typename H::Scalar, H::Dof> q, ConstRef<typename H::Scalar, H::Dof> p,
+             Eigen::Ref<Eigen::Matrix<typename H::Scalar, twice(H::Dof), twice(H::Dof)>> hessian) {
+  h.hessian(q, p, hessian);
+};
+
+namespace detail {
+
+/// The gate that every integrator's Hamiltonian passes. The integrators name it instead of constraining themselves, because
+/// compilers say which requirement failed here, and only "no matching constructor" there.
+template <Hamiltonian H>
+struct Checked {
+  using Scalar = typename H::Scalar;
+};
+
+}  // namespace detail
+
+/// The degrees of freedom of `h`: known to the type, or asked of the value.
+template <Hamiltonian H>
+constexpr Eigen::Index dof_of(const H& h) {
+  if constexpr (H::Dof == Eigen::Dynamic)
+    return h.dof();
+  else
+    return H::Dof;
+}
+
+/// A Hamiltonian made of two callables; see make_hamiltonian().
+template <class ScalarType, int DofValue, class Energy, class Gradient>
+class LambdaHamiltonian {
+ public:
+  using Scalar = ScalarType;
+  static constexpr int Dof = DofValue;
+
+  LambdaHamiltonian(Eigen::Index dof, Energy energy, Gradient gradient)
+      : dof_(dof), energy_(std::move(energy)), gradient_(std::move(gradient)) {}
+
+  Eigen::Index dof() const { return dof_; }
+  Scalar energy(const ConstRef<Scalar, Dof>& q, const ConstRef<Scalar, Dof>& p) const {
+    return energy_(q, p);
+  }
+  void gradient(const ConstRef<Scalar, Dof>& q, const ConstRef<Scalar, Dof>& p, Ref<Scalar, Dof> dHdq,
+                Ref<Scalar, Dof> dHdp) const {
+    gradient_(q, p, dHdq, dHdp);
+  }
+
+ private:
+  Eigen::Index dof_;
+  Energy energy_;
+  Gradient gradient_;
+};
+
+/// A Hamiltonian from two lambdas, with its size fixed at compile time:
+///
+///     auto H = make_hamiltonian<double, 1>(
+///         [](const auto& q, const auto& p) { return (q[0] * q[0] + 1) * (p[0] * p[0] + 1) / 2; },
+///         [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+///           dHdq[0] = q[0] * (p[0] * p[0] + 1);
+///           dHdp[0] = p[0] * (q[0] * q[0] + 1);
+///         });
+template <class Scalar, int Dof, class Energy, class Gradient>
+requires(Dof > 0) auto make_hamiltonian(Energy energy, Gradient gradient) {
+  return LambdaHamiltonian<Scalar, Dof, Energy, Gradient>(Dof, std::move(energy), std::move(gradient));
+}
+
+/// The same with the size `dof` known at run time: `make_hamiltonian<double>(n, energy, gradient)`.
+template <class Scalar, class Energy, class Gradient>
+auto make_hamiltonian(Eigen::Index dof, Energy energy, Gradient gradient) {
+  return LambdaHamiltonian<Scalar, Eigen::Dynamic, Energy, Gradient>(dof, std::move(energy),
+                                                                     std::move(gradient));
+}
+
+}  // namespace semiexplicit

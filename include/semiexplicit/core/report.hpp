@@ -1,0 +1,96 @@
+#pragma once
+
+#include <cstdint>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+
+namespace semiexplicit {
+
+/// How a step or a run ended. Only the first two move the state.
+enum class Status {
+  success,           ///< done, as accurately as the stopping rule asks
+  rounding_limited,  ///< done: the iteration no longer shrank, but at the level of rounding, so nothing is
+                     ///< left to gain
+  no_convergence,  ///< the iteration used all its evaluations; the step is too large, or the tolerance out of
+                   ///< reach
+  not_finite,      ///< a gradient or a copy became NaN or Inf within the step
+  invalid_state,   ///< the state has the wrong size, or is NaN or Inf itself
+  invalid_step,    ///< dt is zero, NaN or Inf
+  stopped          ///< a run only: an observer returned false
+};
+
+/// What happened, in words, with the remedy.
+inline std::string describe(Status status) {
+  switch (status) {
+    case Status::success:
+      return "success";
+    case Status::rounding_limited:
+      return "success, limited by rounding";
+    case Status::no_convergence:
+      return "the projection did not converge; reduce dt, or loosen the stopping rule if the correction is "
+             "near rounding";
+    case Status::not_finite:
+      return "the gradient gave NaN or Inf; check it at this state for a singularity, or reduce dt";
+    case Status::invalid_state:
+      return "the state has another size than the Hamiltonian, or holds NaN or Inf; check the initial data";
+    case Status::invalid_step:
+      return "dt is zero, NaN or Inf; give a finite step other than zero";
+    case Status::stopped:
+      return "stopped by an observer";
+  }
+  return "unknown status";
+}
+
+/// What one step did. `z` is as it was unless ok().
+struct StepReport {
+  Status status = Status::success;
+  int evaluations = 0;  ///< of the residual f; for an explicit map 1, for a Runge-Kutta method its iterations
+  std::int64_t gradients = 0;  ///< gradient calls
+  double correction =
+      0;  ///< size of the solver's next correction, ‖f‖/4 at the accepted point for the projection
+  double rate =
+      0;  ///< last observed contraction of the correction; above 1 the step is too large; 0: not seen
+
+  bool ok() const { return status == Status::success || status == Status::rounding_limited; }
+};
+
+/// What a run did.
+struct IntegrationReport {
+  Status status = Status::success;  ///< success, stopped, or why the last step failed
+  double t = 0;                     ///< time of the state that is left in z
+  std::int64_t steps = 0;           ///< completed
+  std::int64_t evaluations = 0;     ///< sum over the steps, a failed one included
+  std::int64_t gradients = 0;       ///< likewise
+  double max_correction = 0;        ///< largest accepted correction
+  double seconds = 0;               ///< wall clock, observers included
+  StepReport last;                  ///< the last step's own report: where the run failed, what the solver saw
+
+  /// The run came to its end, or to where an observer stopped it.
+  bool ok() const { return status == Status::success || status == Status::stopped; }
+};
+
+/// A step of integrate() failed. The state is the last good one; report() says how far the run came.
+class IntegrationError : public std::runtime_error {
+ public:
+  IntegrationError(const IntegrationReport& report, double dt)
+      : std::runtime_error(message(report, dt)), report_(report) {}
+  const IntegrationReport& report() const { return report_; }
+
+ private:
+  static std::string message(const IntegrationReport& r, double dt) {
+    std::ostringstream out;
+    out.precision(17);
+    out << "integrate: step " << r.steps + 1 << " failed at t = " << r.t << " (dt = " << dt
+        << "): " << describe(r.status);
+    out.precision(3);
+    if (r.last.evaluations > 0)
+      out << " (last correction " << r.last.correction << " after " << r.last.evaluations << " evaluations";
+    if (r.last.rate > 0) out << ", changing by a factor " << r.last.rate << " each";
+    if (r.last.evaluations > 0) out << ")";
+    return out.str();
+  }
+  IntegrationReport report_;
+};
+
+}  // namespace semiexplicit

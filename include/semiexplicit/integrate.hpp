@@ -1,0 +1,107 @@
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <concepts>
+#include <cstdint>
+#include <stdexcept>
+
+#include <semiexplicit/core/report.hpp>
+
+namespace semiexplicit {
+
+/// What integrate() does about a step that fails.
+enum class OnFailure {
+  raise,  ///< throw IntegrationError; the state is the last good one
+  stop    ///< return the report, whose status says why
+};
+
+/// How far to go, and how.
+template <class Scalar>
+struct IntegrationOptions {
+  Scalar dt = Scalar(0);   ///< the step; negative goes back in time
+  std::int64_t steps = 0;  ///< how many
+  OnFailure on_failure = OnFailure::raise;
+  Scalar t0 = Scalar(0);  ///< time of the state that is handed in
+};
+
+/// Anything that moves a state by a step: Semiexplicit, MidpointProjection and GaussLegendre a PhasePoint, Pihajoki and Tao
+/// an ExtendedPoint.
+template <class S>
+concept Stepper = requires(S& stepper, typename S::State& state, const typename S::Scalar& dt) {
+  { stepper.step(state, dt) } -> std::same_as<StepReport>;
+};
+
+namespace detail {
+
+/// Calls an observer as (t, state) or (t, state, step report), whichever it takes; false: it wants the run to stop.
+template <class Observer, class Scalar, class State>
+bool notify(Observer& observer, const Scalar& t, const State& state, const StepReport& report) {
+  const auto call = [&]() -> decltype(auto) {
+    if constexpr (std::invocable<Observer&, const Scalar&, const State&, const StepReport&>)
+      return observer(t, state, report);
+    else
+      return observer(t, state);
+  };
+  if constexpr (std::convertible_to<decltype(call()), bool>)
+    return static_cast<bool>(call());
+  else {
+    call();
+    return true;
+  }
+}
+
+}  // namespace detail
+
+/// Takes `steps` steps of size dt and calls every observer, in order, at the start and after each step. An observer is any
+/// callable (t, state), or (t, state, StepReport); one that returns false ends the run there (status `stopped`).
+///
+///     PhasePoint<double, 1> z(-3, 0);
+///     integrate(stepper, z, {.dt = 0.01, .steps = 1000}, [](double t, const auto& z) { std::cout << t << ' ' << z.q() << '\n'; });
+///
+/// Times are t0 + n dt, without accumulated rounding. A step that fails leaves `state` at the last good one and throws
+/// IntegrationError, or ends the run (OnFailure::stop). An exception of a gradient or an observer passes through, with the
+/// state likewise. Throws std::invalid_argument for a negative number of steps.
+template <Stepper S, class... Observers>
+IntegrationReport integrate(S& stepper, typename S::State& state,
+                            const IntegrationOptions<typename S::Scalar>& options, Observers&&... observers) {
+  using Scalar = typename S::Scalar;
+  if (options.steps < 0)
+    throw std::invalid_argument("integrate: steps is negative; to go back in time give a negative dt");
+  const auto start = std::chrono::steady_clock::now();
+  IntegrationReport report;
+  Scalar t = options.t0;
+  // Every observer hears of every step, also when one before it asks to stop.
+  const auto wanted = [&] {
+    bool go_on = true;
+    ((go_on = detail::notify(observers, t, state, report.last) && go_on), ...);
+    return go_on;
+  };
+  const auto finish = [&](Status status) {
+    report.status = status;
+    report.t = static_cast<double>(t);
+    report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return report;
+  };
+
+  if (!wanted()) return finish(Status::stopped);
+  while (report.steps < options.steps) {
+    report.last = stepper.step(state, options.dt);
+    report.evaluations += report.last.evaluations;
+    report.gradients += report.last.gradients;
+    if (!report.last.ok()) {
+      finish(report.last.status);
+      if (options.on_failure == OnFailure::raise)
+        throw IntegrationError(report, static_cast<double>(options.dt));
+      return report;
+    }
+    report.max_correction = std::max(report.max_correction, report.last.correction);
+    ++report.steps;
+    t = options.t0 + Scalar(report.steps) * options.dt;
+    if (!wanted()) return finish(Status::stopped);
+  }
+  return finish(Status::success);
+}
+
+}  // namespace semiexplicit

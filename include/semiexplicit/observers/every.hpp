@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <stdexcept>
+#include <utility>
+
+#include <semiexplicit/integrate.hpp>
+
+namespace semiexplicit {
+
+/// Hands on every n-th call, the first included; see every().
+template <class Observer>
+class Every {
+ public:
+  Every(std::int64_t n, Observer&& observer) : n_(n), observer_(std::forward<Observer>(observer)) {
+    if (n < 1) throw std::invalid_argument("every: n is below 1; give how many steps lie between two calls");
+  }
+
+  template <class Scalar, class State>
+  bool operator()(const Scalar& t, const State& state, const StepReport& report) {
+    return calls_++ % n_ != 0 || detail::notify(observer_, t, state, report);
+  }
+
+ private:
+  std::int64_t n_, calls_ = 0;
+  Observer observer_;
+};
+
+/// `every(100, observer)`: calls the observer at the start and then after every 100 steps. A named observer is referred to,
+/// so it must outlive the run; a temporary is kept.
+template <class Observer>
+Every<Observer> every(std::int64_t n, Observer&& observer) {
+  return {n, std::forward<Observer>(observer)};
+}
+
+}  // namespace semiexplicit

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <cmath>
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <semiexplicit/core/hamiltonian.hpp>
+
+namespace semiexplicit {
+
+/// An observer that follows any number of named functions of (q, p) and keeps how far each one strayed from its first value:
+/// relative to that value, or absolute where it is zero. Of an ExtendedPoint it takes q and p. A NaN counts as the worst.
+///
+///     Invariants invariants(H);                                 // H.energy, under the name "energy"
+///     invariants.add("mass", [](auto q, auto p) { return q.squaredNorm() + p.squaredNorm(); });
+///     integrate(stepper, z, {.dt = 0.01, .steps = 1000}, invariants);
+///     invariants["mass"].worst;
+template <class Scalar, int Dof>
+class Invariants {
+ public:
+  using Function = std::function<Scalar(const ConstRef<Scalar, Dof>&, const ConstRef<Scalar, Dof>&)>;
+
+  /// What is known of one function.
+  struct Row {
+    std::string name;
+    Function value;
+    Scalar initial = Scalar(0);
+    Scalar worst = Scalar(0);       ///< largest error so far
+    Scalar worst_time = Scalar(0);  ///< when it was first seen
+    Scalar final = Scalar(0);       ///< error at the last call
+  };
+
+  Invariants() = default;
+  /// Follows the energy of H, of which it keeps a copy.
+  template <HasEnergy H>
+  explicit Invariants(const H& hamiltonian) {
+    add("energy", [hamiltonian](const auto& q, const auto& p) { return hamiltonian.energy(q, p); });
+  }
+
+  Invariants& add(std::string name, Function value) {
+    rows_.push_back({.name = std::move(name), .value = std::move(value)});
+    return *this;
+  }
+
+  template <class State>
+  void operator()(const Scalar& t, const State& state) {
+    using std::abs;
+    for (Row& row : rows_) {
+      const Scalar now = row.value(state.q(), state.p());
+      if (!started_) row.initial = now;
+      row.final = abs(now - row.initial);
+      if (row.initial != Scalar(0)) row.final /= abs(row.initial);
+      if (!(row.final <= row.worst) &&
+          row.worst == row.worst) {  // also true for a first NaN, which then stays
+        row.worst = row.final;
+        row.worst_time = t;
+      }
+    }
+    started_ = true;
+  }
+
+  const std::vector<Row>& rows() const { return rows_; }
+  /// The row of that name; throws std::out_of_range where there is none.
+  const Row& operator[](const std::string& name) const {
+    for (const Row& row : rows_)
+      if (row.name == name) return row;
+    throw std::out_of_range("Invariants: no function named '" + name + "'");
+  }
+
+ private:
+  std::vector<Row> rows_;
+  bool started_ = false;
+};
+
+template <HasEnergy H>
+Invariants(const H&) -> Invariants<typename H::Scalar, H::Dof>;
+
+}  // namespace semiexplicit

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <utility>
+
+#include <semiexplicit/core/compensated_update.hpp>
+#include <semiexplicit/splitting/pihajoki.hpp>
+
+namespace semiexplicit::detail {
+
+/// What the projections share: one step of the doubled system from a common point z, and the compensated move of z to the
+/// mean of the copies. Six vectors of length 2d.
+template <Hamiltonian H>
+class DoubledStep {
+ public:
+  using Scalar = typename H::Scalar;
+  static constexpr int Dof = H::Dof;
+  using State = PhasePoint<Scalar, Dof>;
+  using Vec = typename State::Storage;
+
+  DoubledStep(H hamiltonian, Scheme<Scalar> scheme)
+      : chain_(std::move(hamiltonian), std::move(scheme)),
+        sum_(chain_.a),
+        update_(dof_of(chain_.hamiltonian)) {}
+
+  /// Whether a step of size dt can start from z; Status::success if so.
+  Status check(const State& z, const Scalar& dt) const {
+    if (!valid_step(dt)) return Status::invalid_step;
+    if (z.vector().size() != sum_.size() || !z.vector().allFinite()) return Status::invalid_state;
+    return Status::success;
+  }
+
+  /// All kicks from a = b = z.
+  void sweep(const State& z, const Scalar& dt) {
+    chain_.a = z.vector();
+    chain_.b = z.vector();
+    chain_.run(dt, sum_);
+  }
+
+  /// The same from a = z + m, b = z - m (the paper's ζ + Aᵀμ).
+  void sweep(const State& z, const Vec& m, const Scalar& dt) {
+    chain_.a = z.vector() + m;
+    chain_.b = z.vector() - m;
+    chain_.run(dt, sum_);
+  }
+
+  /// a - b after the sweep.
+  auto difference() const { return chain_.a - chain_.b; }
+
+  /// How far the mean of the copies moved from z, in the Euclidean norm.
+  Scalar distance() const { return norm(sum_) / 2; }
+
+  /// z becomes the mean of the copies; false, and z untouched, where that is not finite.
+  bool finish(State& z) {
+    return update_.update(z, [moved = sum_.data()](Eigen::Index i) { return moved[i] / 2; });
+  }
+
+  const KickChain<H>& chain() const { return chain_; }
+
+ private:
+  KickChain<H> chain_;
+  Vec sum_;
+  CompensatedUpdate<Scalar, Dof> update_;
+};
+
+}  // namespace semiexplicit::detail

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <utility>
+
+#include <semiexplicit/projection/doubled_step.hpp>
+#include <semiexplicit/solver/simplified_newton.hpp>
+
+namespace semiexplicit {
+
+/// The semiexplicit symplectic integrator: Pihajoki's explicit map bound by a symmetric projection. A step looks for the
+/// multiplier m with which the copies, parted by +m and -m before the map and again after it, end equal:
+///
+///     f(m) = a' - b' + 2m = 0,   (a', b') = map(z + m, z - m),   z' = (a' + b')/2.
+///
+/// The map z → z' is symplectic in the original phase space and symmetric, keeps linear and quadratic invariants of H to the
+/// accuracy of the solve, and has the order of the scheme. Finishing with the mean makes what is left of f enter those
+/// properties at second order only, which is why a loose solve is enough (StoppingRule::product).
+///
+/// Source: B. Jayawardana and T. Ohsawa, Math. Comp. 92 (2023) 251, Definition 2.1; the invariants: T. Ohsawa,
+/// arXiv:2208.10546. Memory: eight vectors of length 2d and the solver's (simplified Newton one, Broyden memory + 2).
+template <class H, class Solver = SimplifiedNewton>
+class Semiexplicit {
+ public:
+  using Scalar = typename detail::Checked<H>::Scalar;
+  static constexpr int Dof = H::Dof;
+  using State = PhasePoint<Scalar, Dof>;
+
+  /// Throws std::invalid_argument, saying what is wrong, unless the scheme passes its own check.
+  Semiexplicit(H hamiltonian, Scheme<Scalar> scheme, Solver solver = {})
+      : doubled_(std::move(hamiltonian), std::move(scheme)),
+        solver_(std::move(solver)),
+        m_(State(dof()).vector()),
+        work_(solver_, m_.size()) {}
+
+  /// One step of size dt, which may be negative. z is untouched unless the report is ok(); so it stays where a gradient
+  /// throws. No heap use.
+  StepReport step(State& z, const Scalar& dt) {
+    StepReport report{.status = doubled_.check(z, dt)};
+    if (!report.ok()) return report;
+    Residual residual{doubled_, z, dt};
+    const auto solved = solver_.solve(residual, m_, work_);
+    report.status = solved.status;
+    report.evaluations = solved.evaluations;
+    report.gradients = solved.evaluations * doubled_.chain().gradients();
+    report.correction = static_cast<double>(solved.correction);
+    report.rate = static_cast<double>(solved.rate);
+    if (report.ok() && !doubled_.finish(z)) report.status = Status::not_finite;
+    return report;
+  }
+
+  Eigen::Index dof() const { return dof_of(hamiltonian()); }
+  const H& hamiltonian() const { return doubled_.chain().hamiltonian; }
+  const Scheme<Scalar>& scheme() const { return doubled_.chain().scheme; }
+  const Solver& solver() const { return solver_; }
+
+ private:
+  using Vec = typename State::Storage;
+
+  /// f as the solvers see it: a function of m that also knows the sizes that their stopping is judged by.
+  struct Residual {
+    detail::DoubledStep<H>& doubled;
+    const State& z;
+    const Scalar& dt;
+    Scalar size = detail::norm(z.vector());
+    bool first = true;
+
+    void operator()(const Vec& m, Vec& f) {
+      if (first)  // every solver starts at m = 0
+        doubled.sweep(z, dt);
+      else
+        doubled.sweep(z, m, dt);
+      first = false;
+      f = doubled.difference() + 2 * m;
+    }
+
+    /// ‖z‖.
+    const Scalar& state_size() const { return size; }
+
+    /// A correction below this may be nothing but rounding: the copies' own, made larger by the kicks in between.
+    Scalar rounding_level() const {
+      return 100 * Eigen::NumTraits<Scalar>::epsilon() * (size + doubled.distance());
+    }
+  };
+
+  detail::DoubledStep<H> doubled_;
+  Solver solver_;
+  Vec m_;
+  typename Solver::template Workspace<Vec> work_;
+};
+
+}  // namespace semiexplicit

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include <semiexplicit/core/vector.hpp>
+#include <semiexplicit/solver/stopping.hpp>
+
+namespace semiexplicit {
+
+/// Broyden's "good" method, from m = 0 and the Jacobian 4I, restarted every step. It is superlinear where the simplified
+/// Newton method is linear: fewer evaluations of f when dt is large, the same when one or two are enough.
+///
+/// The inverse Jacobian is never formed. Because each correction s_k is -J⁻¹f itself, the k-th rank-one update of J⁻¹ is
+/// s_{k+1} s_kᵀ J⁻¹ / ‖s_k‖², so the corrections are all that has to be kept: k vectors of length 2d and O(k d) work an
+/// iteration, with the iterates of the dense 2d × 2d matrix.
+///
+/// Sources: C. G. Broyden, Math. Comp. 19 (1965) 577; Jayawardana and Ohsawa (2023), eq. (Broyden); the storage of the
+/// corrections alone: C. T. Kelley, Iterative Methods for Linear and Nonlinear Equations (SIAM 1995), section 7.3.
+struct Broyden {
+  StoppingRule stop = StoppingRule::product();
+  int max_iterations = 100;  ///< evaluations of f before it gives up; the step is refused then
+  int memory = 20;  ///< corrections kept; when they are used up the method starts anew from the current m
+
+  /// f, J⁻¹f and the kept corrections: memory + 2 vectors of length 2d.
+  template <class Vec>
+  struct Workspace {
+    using Scalar = typename Vec::Scalar;
+    Workspace(const Broyden& options, Eigen::Index size)
+        : f(Vec::Zero(size)),
+          u(f),
+          directions(size, std::max(options.memory, 1)),
+          lengths(std::max(options.memory, 1)) {}
+    Vec f, u;
+    Eigen::Matrix<Scalar, Vec::RowsAtCompileTime, Eigen::Dynamic> directions;  ///< s_k / ‖s_k‖
+    Vector<Scalar, Eigen::Dynamic> lengths;                                    ///< ‖s_k‖
+  };
+
+  /// Solves residual(m, f): f = 0 for m. On return the residual was last evaluated at m.
+  template <class Residual, class Vec>
+  SolverReport<typename Vec::Scalar> solve(Residual& residual, Vec& m, Workspace<Vec>& work) const {
+    using std::abs;
+    using Scalar = typename Vec::Scalar;
+    detail::Convergence<Scalar> convergence(stop, max_iterations);
+    m.setZero();
+    Scalar size_m(0);
+    Eigen::Index kept = 0;
+    for (;;) {
+      residual(m, work.f);
+      work.u = work.f / -4;
+      for (Eigen::Index j = 0; j + 1 < kept; ++j) {
+        const Scalar share = work.directions.col(j).dot(work.u) * (work.lengths[j + 1] / work.lengths[j]);
+        work.u += share * work.directions.col(j + 1);
+      }
+      // The newest update would need s_{k+1}, the vector wanted: solved for it, it is a mere scaling.
+      if (kept > 0) {
+        const Scalar divisor = 1 - work.directions.col(kept - 1).dot(work.u) / work.lengths[kept - 1];
+        if (abs(divisor) > Scalar(1e-6))
+          work.u /= divisor;
+        else {  // the update is singular: start anew
+          work.u = work.f / -4;
+          kept = 0;
+        }
+      }
+      const Scalar length = detail::norm(work.u);
+      if (convergence.done(length, size_m, residual)) return convergence.report();
+      if (kept == work.lengths.size()) kept = 0;
+      work.directions.col(kept) = work.u / length;
+      work.lengths[kept] = length;
+      ++kept;
+      m += work.u;
+      size_m = detail::norm(m);
+    }
+  }
+};
+
+}  // namespace semiexplicit

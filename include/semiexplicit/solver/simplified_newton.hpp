@@ -1,0 +1,40 @@
+#pragma once
+
+#include <semiexplicit/core/vector.hpp>
+#include <semiexplicit/solver/stopping.hpp>
+
+namespace semiexplicit {
+
+/// Newton's iteration with the Jacobian 4I that f has at dt = 0: m ← m - f(m)/4, from m = 0. Needs no memory of its own
+/// beyond f. It contracts by |sin(λ dt/2)| on an oscillation of frequency λ (for an accurate scheme), so it is the right
+/// solver wherever the step resolves the motion.
+///
+/// Source: Jayawardana and Ohsawa, Math. Comp. 92 (2023) 251, eq. (simplified_Newton).
+struct SimplifiedNewton {
+  StoppingRule stop = StoppingRule::product();
+  int max_iterations = 100;  ///< evaluations of f before it gives up; the step is refused then
+
+  /// The residual's value: one vector of length 2d.
+  template <class Vec>
+  struct Workspace {
+    Workspace(const SimplifiedNewton&, Eigen::Index size) : f(Vec::Zero(size)) {}
+    Vec f;
+  };
+
+  /// Solves residual(m, f): f = 0 for m. On return the residual was last evaluated at m.
+  template <class Residual, class Vec>
+  SolverReport<typename Vec::Scalar> solve(Residual& residual, Vec& m, Workspace<Vec>& work) const {
+    using Scalar = typename Vec::Scalar;
+    detail::Convergence<Scalar> convergence(stop, max_iterations);
+    m.setZero();
+    Scalar size_m(0);
+    for (;;) {
+      residual(m, work.f);
+      if (convergence.done(detail::norm(work.f) / 4, size_m, residual)) return convergence.report();
+      m -= work.f / 4;
+      size_m = detail::norm(m);
+    }
+  }
+};
+
+}  // namespace semiexplicit

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include <semiexplicit/core/report.hpp>
+
+namespace semiexplicit {
+
+/// When the projection's iteration has come close enough, judged by e, the size of the solver's next correction (for the
+/// simplified Newton ‖f‖/4), the size of the multiplier ‖m‖ and that of the state ‖z‖ (Euclidean norms).
+struct StoppingRule {
+  enum class Kind { paper, product };
+
+  Kind kind = Kind::product;
+  double tolerance = 1e-16;
+
+  /// e < ε, absolute, as Jayawardana and Ohsawa (eq. "proj-error"). An ε below about 1e-16 ‖z‖ is under the rounding floor.
+  static constexpr StoppingRule paper(double epsilon) { return {Kind::paper, epsilon}; }
+
+  /// e (‖m‖ + e) ≤ τ ‖z‖². The step ends with the mean of the copies, whose errors of symplecticity, of quadratic invariants
+  /// and of reversibility are of this product's size, so τ is a relative drift budget a step; it scales with the state.
+  static constexpr StoppingRule product(double tau = 1e-16) { return {Kind::product, tau}; }
+
+  /// NaN in any argument is never accepted.
+  template <class Scalar>
+  bool accepts(const Scalar& e, const Scalar& size_m, const Scalar& size_z) const {
+    const Scalar bound(tolerance);
+    if (kind == Kind::paper) return e < bound;
+    // As a product of ratios: the squares of very small or very large states have no room in the exponent.
+    return e == Scalar(0) || (e / size_z) * ((size_m + e) / size_z) <= bound;
+  }
+};
+
+/// What a solver did.
+template <class Scalar>
+struct SolverReport {
+  Status status = Status::no_convergence;
+  int evaluations = 0;    ///< of the residual
+  Scalar correction = 0;  ///< size e of the next correction
+  Scalar rate = 0;        ///< e over the one before it; 0 after a single evaluation
+};
+
+namespace detail {
+
+/// The bookkeeping that every solver shares: after each evaluation, is this the end, and how?
+template <class Scalar>
+class Convergence {
+ public:
+  Convergence(const StoppingRule& rule, int max_iterations) : rule_(rule), max_iterations_(max_iterations) {}
+
+  /// Takes the next correction's size; true: stop, report() says why. `residual` knows the sizes of state and rounding.
+  template <class Residual>
+  bool done(const Scalar& e, const Scalar& size_m, const Residual& residual) {
+    using std::isfinite;
+    ++report_.evaluations;
+    const Scalar previous = report_.correction;
+    report_.correction = e;
+    if (report_.evaluations > 1) report_.rate = e / previous;
+    if (!isfinite(e))
+      report_.status = Status::not_finite;
+    else if (rule_.accepts(e, size_m, residual.state_size()))
+      report_.status = Status::success;
+    else if (report_.evaluations > 1 && e >= previous && e <= residual.rounding_level())
+      report_.status = Status::rounding_limited;
+    else
+      return report_.evaluations >= max_iterations_;
+    return true;
+  }
+
+  const SolverReport<Scalar>& report() const { return report_; }
+
+ private:
+  StoppingRule rule_;
+  int max_iterations_;
+  SolverReport<Scalar> report_;
+};
+
+}  // namespace detail
+}  // namespace semiexplicit

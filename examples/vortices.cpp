@@ -3,6 +3,7 @@
 #include <cmath>
 #include <filesystem>
 #include <iostream>
+#include <limits>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -66,9 +67,13 @@ Invariants<double, Eigen::Dynamic> invariants_of(const System& system, const Vor
   return invariants;
 }
 
-/// An observer that writes the places: t, x0, y0, x1, y1, ....
+/// An observer that writes the places: t, x0, y0, x1, y1, ..., and knows the square around them.
 class PlacesCsv {
  public:
+  struct Square {
+    double x, y, half_width;
+  };
+
   PlacesCsv(const std::filesystem::path& path, const System& system)
       : system_(system), writer_(path, names(system.dof())) {}
 
@@ -78,8 +83,17 @@ class PlacesCsv {
     row_.assign(1, t);
     for (Eigen::Index i = 0; i < x.size(); ++i) row_.insert(row_.end(), {x[i], y[i]});
     writer_.row(row_);
+    left_ = std::min(left_, x.minCoeff());
+    right_ = std::max(right_, x.maxCoeff());
+    low_ = std::min(low_, y.minCoeff());
+    high_ = std::max(high_, y.maxCoeff());
   }
   void commit() { writer_.commit(); }
+
+  Square square() const {
+    const double width = std::max(right_ - left_, high_ - low_);
+    return {(left_ + right_) / 2, (low_ + high_) / 2, width > 0 ? width / 2 : 1};
+  }
 
  private:
   static std::vector<std::string> names(Eigen::Index count) {
@@ -92,38 +106,49 @@ class PlacesCsv {
   System system_;
   CsvWriter writer_;
   std::vector<double> row_;
+  double left_ = std::numeric_limits<double>::infinity(), right_ = -left_, low_ = left_, high_ = -left_;
 };
 
 /// The plane above, the errors below.
 std::string script(const std::filesystem::path& png, const std::filesystem::path& places,
-                   const std::filesystem::path& csv, const Vortices& v, const Run& run, const std::string& headline) {
+                   const std::filesystem::path& csv, const Vortices& v, const Run& run,
+                   const std::string& headline, double time, const PlacesCsv::Square& square) {
   // gnuplot reads the file anew for every path.
   const Eigen::Index drawn = std::min<Eigen::Index>(v.x.size(), 100);
   const double strongest = v.circulation.cwiseAbs().maxCoeff();
+  const auto range = [&](double middle) {
+    const double reach = 1.04 * square.half_width;
+    return "[" + formatted("%.9g", middle - reach) + ":" + formatted("%.9g", middle + reach) + "]";
+  };
   std::ostringstream out;
-  out << gnuplot_prologue(png, 1200, 1500) << "$start << END\n";
+  out << gnuplot_prologue(png, 1200, 1600) << "$start << END\n";
   for (Eigen::Index i = 0; i < drawn; ++i) out << v.x[i] << ',' << v.y[i] << ',' << v.circulation[i] << '\n';
-  out << "END\nset multiplot title " << quoted(headline) << " font ',20'\n"
-      << "set lmargin at screen 0.11\nset rmargin at screen 0.88\nset bmargin at screen 0.40\nset tmargin at screen 0.94\n"
-      << "set size ratio -1\nset key off\nset grid linecolor rgb '#c0c0c0'\nset xlabel 'x'\nset ylabel 'y'\n"
+  out << "END\nset multiplot title " << quoted(headline) << " noenhanced font ',20'\n"
+      << "set lmargin at screen 0.11\nset rmargin at screen 0.86\nset bmargin at screen 0.36\nset tmargin at "
+         "screen 0.945\n"
+      << "set size ratio -1\nset key off\nset grid linetype 1 linewidth 0.5 linecolor rgb '#d8d8d8'\nset "
+         "xlabel 'x'\nset ylabel 'y'\n"
+      << "set xrange " << range(square.x) << "\nset yrange " << range(square.y) << '\n'
       << "set palette defined (-1 '#08519c', -0.1 '#6baed6', 0 '#999999', 0.1 '#fc9272', 1 '#a50f15')\n"
       << "set cbrange [" << -strongest << ':' << strongest << "]\nset cblabel 'circulation Γ'\nplot ";
   for (Eigen::Index i = 0; i < drawn; ++i)
     out << quoted(places.string()) << " skip 1 using " << 2 + 2 * i << ':' << 3 + 2 * i
-        << " with lines linewidth 0.6 linecolor palette cb " << v.circulation[i] << ", \\\n  ";
+        << " with lines linewidth 0.9 linecolor palette cb " << v.circulation[i] << ", \\\n  ";
   out << "$start using 1:2 with points pointtype 7 pointsize 1.8 linecolor rgb 'black', \\\n"
       << "  $start using 1:2:3 with points pointtype 7 pointsize 1.2 linecolor palette\n"
-      << "set bmargin at screen 0.06\nset tmargin at screen 0.31\nset rmargin at screen 0.96\nset size noratio\n"
-      << "set key at screen 0.535,0.335 center center horizontal maxrows 1 samplen 3\n"
-      << "set logscale y\nset format y '10^{%T}'\nset xlabel 'time'\nset xrange [0:"
-      << std::max(run.report.t, run.series.t.back()) << "]\n";
+      << "set bmargin at screen 0.055\nset tmargin at screen 0.27\nset rmargin at screen 0.96\nset size "
+         "noratio\n"
+      << "set key at screen 0.535,0.295 center center horizontal maxrows 1 samplen 3 width -2\n"
+      << "set autoscale y\nset logscale y\nset format y '10^{%T}'\nset xlabel 'time'\nset xrange [0:" << time
+      << "]\n";
   const std::vector<std::pair<std::string, std::string>> curves{{"energy", "#0072B2"},
                                                                 {"linear impulse, x", "#009E73"},
                                                                 {"linear impulse, y", "#E69F00"},
                                                                 {"angular impulse", "#D55E00"}};
   std::vector<Curve> all;
   for (std::size_t i = 0; i < curves.size(); ++i)
-    all.push_back({&run, i, i + 2, curves[i].first, "linewidth 1.5 linecolor rgb " + quoted(curves[i].second)});
+    all.push_back(
+        {&run, i, i + 2, curves[i].first, "linewidth 1.5 linecolor rgb " + quoted(curves[i].second)});
   out << panel(csv, "relative error", all) << "unset multiplot\n";
   return out.str();
 }
@@ -137,10 +162,11 @@ int main(int argc, char** argv) {
   std::string preset_name = preset_names.front(), input;
   Settings settings;
   Method method;
-  auto* const preset_option = app.add_option("--preset", preset_name, "ten vortices ready made")
-                                  ->check(one_of(preset_names, joined(preset_names)))
-                                  ->type_name("")
-                                  ->capture_default_str();
+  auto* const preset_option =
+      app.add_option("--preset", preset_name, "ten vortices ready made: " + joined(preset_names))
+          ->check(one_of(preset_names))
+          ->type_name("NAME")
+          ->capture_default_str();
   app.add_option("--input", input, "CSV file with the columns x,y,gamma: a line a vortex, # begins a comment")
       ->type_name("FILE")
       ->excludes(preset_option);
@@ -168,17 +194,18 @@ int main(int argc, char** argv) {
     PlacesCsv places(places_csv, system);
     auto some_places = every(stride(steps, settings.samples), places);
     const Run run = run_method(method, system, system.phase_point(vortices.x, vortices.y),
-                               invariants_of(system, vortices), settings.dt, evenly_spaced(steps, settings.samples),
-                               steps, some_places);
+                               invariants_of(system, vortices), settings.dt,
+                               evenly_spaced(steps, settings.samples), steps, some_places);
 
     print_table(std::cout, {run}, settings.dt);
     places.commit();
     write_series(csv, {run});
     std::cout << "data: " << csv.string() << ", " << places_csv.string() << '\n';
     const std::string headline = std::to_string(vortices.x.size()) + " vortices (" +
-                                 std::filesystem::path(chosen.name).filename().string() + "), " + method.name +
-                                 ", dt = " + formatted("%g", settings.dt);
-    if (!settings.no_plot) draw(png, script(png, places_csv, csv, vortices, run, headline));
+                                 std::filesystem::path(chosen.name).filename().string() + "), " +
+                                 method.name + ", dt = " + formatted("%g", settings.dt);
+    if (!settings.no_plot)
+      draw(png, script(png, places_csv, csv, vortices, run, headline, settings.time, places.square()));
 
     if (!run.failure.empty()) std::cerr << method.name << ": " << run.failure << '\n';
     return run.failure.empty() ? 0 : 1;

@@ -101,6 +101,25 @@ void compare(const char* name, const H& hamiltonian, const PhasePoint<double, H:
               static_cast<double>(evaluations) / static_cast<double>(steps));
 }
 
+/// Time of a step per degree of freedom and kick, which should hardly grow with the size: all work is in passes over vectors.
+void scale(Eigen::Index sites) {
+  PhasePoint<double, Eigen::Dynamic> z(sites);
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> normal;
+  for (auto& value : z.vector()) value = normal(random);
+  Semiexplicit stepper(systems::NlsLattice<double>(sites), schemes::yoshida6<double>());
+  const int batch = static_cast<int>(std::max<Eigen::Index>(1, 100'000 / sites));
+  std::vector<double> times;
+  std::int64_t evaluations = 0, steps = 0;
+  for (int i = 0; i < 11; ++i)
+    times.push_back(seconds(batch, [&] { evaluations += stepper.step(z, 1e-4).evaluations, ++steps; }) /
+                    batch);
+  const double kicks = static_cast<double>(stepper.scheme().kicks()) * static_cast<double>(evaluations) /
+                       static_cast<double>(steps);
+  std::printf("NLS %-8ld %9.3f ns per degree of freedom and kick\n", static_cast<long>(sites),
+              1e9 * quantile(times, 0.5) / (kicks * static_cast<double>(sites)));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -129,4 +148,7 @@ int main(int argc, char** argv) {
           1e-2, rounds);
 
   compare("one degree of freedom", systems::Product<double>(), PhasePoint<double, 1>(-3, 0), 1e-3, rounds);
+
+  std::printf("\n");
+  for (const Eigen::Index sites : {1'000, 10'000, 100'000, 1'000'000}) scale(sites);
 }

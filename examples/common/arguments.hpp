@@ -27,8 +27,9 @@ struct Settings {
 
   /// The whole number of steps that comes nearest to `time`.
   std::int64_t steps() const {
+    if (dt > time)
+      throw std::invalid_argument("--dt is larger than --time; give a smaller step or a longer time");
     const double count = std::round(time / dt);
-    if (count < 1) throw std::invalid_argument("--dt is larger than --time; give a smaller step or a longer time");
     if (count > 1e15) throw std::invalid_argument("--time / --dt is more steps than anybody can wait for");
     return static_cast<std::int64_t>(count);
   }
@@ -49,7 +50,7 @@ inline CLI::Validator positive() {
             const bool fine = CLI::detail::lexical_cast(text, value) && value > 0 && std::isfinite(value);
             return fine ? std::string() : "'" + text + "' is not a positive number";
           },
-          "> 0"};
+          "", "positive"};
 }
 
 inline CLI::Validator finite() {
@@ -68,7 +69,7 @@ inline CLI::Validator whole_number(std::int64_t least, std::int64_t most) {
             const bool fine = CLI::detail::lexical_cast(text, value) && least <= value && value <= most;
             return fine ? std::string() : "'" + text + "' is not a whole number from " + range;
           },
-          range};
+          "", "whole number"};
 }
 
 /// How many single-letter edits lie between two words (Levenshtein).
@@ -94,54 +95,58 @@ inline std::string joined(const std::vector<std::string>& words) {
 }
 
 /// Accepts one of `words`; otherwise names the nearest and all of them.
-inline CLI::Validator one_of(const std::vector<std::string>& words, const std::string& shown) {
+inline CLI::Validator one_of(const std::vector<std::string>& words) {
   return {[=](std::string& text) {
             if (std::find(words.begin(), words.end(), text) != words.end()) return std::string();
-            const auto nearest = std::min_element(words.begin(), words.end(), [&](const auto& a, const auto& b) {
-              return edits_between(text, a) < edits_between(text, b);
-            });
+            const auto nearest =
+                std::min_element(words.begin(), words.end(), [&](const auto& a, const auto& b) {
+                  return edits_between(text, a) < edits_between(text, b);
+                });
             return "there is no '" + text + "'; did you mean " + *nearest + "? Known: " + joined(words);
           },
-          shown};
+          "", "known name"};
 }
 
 inline void add_settings(CLI::App& app, Settings& settings) {
   const auto add = [&](const char* name, auto& value, const char* about) {
     return app.add_option(name, value, about)->capture_default_str();
   };
-  add("--dt", settings.dt, "step size")->check(positive())->type_name("");
-  add("--time", settings.time, "time to integrate to")->check(positive())->type_name("");
+  add("--dt", settings.dt, "step size")->check(positive())->type_name("X");
+  add("--time", settings.time, "time to integrate to")->check(positive())->type_name("X");
   add("--samples", settings.samples, "rows of the CSV file at most")
       ->check(whole_number(1, 1'000'000'000))
-      ->type_name("");
+      ->type_name("N");
   add("--output", settings.output, "folder for the CSV files and the picture")->type_name("DIR");
   app.add_flag("--no-plot", settings.no_plot, "leave the picture out");
 }
 
 inline void add_method(CLI::App& app, Method& method) {
   const auto choice = [&](const char* name, auto& value, const std::vector<std::string>& words,
-                          const char* about) {
-    return app.add_option(name, value, about)->check(one_of(words, joined(words)))->type_name("");
+                          const std::string& about) {
+    app.add_option(name, value, about + ": " + joined(words))
+        ->check(one_of(words))
+        ->type_name("NAME")
+        ->capture_default_str();
   };
-  choice("--method", method.name, Method::names(), "the integrator")->capture_default_str();
-  app.add_option("--scheme", method.scheme, "kicks of a step, of any method but gauss; names below")
-      ->check(one_of(schemes::names(), ""))
+  choice("--method", method.name, Method::names(), "the integrator");
+  app.add_option("--scheme", method.scheme, "its coefficients (not of gauss), by a name from the list below")
+      ->check(one_of(schemes::names()))
       ->type_name("NAME")
       ->default_str("low_defect6_s13; tao: yoshida6");
-  choice("--solver", method.solver, {"newton", "broyden"}, "of the semiexplicit projection")->capture_default_str();
-  choice("--rule", method.rule, {"product", "paper"}, "when the solver stops: drift per step, or absolute")
-      ->capture_default_str();
-  app.add_option("--tolerance", method.tolerance, "of that rule")
+  choice("--solver", method.solver, {"newton", "broyden"}, "of the semiexplicit projection");
+  choice("--rule", method.rule, {"product", "paper"}, "when the solver may stop");
+  app.add_option("--tolerance", method.tolerance,
+                 "of that rule: drift in a step relative to the state, or size of the next correction")
       ->check(positive())
-      ->type_name("")
+      ->type_name("X")
       ->default_str("product: 1e-16, paper: 1e-13");
   app.add_option("--omega", method.omega, "coupling of the copies in tao")
       ->check(finite())
-      ->type_name("")
+      ->type_name("X")
       ->capture_default_str();
-  app.add_option("--stages", method.stages, "of gauss")
+  app.add_option("--stages", method.stages, "of gauss, 1 to 8")
       ->check(whole_number(1, 8))
-      ->type_name("")
+      ->type_name("N")
       ->capture_default_str();
   app.footer("Schemes: " + joined(schemes::names()) + ".");
 }
@@ -159,8 +164,8 @@ inline void refuse_idle_options(const CLI::App& app, const std::vector<std::stri
                                    {"--omega", {"tao"}},
                                    {"--stages", {"gauss"}}};
   for (const auto& [option, listeners] : all) {
-    const bool heard =
-        std::find_first_of(methods.begin(), methods.end(), listeners.begin(), listeners.end()) != methods.end();
+    const bool heard = std::find_first_of(methods.begin(), methods.end(), listeners.begin(),
+                                          listeners.end()) != methods.end();
     if (app.count(option) > 0 && !heard)
       throw std::invalid_argument(std::string(option) + " means nothing to " + joined(methods) +
                                   "; it is for " + joined(listeners));

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <limits>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -27,18 +26,20 @@ struct Curve {
   }
 };
 
-/// The decades that hold the curves. What has failed may lie above them; so may nothing.
+/// The decades that hold the curves, within reason: what has failed may leave the panel at the top.
 inline std::string decades(const std::vector<Curve>& curves) {
-  double low = 1, high = 1e-15;
+  double low = 1e-15, high = 1e-15;
+  bool first = true;
   for (const Curve& curve : curves)
     for (const double v : curve.values())
       if (v > 0 && std::isfinite(v)) {
-        low = std::min(low, v);
-        high = std::max(high, v);
+        low = first ? v : std::min(low, v);
+        high = first ? v : std::max(high, v);
+        first = false;
       }
-  const auto power = [](double exponent) { return std::to_string(static_cast<int>(exponent)); };
-  return "[1e" + power(std::max(std::floor(std::log10(low)), -17.0)) + ":1e" +
-         power(std::min(std::ceil(std::log10(high)) + 1, 2.0)) + "]";
+  const int bottom = std::clamp(static_cast<int>(std::floor(std::log10(low))), -17, 0);
+  const int top = std::clamp(static_cast<int>(std::ceil(std::log10(high))), bottom + 1, 2);
+  return "[1e" + std::to_string(bottom) + ":1e" + std::to_string(top) + "]";
 }
 
 /// The gnuplot lines that draw curves against time in one panel, with logarithmic errors. The label is gnuplot's own text.

@@ -64,8 +64,9 @@ inline void draw(const std::filesystem::path& png, const std::string& script) {
   std::error_code ignored;
   std::filesystem::remove(part, ignored);
   if (code > 0) throw std::runtime_error("gnuplot failed on " + script_path.string());
-  std::cerr << "No picture: gnuplot is not installed (Debian, Ubuntu: apt-get install gnuplot-nox). Then: gnuplot "
-            << script_path.string() << '\n';
+  std::cerr
+      << "No picture: gnuplot is not installed (Debian, Ubuntu: apt-get install gnuplot-nox). Then: gnuplot "
+      << script_path.string() << '\n';
 }
 
 }  // namespace examples

@@ -65,7 +65,8 @@ struct Run {
 template <class Watched>
 class Watch {
  public:
-  Watch(const Watched& invariants, const Rows& rows, Run& run) : invariants_(invariants), rows_(rows), run_(run) {
+  Watch(const Watched& invariants, const Rows& rows, Run& run)
+      : invariants_(invariants), rows_(rows), run_(run) {
     for (const auto& row : invariants.rows()) run.quantities.push_back({row.name, 0, 0});
     if (run.method.doubles()) run.quantities.push_back({"defect", 0, 0});
     for (const auto& quantity : run.quantities)
@@ -129,15 +130,16 @@ class Watch {
 
 /// Integrates from z0 and watches the invariants; a failed step ends up in the Run, with all that came before it.
 template <class H, class Watched, class... Observers>
-Run run_method(const Method& method, const H& hamiltonian, const PhasePoint<double, H::Dof>& z0, Watched invariants,
-               double dt, const Rows& rows, std::int64_t steps, Observers&... observers) {
+Run run_method(const Method& method, const H& hamiltonian, const PhasePoint<double, H::Dof>& z0,
+               Watched invariants, double dt, const Rows& rows, std::int64_t steps, Observers&... observers) {
   Run run{.method = method};
   with_stepper(method, hamiltonian, [&](auto& stepper) {
     typename std::decay_t<decltype(stepper)>::State state(z0);
     Watch watch(invariants, rows, run);
     Progress progress(static_cast<double>(steps) * dt, method.name);
     try {
-      run.report = integrate(stepper, state, {.dt = dt, .steps = steps}, invariants, watch, observers..., progress);
+      run.report =
+          integrate(stepper, state, {.dt = dt, .steps = steps}, invariants, watch, observers..., progress);
     } catch (const IntegrationError& error) {
       run.report = error.report();
       run.failure = error.what();

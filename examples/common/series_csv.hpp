@@ -18,10 +18,9 @@ inline void write_series(const std::filesystem::path& path, const std::vector<Ru
     for (const std::string& name : run.series.names)
       names.push_back(runs.size() > 1 ? run.method.name + "_" + name : name);
 
-  const std::vector<double>& t =
-      std::max_element(runs.begin(), runs.end(), [](const Run& a, const Run& b) {
-        return a.series.t.size() < b.series.t.size();
-      })->series.t;
+  const std::vector<double>& t = std::max_element(runs.begin(), runs.end(), [](const Run& a, const Run& b) {
+                                   return a.series.t.size() < b.series.t.size();
+                                 })->series.t;
   CsvWriter csv(path, names);
   for (std::size_t row = 0; row < t.size(); ++row) {
     std::vector<double> values{t[row]};

@@ -34,7 +34,8 @@ inline void print_table(std::ostream& out, const std::vector<Run>& runs, double 
                        return a.quantities.size() < b.quantities.size();
                      })->quantities;
   for (std::size_t i = 0; i < most.size(); ++i) {
-    const std::string what = most[i].name == "defect" ? "defect" : most[i].name + " error";
+    std::string what = most[i].name == "defect" ? "defect" : most[i].name + " error";
+    std::replace(what.begin(), what.end(), '_', ' ');
     const auto entry = [&](double Run::Quantity::*which) {
       return [=](const Run& run) {
         return i < run.quantities.size() ? formatted("%.1e", run.quantities[i].*which) : std::string("-");
@@ -52,7 +53,8 @@ inline void print_table(std::ostream& out, const std::vector<Run>& runs, double 
   });
   line("seconds", [](const Run& run) { return formatted("%.3f", run.report.seconds); });
   line("status", [](const Run& run) {
-    return run.failure.empty() ? "t = " + formatted("%g", run.report.t) : "FAILED, t = " + formatted("%.3g", run.report.t);
+    return run.failure.empty() ? "t = " + formatted("%g", run.report.t)
+                               : "FAILED, t = " + formatted("%.3g", run.report.t);
   });
 
   std::vector<std::size_t> widths(runs.size() + 1, 0);
@@ -60,7 +62,8 @@ inline void print_table(std::ostream& out, const std::vector<Run>& runs, double 
     for (std::size_t i = 0; i < cells.size(); ++i) widths[i] = std::max(widths[i], cells[i].size());
   for (const auto& cells : lines) {
     out << std::left << std::setw(static_cast<int>(widths[0])) << cells[0] << std::right;
-    for (std::size_t i = 1; i < cells.size(); ++i) out << "  " << std::setw(static_cast<int>(widths[i])) << cells[i];
+    for (std::size_t i = 1; i < cells.size(); ++i)
+      out << "  " << std::setw(static_cast<int>(widths[i])) << cells[i];
     out << '\n';
   }
 }

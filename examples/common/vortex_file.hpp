@@ -41,7 +41,8 @@ inline Vortices read_vortices(const std::filesystem::path& path) {
     const auto refuse = [&](const std::string& reason) {
       throw std::invalid_argument(path.string() + ":" + std::to_string(number) + ": " + reason);
     };
-    if (number == 1 && line.starts_with("\xef\xbb\xbf")) line.erase(0, 3);  // the byte order mark of spreadsheets
+    if (number == 1 && line.starts_with("\xef\xbb\xbf"))
+      line.erase(0, 3);  // the byte order mark of spreadsheets
     line = trimmed(line.substr(0, line.find('#')));
     if (line.empty()) continue;
 
@@ -73,10 +74,12 @@ inline Vortices read_vortices(const std::filesystem::path& path) {
     if (!is_new) refuse("a vortex is in this place already, see line " + std::to_string(place->second));
   }
   if (in.bad()) throw std::invalid_argument(path.string() + ": cannot be read");
-  if (columns[0].empty()) throw std::invalid_argument(path.string() + ": no vortices in it; give lines x,y,gamma");
+  if (columns[0].empty())
+    throw std::invalid_argument(path.string() + ": no vortices in it; give lines x,y,gamma");
 
   const auto column = [&](int i) {
-    return Eigen::Map<const Eigen::VectorXd>(columns[i].data(), static_cast<Eigen::Index>(columns[i].size())).eval();
+    return Eigen::Map<const Eigen::VectorXd>(columns[i].data(), static_cast<Eigen::Index>(columns[i].size()))
+        .eval();
   };
   return {column(0), column(1), column(2)};
 }

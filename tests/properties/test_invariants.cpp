@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <utility>
 
 #include "methods.hpp"
 
@@ -70,8 +69,8 @@ TEST_CASE("The mass error of a long run is that of rounding", "[invariants]") {
   CHECK(errors_on_lattice(Semiexplicit(lattice, schemes::blanes_moan4(), Broyden{.stop = tight}), 0.01, 20'000)["mass"]
             .worst <= 1e-14);
   // The default rule allows a relative drift of 1e-16 a step at most.
-  CHECK(errors_on_lattice(Semiexplicit(lattice, schemes::strang()), 0.01, 50'000)["mass"].worst <= 1e-12);
-  CHECK(errors_on_lattice(Semiexplicit(lattice, schemes::low_defect6_s13()), 0.01, 20'000)["mass"].worst <= 1e-12);
+  CHECK(errors_on_lattice(Semiexplicit(lattice, schemes::strang()), 0.01, 50'000)["mass"].worst <= 50'000 * 1e-16);
+  CHECK(errors_on_lattice(Semiexplicit(lattice, schemes::low_defect6_s13()), 0.01, 20'000)["mass"].worst <= 20'000 * 1e-16);
   CHECK(errors_on_lattice(GaussLegendre(lattice, {.stages = 3}), 0.01, 20'000)["mass"].worst <= 1e-14);
   // The test can fail.
   CHECK(errors_on_lattice(MidpointProjection(lattice, schemes::strang()), 0.01, 2000)["mass"].worst >= 1e-8);
@@ -84,7 +83,7 @@ TEST_CASE("The impulses of vortices in a long run are kept to rounding", "[invar
   const auto default_rule = errors_of_vortices(Semiexplicit(vortices, schemes::low_defect6_s13(), Broyden{}), 0.05, 20'000);
   for (const char* name : {"angular", "x", "y"}) {
     CAPTURE(name);
-    CHECK(strang[name].worst <= 1e-14);
+    CHECK(strang[name].worst <= 1e-13);
     CHECK(default_rule[name].worst <= 1e-12);
   }
 }

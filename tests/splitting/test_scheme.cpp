@@ -23,15 +23,20 @@ namespace {
 using namespace semiexplicit;
 using Wide = boost::multiprecision::cpp_bin_float_50;
 
-template <class T> T size_of(const T& x) { return x < T(0) ? T(-x) : x; }
+template <class T>
+T size_of(const T& x) {
+  return x < T(0) ? T(-x) : x;
+}
 
 /// The precision of S in the type that the conditions of S are computed in.
-template <class S> detail::ConditionScalar<S> epsilon() {
+template <class S>
+detail::ConditionScalar<S> epsilon() {
   return detail::ConditionScalar<S>(std::numeric_limits<S>::epsilon());
 }
 
 /// a0, b0, a1, ... of a scheme, in the type that its conditions are computed in.
-template <class S> std::vector<detail::ConditionScalar<S>> interleaved(const Scheme<S>& s) {
+template <class S>
+std::vector<detail::ConditionScalar<S>> interleaved(const Scheme<S>& s) {
   std::vector<detail::ConditionScalar<S>> c;
   for (std::size_t i = 0; i < s.a.size(); ++i) {
     c.emplace_back(s.a[i]);
@@ -43,7 +48,8 @@ template <class S> std::vector<detail::ConditionScalar<S>> interleaved(const Sch
 /// The coefficient of one word in the product of the exponentials, by counting how the kicks can share the word
 /// among them: no series and no logarithm, so independent of the library's own computation. Bit i of `word` is
 /// letter i, 0 for A.
-template <class T> T word_coefficient(const std::vector<T>& kicks, unsigned word, unsigned length) {
+template <class T>
+T word_coefficient(const std::vector<T>& kicks, unsigned word, unsigned length) {
   std::vector<T> done(length + 1, T(0));  // done[j]: the first j letters are used up
   done[0] = T(1);
   for (std::size_t i = 0; i < kicks.size(); ++i) {

@@ -66,17 +66,17 @@ struct GaussTableau {
   /// The i-th largest root of the Legendre polynomial of degree n, and the slope there: Newton from the usual cosine.
   static Root legendre_root(int n, int i) {
     using std::abs;
-    Scalar x(std::cos(3.14159265358979323846 * (i + 0.75) / (n + 0.5)));
+    Scalar x = static_cast<Scalar>(std::cos(3.14159265358979323846 * (i + 0.75) / (n + 0.5)));
     Scalar slope(0);
     for (int iteration = 0; iteration < 12;
          ++iteration) {  // quadratic from three digits: enough for thousands
       Scalar previous(1), value(x);
       for (int k = 2; k <= n; ++k) {
-        const Scalar next = ((2 * k - 1) * x * value - (k - 1) * previous) / k;
+        const Scalar next = (Scalar(2 * k - 1) * x * value - Scalar(k - 1) * previous) / Scalar(k);
         previous = value;
         value = next;
       }
-      slope = n * (x * value - previous) / (x * x - 1);
+      slope = Scalar(n) * (x * value - previous) / (x * x - 1);
       x -= value / slope;
     }
     return {x, slope};

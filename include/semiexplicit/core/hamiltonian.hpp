@@ -70,17 +70,6 @@ concept HasHessian = Hamiltonian<H> &&
   h.hessian(q, p, hessian);
 };
 
-namespace detail {
-
-/// The gate that every integrator's Hamiltonian passes. The integrators name it instead of constraining themselves, because
-/// compilers say which requirement failed here, and only "no matching constructor" there.
-template <Hamiltonian H>
-struct Checked {
-  using Scalar = typename H::Scalar;
-};
-
-}  // namespace detail
-
 /// The degrees of freedom of `h`: known to the type, or asked of the value.
 template <Hamiltonian H>
 constexpr Eigen::Index dof_of(const H& h) {

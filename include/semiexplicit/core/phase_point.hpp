@@ -70,13 +70,18 @@ class PhasePoint {
       return z.template tail<Dof>();
   }
   static void require_size(const char* name, Eigen::Index size) {
-    if (Dof != Eigen::Dynamic && size != Dof)
-      throw std::invalid_argument(std::string("PhasePoint: ") + name + " has size " + std::to_string(size) +
-                                  ", but this type has " + std::to_string(Dof) + " degrees of freedom");
+    if (Dof != Eigen::Dynamic && size != Dof) refuse_size(name, size);
+  }
+  [[noreturn]] static void refuse_size(const char* name, Eigen::Index size) {
+    throw std::invalid_argument(std::string("PhasePoint: ") + name + " has size " + std::to_string(size) +
+                                ", but this type has " + std::to_string(Dof) + " degrees of freedom");
   }
   static Vector<Scalar, Dof> column(const char* name, std::initializer_list<Scalar> list) {
     require_size(name, static_cast<Eigen::Index>(list.size()));
-    return Eigen::Map<const Vector<Scalar, Dof>>(list.begin(), static_cast<Eigen::Index>(list.size()));
+    Vector<Scalar, Dof> entries(static_cast<Eigen::Index>(list.size()));
+    Eigen::Index i = 0;
+    for (const Scalar& entry : list) entries[i++] = entry;
+    return entries;
   }
 
   Storage z_;

@@ -64,7 +64,7 @@ struct IntegrationReport {
   std::int64_t gradients = 0;       ///< likewise
   double max_correction = 0;        ///< largest accepted correction
   double seconds = 0;               ///< wall clock, observers included
-  StepReport last;                  ///< the last step's own report: where the run failed, what the solver saw
+  StepReport last{};                ///< the last step's own report: where the run failed, what the solver saw
 
   /// The run came to its end, or to where an observer stopped it.
   bool ok() const { return status == Status::success || status == Status::stopped; }
@@ -80,14 +80,15 @@ class IntegrationError : public std::runtime_error {
  private:
   static std::string message(const IntegrationReport& r, double dt) {
     std::ostringstream out;
-    out.precision(17);
+    out.precision(9);
     out << "integrate: step " << r.steps + 1 << " failed at t = " << r.t << " (dt = " << dt
         << "): " << describe(r.status);
-    out.precision(3);
-    if (r.last.evaluations > 0)
+    if (r.last.correction != 0) {
+      out.precision(3);
       out << " (last correction " << r.last.correction << " after " << r.last.evaluations << " evaluations";
-    if (r.last.rate > 0) out << ", changing by a factor " << r.last.rate << " each";
-    if (r.last.evaluations > 0) out << ")";
+      if (r.last.rate > 0) out << ", changing by a factor " << r.last.rate << " each";
+      out << ")";
+    }
     return out.str();
   }
   IntegrationReport report_;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <utility>
 
 #include <semiexplicit/projection/doubled_step.hpp>
@@ -12,7 +13,7 @@ namespace semiexplicit {
 template <class H>
 class MidpointProjection {
  public:
-  using Scalar = typename detail::Checked<H>::Scalar;
+  using Scalar = typename H::Scalar;
   static constexpr int Dof = H::Dof;
   using State = PhasePoint<Scalar, Dof>;
 
@@ -29,7 +30,7 @@ class MidpointProjection {
     report.evaluations = 1;
     report.gradients = doubled_.chain().gradients();
     report.correction = static_cast<double>(detail::norm(doubled_.difference()) / 4);
-    if (!std::isfinite(report.correction) || !doubled_.finish(z)) report.status = Status::not_finite;
+    if (!std::isfinite(report.correction) || !doubled_.finish(z)) report.status = doubled_.diagnose(z);
     return report;
   }
 

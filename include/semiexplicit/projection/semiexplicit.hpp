@@ -17,11 +17,11 @@ namespace semiexplicit {
 /// properties at second order only, which is why a loose solve is enough (StoppingRule::product).
 ///
 /// Source: B. Jayawardana and T. Ohsawa, Math. Comp. 92 (2023) 251, Definition 2.1; the invariants: T. Ohsawa,
-/// arXiv:2208.10546. Memory: eight vectors of length 2d and the solver's (simplified Newton one, Broyden memory + 2).
+/// arXiv:2208.10546. Memory: seven vectors of length 2d and the solver's (simplified Newton one, Broyden memory + 2).
 template <class H, class Solver = SimplifiedNewton>
 class Semiexplicit {
  public:
-  using Scalar = typename detail::Checked<H>::Scalar;
+  using Scalar = typename H::Scalar;
   static constexpr int Dof = H::Dof;
   using State = PhasePoint<Scalar, Dof>;
 
@@ -45,6 +45,7 @@ class Semiexplicit {
     report.correction = static_cast<double>(solved.correction);
     report.rate = static_cast<double>(solved.rate);
     if (report.ok() && !doubled_.finish(z)) report.status = Status::not_finite;
+    if (report.status == Status::not_finite) report.status = doubled_.diagnose(z);
     return report;
   }
 
@@ -62,14 +63,14 @@ class Semiexplicit {
     const State& z;
     const Scalar& dt;
     Scalar size = detail::norm(z.vector());
-    bool first = true;
 
+    /// f(0), where every solver starts.
+    void operator()(Vec& f) {
+      doubled.sweep(z, dt);
+      f = doubled.difference();
+    }
     void operator()(const Vec& m, Vec& f) {
-      if (first)  // every solver starts at m = 0
-        doubled.sweep(z, dt);
-      else
-        doubled.sweep(z, m, dt);
-      first = false;
+      doubled.sweep(z, m, dt);
       f = doubled.difference() + 2 * m;
     }
 

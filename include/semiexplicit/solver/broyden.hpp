@@ -36,40 +36,48 @@ struct Broyden {
     Vector<Scalar, Eigen::Dynamic> lengths;                                    ///< ‖s_k‖
   };
 
-  /// Solves residual(m, f): f = 0 for m. On return the residual was last evaluated at m.
+  /// Solves f(m) = 0, as SimplifiedNewton::solve().
   template <class Residual, class Vec>
   SolverReport<typename Vec::Scalar> solve(Residual& residual, Vec& m, Workspace<Vec>& work) const {
     using std::abs;
     using Scalar = typename Vec::Scalar;
     detail::Convergence<Scalar> convergence(stop, max_iterations);
+    residual(work.f);
+    work.u = work.f / -4;
+    Scalar length = detail::norm(work.u);
+    if (convergence.done(length, Scalar(0), residual)) return convergence.report();
     m.setZero();
-    Scalar size_m(0);
     Eigen::Index kept = 0;
     for (;;) {
+      if (kept < work.lengths.size()) {
+        work.directions.col(kept) = work.u / length;
+        work.lengths[kept] = length;
+        ++kept;
+      } else {
+        kept = 0;  // this correction is not -f/4, so it cannot be the first of a new row; the next one can
+      }
+      m += work.u;
+
       residual(m, work.f);
       work.u = work.f / -4;
       for (Eigen::Index j = 0; j + 1 < kept; ++j) {
-        const Scalar share = work.directions.col(j).dot(work.u) * (work.lengths[j + 1] / work.lengths[j]);
+        const Scalar share =
+            detail::dot(work.directions.col(j), work.u) * (work.lengths[j + 1] / work.lengths[j]);
         work.u += share * work.directions.col(j + 1);
       }
       // The newest update would need s_{k+1}, the vector wanted: solved for it, it is a mere scaling.
       if (kept > 0) {
-        const Scalar divisor = 1 - work.directions.col(kept - 1).dot(work.u) / work.lengths[kept - 1];
-        if (abs(divisor) > Scalar(1e-6))
-          work.u /= divisor;
-        else {  // the update is singular: start anew
+        const Scalar divisor =
+            1 - detail::dot(work.directions.col(kept - 1), work.u) / work.lengths[kept - 1];
+        if (abs(divisor) <= Scalar(1e-6)) {  // the update is singular: start anew
           work.u = work.f / -4;
           kept = 0;
+        } else {
+          work.u /= divisor;
         }
       }
-      const Scalar length = detail::norm(work.u);
-      if (convergence.done(length, size_m, residual)) return convergence.report();
-      if (kept == work.lengths.size()) kept = 0;
-      work.directions.col(kept) = work.u / length;
-      work.lengths[kept] = length;
-      ++kept;
-      m += work.u;
-      size_m = detail::norm(m);
+      length = detail::norm(work.u);
+      if (convergence.done(length, detail::norm(m), residual)) return convergence.report();
     }
   }
 };

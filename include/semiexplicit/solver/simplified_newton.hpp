@@ -21,18 +21,19 @@ struct SimplifiedNewton {
     Vec f;
   };
 
-  /// Solves residual(m, f): f = 0 for m. On return the residual was last evaluated at m.
+  /// Solves f(m) = 0, where residual(f) writes f(0) and residual(m, f) writes f(m). On return the residual was last
+  /// evaluated at the accepted m; `m` itself is only set where more than one evaluation was needed.
   template <class Residual, class Vec>
   SolverReport<typename Vec::Scalar> solve(Residual& residual, Vec& m, Workspace<Vec>& work) const {
     using Scalar = typename Vec::Scalar;
     detail::Convergence<Scalar> convergence(stop, max_iterations);
-    m.setZero();
-    Scalar size_m(0);
+    residual(work.f);
+    if (convergence.done(detail::norm(work.f) / 4, Scalar(0), residual)) return convergence.report();
+    m = work.f / -4;
     for (;;) {
       residual(m, work.f);
-      if (convergence.done(detail::norm(work.f) / 4, size_m, residual)) return convergence.report();
+      if (convergence.done(detail::norm(work.f) / 4, detail::norm(m), residual)) return convergence.report();
       m -= work.f / 4;
-      size_m = detail::norm(m);
     }
   }
 };

@@ -1,14 +1,15 @@
 #pragma once
 
 #include <cstdint>
+#include <type_traits>
 #include <utility>
 
 #include <semiexplicit/core/hamiltonian.hpp>
+#include <semiexplicit/core/lanes.hpp>
 #include <semiexplicit/core/phase_point.hpp>
 #include <semiexplicit/splitting/scheme.hpp>
 
-/// Inlines everything that a function calls. Compilers stop inlining a small gradient in a large translation unit, which
-/// nearly doubles the time of a kick; the chain of kicks is where that must not happen.
+/// Inlines everything that a function calls; see detail::inlined().
 #if defined(__GNUC__) || defined(__clang__)
 #define SEMIEXPLICIT_FLATTEN __attribute__((flatten))
 #else
@@ -16,6 +17,22 @@
 #endif
 
 namespace semiexplicit::detail {
+
+template <class F>
+SEMIEXPLICIT_FLATTEN auto call_inlined(const F& f) {
+  return f();
+}
+
+/// Calls f with everything that it calls inlined. Compilers stop inlining a small gradient in a large translation unit,
+/// which nearly doubles the time of a kick; the chain of kicks is where that must not happen. Not where numbers are
+/// classes: with multiprecision arithmetic inlined into itself g++ takes hours and all memory.
+template <class Scalar, class F>
+auto inlined(const F& f) {
+  if constexpr (std::is_floating_point_v<Scalar>)
+    return call_inlined(f);
+  else
+    return f();
+}
 
 /// One gradient call at the contiguous phase point `at`, written to the contiguous pair (∂H/∂q, ∂H/∂p).
 template <Hamiltonian H>
@@ -52,6 +69,9 @@ void kick(const Scalar& t, const Scalar* __restrict gradient, Scalar* __restrict
 
 /// The kicks of a scheme, A(a₀t) B(b₀t) A(a₁t) ..., on two copies of a phase point. A is the exact flow of H(q, y) and B that
 /// of H(x, p): with a = (q, y) and b = (x, p), each moves one copy along the vector field at the other, which rests.
+///
+/// The public integrators leave the test of the concept to this class: compilers say then which requirement failed, and not
+/// only that no constructor matches.
 template <Hamiltonian H>
 class KickChain {
  public:
@@ -69,13 +89,13 @@ class KickChain {
   }
 
   /// All kicks of one step on the copies.
-  void run(const Scalar& dt) { run(dt, a.data(), b.data()); }
-
-  /// The same; `sum` becomes what both copies moved together. Summed apart from the copies, it has the rounding errors of
-  /// the increments and not those of the state.
-  void run(const Scalar& dt, Vec& sum) {
-    sum.setZero();
-    run(dt, a.data(), b.data(), sum.data());
+  void run(const Scalar& dt) {
+    inlined<Scalar>([&] { run_plainly(dt); });
+  }
+  /// The same from the given copies, which may be a and b themselves. `sum` becomes what both moved together: summed apart
+  /// from the copies, it has the rounding errors of the increments and not those of the state.
+  void run(const Vec& from_a, const Vec& from_b, const Scalar& dt, Vec& sum) {
+    inlined<Scalar>([&] { run_plainly(from_a, from_b, dt, sum); });
   }
 
   std::int64_t gradients() const { return static_cast<std::int64_t>(scheme.kicks()); }
@@ -85,19 +105,90 @@ class KickChain {
   Vec a, b;
 
  private:
+  void run_plainly(const Scalar& dt) {
+    if constexpr (HasLaneGradient<H>) {
+      run_in_lanes(a, b, dt, gradient_);  // the sum is not wanted
+    } else if constexpr (small) {
+      Local at_a(a), at_b(b);
+      kicks(dt, at_a.data, at_b.data, Local().data);
+      at_a.store(a);
+      at_b.store(b);
+    } else {
+      kicks(dt, a.data(), b.data(), gradient_.data());
+    }
+  }
+
+  void run_plainly(const Vec& from_a, const Vec& from_b, const Scalar& dt, Vec& sum) {
+    if constexpr (HasLaneGradient<H>) {
+      run_in_lanes(from_a, from_b, dt, sum);
+    } else if constexpr (small) {
+      Local at_a(from_a), at_b(from_b), moved;
+      kicks(dt, at_a.data, at_b.data, Local().data, moved.data);
+      at_a.store(a);
+      at_b.store(b);
+      moved.store(sum);
+    } else {
+      a = from_a;
+      b = from_b;
+      sum.setZero();
+      kicks(dt, a.data(), b.data(), gradient_.data(), sum.data());
+    }
+  }
+
+  /// Few numbers are copied to the stack for a step, where the compiler can keep them in registers.
+  static constexpr bool small = Dof != Eigen::Dynamic && Dof <= 16;
+  struct Local {
+    static constexpr int size = small ? 2 * Dof : 1;
+    Scalar data[size];
+
+    Local() {
+      for (int i = 0; i < size; ++i) data[i] = Scalar(0);
+    }
+    explicit Local(const Vec& from) {
+      for (int i = 0; i < size; ++i) data[i] = from[i];
+    }
+    void store(Vec& to) const {
+      for (int i = 0; i < size; ++i) to[i] = data[i];
+    }
+  };
+
   template <class... Sum>
-  SEMIEXPLICIT_FLATTEN void run(const Scalar& dt, Scalar* first, Scalar* second, Sum*... sum) {
+  void kicks(const Scalar& dt, Scalar* at_a, Scalar* at_b, Scalar* gradient, Sum*... sum) const {
     const Eigen::Index d = dof_of(hamiltonian);
-    Scalar* const gradient = gradient_.data();
     const std::size_t n = scheme.b.size();
     for (std::size_t i = 0; i < n; ++i) {
-      gradient_at(hamiltonian, first, gradient, d);
-      kick(Scalar(dt * scheme.a[i]), gradient, second, sum..., d);
-      gradient_at(hamiltonian, second, gradient, d);
-      kick(Scalar(dt * scheme.b[i]), gradient, first, sum..., d);
+      gradient_at(hamiltonian, at_a, gradient, d);
+      kick(Scalar(dt * scheme.a[i]), gradient, at_b, sum..., d);
+      gradient_at(hamiltonian, at_b, gradient, d);
+      kick(Scalar(dt * scheme.b[i]), gradient, at_a, sum..., d);
     }
-    gradient_at(hamiltonian, first, gradient, d);
-    kick(Scalar(dt * scheme.a[n]), gradient, second, sum..., d);
+    gradient_at(hamiltonian, at_a, gradient, d);
+    kick(Scalar(dt * scheme.a[n]), gradient, at_b, sum..., d);
+  }
+
+  void run_in_lanes([[maybe_unused]] const Vec& from_a, [[maybe_unused]] const Vec& from_b,
+                    [[maybe_unused]] const Scalar& dt, [[maybe_unused]] Vec& sum) {
+#ifdef SEMIEXPLICIT_HAS_LANES
+    using Point = LanePoint<Dof>;
+    Point at_a = Point::load(from_a.data()), at_b = Point::load(from_b.data()), moved{};
+    const auto flow = [&](const Scalar& t, const Point& from, Point& to) {
+      Lanes dHdq, dHdp;
+      hamiltonian.lane_gradient(from.q, from.p, dHdq, dHdp);
+      to.q += t * dHdp;
+      to.p -= t * dHdq;
+      moved.q += t * dHdp;
+      moved.p -= t * dHdq;
+    };
+    const std::size_t n = scheme.b.size();
+    for (std::size_t i = 0; i < n; ++i) {
+      flow(dt * scheme.a[i], at_a, at_b);
+      flow(dt * scheme.b[i], at_b, at_a);
+    }
+    flow(dt * scheme.a[n], at_a, at_b);
+    at_a.store(a.data());
+    at_b.store(b.data());
+    moved.store(sum.data());
+#endif
   }
 
   Vec gradient_;

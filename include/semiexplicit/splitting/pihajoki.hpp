@@ -22,14 +22,15 @@ template <Hamiltonian H, class Run>
 StepReport step_explicitly(ExtendedPoint<typename H::Scalar, H::Dof>& zeta, KickChain<H>& chain,
                            const typename H::Scalar& dt, std::int64_t gradients, const Run& run) {
   if (!valid_step(dt)) return {.status = Status::invalid_step};
-  if (zeta.a.vector().size() != chain.a.size() || zeta.b.vector().size() != chain.b.size() ||
-      !zeta.a.vector().allFinite() || !zeta.b.vector().allFinite())
+  if (zeta.a.vector().size() != chain.a.size() || zeta.b.vector().size() != chain.b.size())
     return {.status = Status::invalid_state};
   chain.a = zeta.a.vector();
   chain.b = zeta.b.vector();
   run();
   StepReport report{.status = Status::not_finite, .evaluations = 1, .gradients = gradients};
-  if (chain.a.allFinite() && chain.b.allFinite()) {
+  if (!chain.a.allFinite() || !chain.b.allFinite()) {
+    if (!zeta.a.vector().allFinite() || !zeta.b.vector().allFinite()) report.status = Status::invalid_state;
+  } else {
     zeta.a.vector() = chain.a;
     zeta.b.vector() = chain.b;
     report.status = Status::success;
@@ -47,7 +48,7 @@ StepReport step_explicitly(ExtendedPoint<typename H::Scalar, H::Dof>& zeta, Kick
 template <class H>
 class Pihajoki {
  public:
-  using Scalar = typename detail::Checked<H>::Scalar;
+  using Scalar = typename H::Scalar;
   static constexpr int Dof = H::Dof;
   using State = ExtendedPoint<Scalar, Dof>;
 

@@ -18,7 +18,7 @@ namespace semiexplicit {
 template <class H>
 class Tao {
  public:
-  using Scalar = typename detail::Checked<H>::Scalar;
+  using Scalar = typename H::Scalar;
   static constexpr int Dof = H::Dof;
   using State = ExtendedPoint<Scalar, Dof>;
 
@@ -35,8 +35,9 @@ class Tao {
   /// One step of size dt, as Pihajoki::step().
   StepReport step(State& zeta, const Scalar& dt) {
     const auto gradients = static_cast<std::int64_t>(3 * scheme().b.size() + 1);
-    return detail::step_explicitly(zeta, chain_, dt, gradients,
-                                   [&] { run(dt, chain_.a.data(), chain_.b.data()); });
+    return detail::step_explicitly(zeta, chain_, dt, gradients, [&] {
+      detail::inlined<Scalar>([&] { kicks(dt, chain_.a.data(), chain_.b.data()); });
+    });
   }
 
   Eigen::Index dof() const { return dof_of(hamiltonian()); }
@@ -45,7 +46,7 @@ class Tao {
   const Scalar& omega() const { return omega_; }
 
  private:
-  SEMIEXPLICIT_FLATTEN void run(const Scalar& dt, Scalar* a, Scalar* b) {
+  void kicks(const Scalar& dt, Scalar* a, Scalar* b) {
     using std::cos;
     using std::sin;
     const Eigen::Index d = dof();

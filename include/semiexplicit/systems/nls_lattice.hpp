@@ -3,7 +3,7 @@
 #include <stdexcept>
 #include <string>
 
-#include <semiexplicit/core/vector.hpp>
+#include <semiexplicit/core/lanes.hpp>
 
 namespace semiexplicit::systems {
 
@@ -47,7 +47,7 @@ class NlsLattice {
 
   /// Σ (q² + p²), the total mass: a quadratic invariant.
   static Scalar mass(const ConstRef<Scalar, N>& q, const ConstRef<Scalar, N>& p) {
-    return q.squaredNorm() + p.squaredNorm();
+    return detail::dot(q, q) + detail::dot(p, p);
   }
 
   void gradient(const ConstRef<Scalar, N>& q, const ConstRef<Scalar, N>& p, Ref<Scalar, N> dHdq,
@@ -57,6 +57,21 @@ class NlsLattice {
     else
       large_gradient(q.data(), p.data(), dHdq.data(), dHdp.data());
   }
+
+#ifdef SEMIEXPLICIT_HAS_LANES
+  /// The same for up to eight sites, all in one register; see HasLaneGradient.
+  void lane_gradient(const Lanes& q, const Lanes& p, Lanes& dHdq, Lanes& dHdp) const
+      requires(N > 0 && N <= 8) {
+    const Lanes none{}, p_squared = p * p, u = q * q - p_squared, density = q * q + p_squared, v = q * p;
+    const auto neighbours = [&none](const Lanes& x) {
+      return __builtin_shufflevector(x, none, 8, 0, 1, 2, 3, 4, 5, 6) +
+             __builtin_shufflevector(x, none, 1, 2, 3, 4, 5, 6, 7, 8);
+    };
+    const Lanes sum_u = neighbours(u), four_v = 4 * neighbours(v);
+    dHdq = (density - 2 * sum_u) * q - four_v * p;
+    dHdp = (density + 2 * sum_u) * p - four_v * q;
+  }
+#endif
 
  private:
   // With ψ² = u + 2iv, u = q² - p² and v = q p, the neighbours enter by the sums of their u and of their v only.

@@ -65,12 +65,12 @@ class PointVortices {
     return sum / (4 * pi());
   }
   /// Σ Γx, linear in q: an invariant.
-  Scalar linear_impulse_x(const Read& q, const Read&) const { return circulation_.dot(x(q)); }
+  Scalar linear_impulse_x(const Read& q, const Read&) const { return detail::dot(circulation_, x(q)); }
   /// Σ Γy, linear in p: an invariant.
-  Scalar linear_impulse_y(const Read&, const Read& p) const { return circulation_.dot(y(p)); }
+  Scalar linear_impulse_y(const Read&, const Read& p) const { return detail::dot(circulation_, y(p)); }
   /// Σ Γ(x² + y²) = Σ sgn(Γ)(q² + p²): a quadratic invariant.
   Scalar angular_impulse(const Read& q, const Read& p) const {
-    return circulation_.cwiseSign().dot(q.cwiseAbs2() + p.cwiseAbs2());
+    return detail::dot(circulation_.cwiseSign(), q.cwiseAbs2() + p.cwiseAbs2());
   }
 
   void gradient(const Read& q, const Read& p, Ref<Scalar, N> dHdq, Ref<Scalar, N> dHdp) const {

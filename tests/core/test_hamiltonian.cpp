@@ -1,0 +1,158 @@
+#include "catch.hpp"
+
+#include <cmath>
+
+#include <semiexplicit/semiexplicit.hpp>
+
+// What is a Hamiltonian and what is not.
+
+namespace {
+
+using namespace semiexplicit;
+
+struct Good {
+  using Scalar = double;
+  static constexpr int Dof = 1;
+  void gradient(ConstRef<double, 1> q, ConstRef<double, 1> p, Ref<double, 1> dHdq, Ref<double, 1> dHdp) const {
+    dHdq = q;
+    dHdp = p;
+  }
+};
+static_assert(Hamiltonian<Good>);
+static_assert(!HasEnergy<Good> && !HasHessian<Good>);
+
+struct WithEnergy : Good {
+  double energy(ConstRef<double, 1> q, ConstRef<double, 1> p) const { return (q[0] * q[0] + p[0] * p[0]) / 2; }
+};
+static_assert(HasEnergy<WithEnergy>);
+static_assert(HasEnergy<systems::Product<double>> && HasHessian<systems::Product<double>>);
+static_assert(HasEnergy<systems::NlsLattice<float, 3>> && !HasHessian<systems::NlsLattice<float, 3>>);
+static_assert(HasEnergy<systems::PointVortices<long double>>);
+
+struct Templated {
+  using Scalar = float;
+  static constexpr int Dof = 3;
+  template <class Q, class D>
+  void gradient(const Q& q, const Q& p, D& dHdq, D& dHdp) const {
+    dHdq = q;
+    dHdp = p;
+  }
+};
+static_assert(Hamiltonian<Templated>);
+
+struct ByReference {
+  using Scalar = double;
+  static constexpr int Dof = Eigen::Dynamic;
+  Eigen::Index dof() const { return 4; }
+  void gradient(const ConstRef<double, Eigen::Dynamic>& q, const ConstRef<double, Eigen::Dynamic>& p,
+                Ref<double, Eigen::Dynamic> dHdq, Ref<double, Eigen::Dynamic> dHdp) const {
+    dHdq = q;
+    dHdp = p;
+  }
+};
+static_assert(Hamiltonian<ByReference>);
+
+struct NoScalar {
+  static constexpr int Dof = 1;
+  void gradient(ConstRef<double, 1>, ConstRef<double, 1>, Ref<double, 1>, Ref<double, 1>) const {}
+};
+struct NoDof {
+  using Scalar = double;
+  void gradient(ConstRef<double, 1>, ConstRef<double, 1>, Ref<double, 1>, Ref<double, 1>) const {}
+};
+struct ZeroDof : Good {
+  static constexpr int Dof = 0;
+};
+struct NoGradient {
+  using Scalar = double;
+  static constexpr int Dof = 1;
+};
+struct NotConst {
+  using Scalar = double;
+  static constexpr int Dof = 1;
+  void gradient(ConstRef<double, 1>, ConstRef<double, 1>, Ref<double, 1>, Ref<double, 1>) {}
+};
+struct OneHalf {
+  using Scalar = double;
+  static constexpr int Dof = 1;
+  void gradient(ConstRef<double, 1>, ConstRef<double, 1>, Ref<double, 1>) const {}
+};
+struct NoRuntimeDof {
+  using Scalar = double;
+  static constexpr int Dof = Eigen::Dynamic;
+  void gradient(ConstRef<double, -1>, ConstRef<double, -1>, Ref<double, -1>, Ref<double, -1>) const {}
+};
+struct NotCopyable : Good {
+  NotCopyable() = default;
+  NotCopyable(const NotCopyable&) = delete;
+};
+static_assert(!Hamiltonian<NoScalar> && !HasScalar<NoScalar>);
+static_assert(!Hamiltonian<NoDof> && !HasDof<NoDof>);
+static_assert(!Hamiltonian<ZeroDof> && !HasDof<ZeroDof>);
+static_assert(!Hamiltonian<NoGradient> && !HasGradient<NoGradient>);
+static_assert(!Hamiltonian<NotConst> && !HasGradient<NotConst>);
+static_assert(!Hamiltonian<OneHalf> && !HasGradient<OneHalf>);
+static_assert(!Hamiltonian<NoRuntimeDof> && HasGradient<NoRuntimeDof> && !HasRuntimeDof<NoRuntimeDof>);
+static_assert(!Hamiltonian<NotCopyable>);
+static_assert(!Hamiltonian<int>);
+
+static_assert(Stepper<Semiexplicit<Good>> && Stepper<Semiexplicit<Good, Broyden>>);
+static_assert(Stepper<MidpointProjection<Good>> && Stepper<GaussLegendre<Good>>);
+static_assert(Stepper<Pihajoki<Good>> && Stepper<Tao<Good>>);
+static_assert(!Stepper<Good>);
+
+}  // namespace
+
+TEST_CASE("The degrees of freedom come from the type or from the value", "[hamiltonian]") {
+  CHECK(dof_of(Good{}) == 1);
+  CHECK(dof_of(Templated{}) == 3);
+  CHECK(dof_of(ByReference{}) == 4);
+  CHECK(dof_of(systems::NlsLattice<double>(7)) == 7);
+}
+
+TEST_CASE("A Hamiltonian is made of two lambdas", "[hamiltonian]") {
+  const auto energy = [](const auto& q, const auto& p) { return (q.squaredNorm() + 1) * (p.squaredNorm() + 1) / 2; };
+  const auto gradient = [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+    dHdq = q * (p.squaredNorm() + 1);
+    dHdp = p * (q.squaredNorm() + 1);
+  };
+  const auto fixed = make_hamiltonian<double, 1>(energy, gradient);
+  static_assert(HasEnergy<decltype(fixed)>);
+  static_assert(decltype(fixed)::Dof == 1);
+  const auto dynamic = make_hamiltonian<double>(3, energy, gradient);
+  static_assert(HasEnergy<decltype(dynamic)>);
+  static_assert(decltype(dynamic)::Dof == Eigen::Dynamic);
+  CHECK(dof_of(fixed) == 1);
+  CHECK(dof_of(dynamic) == 3);
+
+  // The same steps as with the system of that formula.
+  PhasePoint<double, 1> z(-3, 0), other = z;
+  Semiexplicit stepper(fixed, schemes::yoshida6());
+  Semiexplicit known(systems::Product<double>{}, schemes::yoshida6());
+  for (int n = 0; n < 10; ++n) {
+    REQUIRE(stepper.step(z, 0.01).ok());
+    REQUIRE(known.step(other, 0.01).ok());
+  }
+  CHECK((z.vector() - other.vector()).norm() <= 1e-13);
+  CHECK(fixed.energy(z.q(), z.p()) == Approx(5).epsilon(1e-7));
+
+  PhasePoint<double, Eigen::Dynamic> long_z({-3, 0, 0}, {0, 0, 0});
+  Semiexplicit long_stepper(dynamic, schemes::yoshida6());
+  for (int n = 0; n < 10; ++n) REQUIRE(long_stepper.step(long_z, 0.01).ok());
+  CHECK(std::abs(long_z.q()[0] - z.q()[0]) <= 1e-13);
+  CHECK(long_z.q()[1] == 0);
+}
+
+TEST_CASE("A stepper copies the Hamiltonian and gives it back", "[hamiltonian]") {
+  systems::NlsLattice<double> h(7);
+  const Semiexplicit stepper(h, schemes::strang());
+  CHECK(stepper.hamiltonian().dof() == 7);
+  CHECK(&stepper.hamiltonian() != &h);
+  CHECK(stepper.dof() == 7);
+  CHECK(stepper.scheme().name == "strang");
+  CHECK(Tao(h, schemes::strang(), 3.0).omega() == 3.0);
+  CHECK(GaussLegendre(h, {.stages = 4}).options().stages == 4);
+  CHECK(MidpointProjection(h, schemes::strang()).dof() == 7);
+  CHECK(Pihajoki(h, schemes::strang()).dof() == 7);
+  CHECK(Semiexplicit(h, schemes::strang(), Broyden{.memory = 3}).solver().memory == 3);
+}

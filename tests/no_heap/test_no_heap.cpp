@@ -1,0 +1,163 @@
+// A program of its own: Eigen's check below is a macro, on which all files of a program must agree.
+
+#include <cstddef>
+#include <cstdlib>
+#include <new>
+#include <stdexcept>
+#include <string>
+
+// Eigen's own allocations are reported by an assertion, which is made to throw, in release builds, too.
+#define EIGEN_RUNTIME_NO_MALLOC
+#define eigen_assert(condition) \
+  do {                          \
+    if (!(condition)) throw std::logic_error("Eigen: " #condition); \
+  } while (false)
+
+#include "catch.hpp"
+
+#include "../properties/methods.hpp"
+
+namespace {
+long allocations = 0;  // of any kind, counted by the replacements below
+}
+
+[[gnu::noinline]] void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* const memory = std::malloc(size > 0 ? size : 1)) return memory;
+  throw std::bad_alloc();
+}
+[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
+[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+
+// Where the C library lets a program replace malloc, whatever calls it is counted; sanitizers have their own.
+#if defined(__SANITIZE_ADDRESS__)
+#define SEMIEXPLICIT_TEST_SANITIZED
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define SEMIEXPLICIT_TEST_SANITIZED
+#endif
+#endif
+#if defined(__GLIBC__) && !defined(SEMIEXPLICIT_TEST_SANITIZED)
+#define SEMIEXPLICIT_TEST_COUNTS_MALLOC
+extern "C" {
+void* __libc_malloc(std::size_t size);                    // NOLINT
+void* __libc_calloc(std::size_t count, std::size_t size);  // NOLINT
+void* __libc_realloc(void* memory, std::size_t size);      // NOLINT
+void* malloc(std::size_t size) {
+  ++allocations;
+  return __libc_malloc(size);
+}
+void* calloc(std::size_t count, std::size_t size) {
+  ++allocations;
+  return __libc_calloc(count, size);
+}
+void* realloc(void* memory, std::size_t size) {
+  ++allocations;
+  return __libc_realloc(memory, size);
+}
+}
+#endif
+
+namespace {
+
+using namespace semiexplicit;
+
+/// How often action() allocates; throws where Eigen does.
+template <class Action>
+long allocations_of(const Action& action) {
+  const long before = allocations;
+  Eigen::internal::set_is_malloc_allowed(false);
+  try {
+    action();
+  } catch (...) {
+    Eigen::internal::set_is_malloc_allowed(true);
+    throw;
+  }
+  Eigen::internal::set_is_malloc_allowed(true);
+  return allocations - before;
+}
+
+template <Hamiltonian H>
+void steps_use_no_heap(const H& h, const PhasePoint<double, H::Dof>& start) {
+  methods::Choice choice;
+  choice.stop = StoppingRule::paper(1e-13);
+  methods::for_each(h, choice, [&](const methods::Claim& claim, auto stepper) {
+    // The factorisation of Newton's method may allocate.
+    if (claim.name.starts_with("Gauss") && claim.name.ends_with("Newton")) return;
+    CAPTURE(claim.name);
+    typename decltype(stepper)::State state(start);
+    StepReport report;
+    long count = 0;
+    REQUIRE_NOTHROW(count = allocations_of([&] {
+      for (const double dt : {0.02, 0.02, -0.01}) report = stepper.step(state, dt);
+    }));
+    CHECK(report.ok());
+    CHECK(count == 0);
+
+    // Nor where a step fails.
+    REQUIRE_NOTHROW(count = allocations_of([&] {
+      report = stepper.step(state, 1e3);
+      stepper.step(state, 0.0);
+    }));
+    CHECK(count == 0);
+  });
+}
+
+/// A Hamiltonian that allocates.
+struct Wasteful {
+  using Scalar = double;
+  static constexpr int Dof = 2;
+  bool with_eigen = false;
+
+  void gradient(ConstRef<double, 2> q, ConstRef<double, 2> p, Ref<double, 2> dHdq, Ref<double, 2> dHdp) const {
+    dHdq = q;
+    dHdp = p;
+    if (with_eigen) {
+      Eigen::VectorXd copy = q;
+      dHdq = copy;
+    } else {
+      auto* const volatile copy = new double(q[0]);
+      dHdq[0] = *copy;
+      delete copy;
+    }
+  }
+};
+
+}  // namespace
+
+TEST_CASE("A step does not touch the heap", "[heap]") {
+  steps_use_no_heap(systems::NlsLattice<double, 5>{},
+                    {{3, 0.01, 0.01, 0.01, 0.01}, {1, 0, 0, 0, 0}});
+  PhasePoint<double, Eigen::Dynamic> z(40);
+  z.q()[0] = 1;
+  z.p()[39] = -0.5;
+  steps_use_no_heap(systems::NlsLattice<double>(40), z);
+  steps_use_no_heap(systems::NlsLattice<double, 20>(), {z.q().head(20).eval(), z.p().tail(20).eval()});
+
+  Eigen::VectorXd circulations = Eigen::VectorXd::LinSpaced(18, 1, 2), x = Eigen::VectorXd::LinSpaced(18, -4, 4);
+  const systems::PointVortices<double> vortices(circulations);
+  steps_use_no_heap(vortices, vortices.phase_point(x, x.cwiseAbs2()));
+  steps_use_no_heap(systems::Product<double>{}, {-1.0, 0.3});
+}
+
+TEST_CASE("A run allocates nothing a step", "[heap]") {
+  systems::NlsLattice<double> h(10);
+  PhasePoint<double, Eigen::Dynamic> z(10);
+  z.q()[3] = 1;
+  z.p()[4] = 0.5;
+  Semiexplicit stepper(h, schemes::low_defect4_s7(), Broyden{});
+  Invariants errors(h);
+  integrate(stepper, z, {.dt = 0.01, .steps = 1}, errors);
+  CHECK(allocations_of([&] { integrate(stepper, z, {.dt = 0.01, .steps = 1000}, every(10, errors)); }) == 0);
+}
+
+TEST_CASE("An allocation would be seen", "[heap]") {
+  PhasePoint<double, 2> z({1, 0}, {0, 1});
+  Semiexplicit with_new(Wasteful{}, schemes::strang());
+  CHECK(allocations_of([&] { with_new.step(z, 0.1); }) >= 3);
+  Semiexplicit with_eigen(Wasteful{true}, schemes::strang());
+  CHECK_THROWS_AS(allocations_of([&] { with_eigen.step(z, 0.1); }), std::logic_error);
+#ifdef SEMIEXPLICIT_TEST_COUNTS_MALLOC
+  CHECK(allocations_of([] { std::free(std::malloc(100 + static_cast<std::size_t>(allocations % 7))); }) == 1);
+#endif
+}

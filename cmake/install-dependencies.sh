@@ -14,6 +14,7 @@ declare -A purpose=(
   [catch2]="Catch2 2 or 3, the test framework"
   [libboost-dev]="Boost headers: multiprecision numbers and reference functions of the tests"
   [clang]="the second compiler that everything must pass"
+  [libclang-rt-14-dev]="the run-time part of its sanitizers"
   [clang-format]="checks the formatting"
 )
 # The program by which a package is recognised, wherever it comes from; libraries are asked of dpkg.
@@ -26,7 +27,7 @@ for task in "$@"; do
   case $task in
     run) packages+=(g++ cmake ninja-build libeigen3-dev libcli11-dev gnuplot-nox) ;;
     test) packages+=(g++ cmake ninja-build libeigen3-dev libcli11-dev catch2 libboost-dev) ;;
-    check) packages+=(clang clang-format) ;;
+    check) packages+=(clang libclang-rt-14-dev clang-format) ;;
     *)
       echo "install-dependencies.sh: unknown task '$task'; give run, test or check" >&2
       exit 2

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# test.sh [--all]: installs what is missing, builds the tests and runs them. --all goes on with the formatting, the same
-# tests built by clang++, and the tests under the address and undefined-behaviour sanitizers.
+# test.sh [--all]: installs what is missing, builds the tests and runs them. --all goes on with the formatting, and the same
+# tests built by clang++ with the address and undefined-behaviour sanitizers.
 set -euo pipefail
 # shellcheck source=cmake/stage.sh
 source "$(dirname "${BASH_SOURCE[0]}")/stage.sh"
@@ -46,6 +46,5 @@ if $all; then
   bash cmake/install-dependencies.sh check
   stage "Formatting"
   check_format
-  build_and_test clang
   build_and_test asan
 fi

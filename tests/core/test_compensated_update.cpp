@@ -69,7 +69,8 @@ TEST_CASE("The carry belongs to the point that was updated", "[compensated]") {
 }
 
 TEST_CASE("An update that is not finite moves nothing and drops the carry", "[compensated]") {
-  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 1e308})
+  for (const double bad :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 1e308})
     for (Eigen::Index where = 0; where < 4; ++where) {
       CAPTURE(bad, where);
       CompensatedUpdate<double, Eigen::Dynamic> update(2);

@@ -13,7 +13,8 @@ using namespace semiexplicit;
 struct Good {
   using Scalar = double;
   static constexpr int Dof = 1;
-  void gradient(ConstRef<double, 1> q, ConstRef<double, 1> p, Ref<double, 1> dHdq, Ref<double, 1> dHdp) const {
+  void gradient(ConstRef<double, 1> q, ConstRef<double, 1> p, Ref<double, 1> dHdq,
+                Ref<double, 1> dHdp) const {
     dHdq = q;
     dHdp = p;
   }
@@ -22,7 +23,9 @@ static_assert(Hamiltonian<Good>);
 static_assert(!HasEnergy<Good> && !HasHessian<Good>);
 
 struct WithEnergy : Good {
-  double energy(ConstRef<double, 1> q, ConstRef<double, 1> p) const { return (q[0] * q[0] + p[0] * p[0]) / 2; }
+  double energy(ConstRef<double, 1> q, ConstRef<double, 1> p) const {
+    return (q[0] * q[0] + p[0] * p[0]) / 2;
+  }
 };
 static_assert(HasEnergy<WithEnergy>);
 static_assert(HasEnergy<systems::Product<double>> && HasHessian<systems::Product<double>>);
@@ -53,7 +56,7 @@ struct ByReference {
 static_assert(Hamiltonian<ByReference>);
 
 struct NoScalar {
-  static constexpr int Dof = 1;
+  [[maybe_unused]] static constexpr int Dof = 1;
   void gradient(ConstRef<double, 1>, ConstRef<double, 1>, Ref<double, 1>, Ref<double, 1>) const {}
 };
 struct NoDof {
@@ -111,7 +114,9 @@ TEST_CASE("The degrees of freedom come from the type or from the value", "[hamil
 }
 
 TEST_CASE("A Hamiltonian is made of two lambdas", "[hamiltonian]") {
-  const auto energy = [](const auto& q, const auto& p) { return (q.squaredNorm() + 1) * (p.squaredNorm() + 1) / 2; };
+  const auto energy = [](const auto& q, const auto& p) {
+    return (q.squaredNorm() + 1) * (p.squaredNorm() + 1) / 2;
+  };
   const auto gradient = [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
     dHdq = q * (p.squaredNorm() + 1);
     dHdp = p * (q.squaredNorm() + 1);

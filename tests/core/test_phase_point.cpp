@@ -95,7 +95,8 @@ TEST_CASE("Sizes that do not fit are refused, with both numbers", "[phase point]
   CHECK(says(refusal([] { Fixed({1, 2, 3}, {1, 2}); }), "q has size 3, but this type has 2"));
   CHECK(says(refusal([] { Fixed({1, 2}, {1}); }), "p has size 1"));
   CHECK(says(refusal([] { Dynamic({1, 2}, {1}); }), "q has 2 entries and p has 1"));
-  CHECK(says(refusal([] { Dynamic(Eigen::VectorXd::Zero(4), Eigen::VectorXd::Zero(5)); }), "q has 4 entries and p has 5"));
+  CHECK(says(refusal([] { Dynamic(Eigen::VectorXd::Zero(4), Eigen::VectorXd::Zero(5)); }),
+             "q has 4 entries and p has 5"));
 }
 
 TEST_CASE("An extended point is two copies, named as four blocks", "[phase point]") {

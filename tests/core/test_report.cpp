@@ -11,8 +11,9 @@ bool says(const std::string& text, const std::string& part) { return text.find(p
 }  // namespace
 
 TEST_CASE("Every status has words of its own, and failures a remedy", "[report]") {
-  const Status all[] = {Status::success,    Status::rounding_limited, Status::no_convergence, Status::not_finite,
-                        Status::invalid_state, Status::invalid_step,  Status::stopped};
+  const Status all[] = {Status::success,    Status::rounding_limited, Status::no_convergence,
+                        Status::not_finite, Status::invalid_state,    Status::invalid_step,
+                        Status::stopped};
   std::set<std::string> texts;
   for (const Status status : all) texts.insert(describe(status));
   CHECK(texts.size() == 7);
@@ -25,7 +26,8 @@ TEST_CASE("Every status has words of its own, and failures a remedy", "[report]"
 }
 
 TEST_CASE("ok() says whether the state moved, or the run came to its end", "[report]") {
-  for (const Status status : {Status::no_convergence, Status::not_finite, Status::invalid_state, Status::invalid_step}) {
+  for (const Status status :
+       {Status::no_convergence, Status::not_finite, Status::invalid_state, Status::invalid_step}) {
     CHECK_FALSE(StepReport{.status = status}.ok());
     CHECK_FALSE(IntegrationReport{.status = status}.ok());
   }

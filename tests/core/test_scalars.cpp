@@ -116,11 +116,12 @@ TEST_CASE("Numbers beyond the range of double", "[scalars]") {
   // H = (q² + p²)/2: a step is linear, so that the size of the state cannot matter.
   using Real = long double;
   if (std::numeric_limits<Real>::max_exponent10 < 1000) return;
-  const auto h = make_hamiltonian<Real, 1>([](const auto& q, const auto& p) { return (q[0] * q[0] + p[0] * p[0]) / 2; },
-                                           [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
-                                             dHdq = q;
-                                             dHdp = p;
-                                           });
+  const auto h =
+      make_hamiltonian<Real, 1>([](const auto& q, const auto& p) { return (q[0] * q[0] + p[0] * p[0]) / 2; },
+                                [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+                                  dHdq = q;
+                                  dHdp = p;
+                                });
   for (const Real size : {1e-2000L, 1e2000L}) {
     PhasePoint<Real, 1> z(size, 0), unit(1, 0);
     Semiexplicit projected(h, schemes::blanes_moan4<Real>());

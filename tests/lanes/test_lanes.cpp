@@ -53,7 +53,8 @@ void compare() {
     CHECK(distance(u, v) < 1e-13);
   }
   SECTION("unprojected") {
-    Pihajoki lanes(systems::NlsLattice<double, N>(), scheme), plain(PlainLattice<N>{}, scheme);
+    Pihajoki lanes(systems::NlsLattice<double, N>(), scheme);
+    Pihajoki plain(PlainLattice<N>{}, scheme);
     ExtendedPoint u(start), v(start);
     for (int i = 0; i < 50; ++i) {
       REQUIRE(lanes.step(u, 2e-3).ok());

@@ -21,9 +21,10 @@ struct Claim {
 
 /// Which methods, and how exactly equations are solved.
 struct Choice {
-  std::vector<std::string> schemes{"strang",       "mclachlan2",      "triple_jump4",    "blanes_moan4",
-                                   "yoshida6",     "blanes_moan6",    "low_defect4_s11", "low_defect6_s13",
-                                   "suzuki_umeno8", "low_defect8_s20", "sofroniou_spaletta10"};
+  std::vector<std::string> schemes{
+      "strang",        "mclachlan2",      "triple_jump4",        "blanes_moan4",
+      "yoshida6",      "blanes_moan6",    "low_defect4_s11",     "low_defect6_s13",
+      "suzuki_umeno8", "low_defect8_s20", "sofroniou_spaletta10"};
   std::vector<std::string> tao_schemes{"strang", "triple_jump4", "suzuki4", "yoshida6", "suzuki_umeno8"};
   int most_stages = 8;
   double omega = 5;
@@ -31,7 +32,8 @@ struct Choice {
 };
 
 /// Calls test(claim, stepper) for the methods of the phase space itself.
-template <Hamiltonian H, class Test> void for_each_of_phase_space(const H& h, const Choice& choice, Test test) {
+template <Hamiltonian H, class Test>
+void for_each_of_phase_space(const H& h, const Choice& choice, Test test) {
   using Scalar = typename H::Scalar;
   for (const std::string& name : choice.schemes) {
     const Scheme<Scalar> s = schemes::by_name<Scalar>(name);
@@ -50,7 +52,8 @@ template <Hamiltonian H, class Test> void for_each_of_phase_space(const H& h, co
 }
 
 /// Calls test(claim, stepper) for the methods of the doubled space.
-template <Hamiltonian H, class Test> void for_each_of_doubled_space(const H& h, const Choice& choice, Test test) {
+template <Hamiltonian H, class Test>
+void for_each_of_doubled_space(const H& h, const Choice& choice, Test test) {
   using Scalar = typename H::Scalar;
   for (const std::string& name : choice.schemes) {
     const Scheme<Scalar> s = schemes::by_name<Scalar>(name);
@@ -63,7 +66,8 @@ template <Hamiltonian H, class Test> void for_each_of_doubled_space(const H& h, 
 }
 
 /// Calls test(claim, stepper) for every method.
-template <Hamiltonian H, class Test> void for_each(const H& h, const Choice& choice, const Test& test) {
+template <Hamiltonian H, class Test>
+void for_each(const H& h, const Choice& choice, const Test& test) {
   for_each_of_phase_space(h, choice, test);
   for_each_of_doubled_space(h, choice, test);
 }
@@ -74,7 +78,8 @@ inline Choice every_scheme() {
   all.schemes = schemes::names();
   all.tao_schemes.clear();
   for (const std::string& name : all.schemes)
-    for (const char* family : {"strang", "triple_jump", "suzuki", "yoshida", "kahan_li", "sofroniou_spaletta"})
+    for (const char* family :
+         {"strang", "triple_jump", "suzuki", "yoshida", "kahan_li", "sofroniou_spaletta"})
       if (name.starts_with(family)) {
         all.tao_schemes.push_back(name);
         break;

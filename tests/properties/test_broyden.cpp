@@ -77,7 +77,8 @@ Function coupled(double strength) {
     Vec f(m.size());
     for (Eigen::Index i = 0; i < m.size(); ++i) {
       const double next = m[(i + 1) % m.size()];
-      f[i] = 4 * m[i] + strength * (std::sin(3 * next) + m[i] * next + 0.5 * std::cos(m[i])) + 0.1 * (1 + 0.3 * static_cast<double>(i));
+      f[i] = 4 * m[i] + strength * (std::sin(3 * next) + m[i] * next + 0.5 * std::cos(m[i])) +
+             0.1 * (1 + 0.3 * static_cast<double>(i));
     }
     return f;
   };
@@ -97,8 +98,8 @@ TEST_CASE("The iterates are those of the dense matrix", "[broyden]") {
   };
   Eigen::MatrixXd skew(4, 4);
   skew << 3, 1, 0, -1, -1, 5, 2, 0, 0, -2, 4, 1, 1, 0, -1, 3;
-  for (const Case& c : {Case{coupled(0.1), 2}, Case{coupled(0.5), 6}, Case{coupled(1.0), 10}, Case{coupled(-0.8), 3},
-                        Case{linear(skew), 4}}) {
+  for (const Case& c : {Case{coupled(0.1), 2}, Case{coupled(0.5), 6}, Case{coupled(1.0), 10},
+                        Case{coupled(-0.8), 3}, Case{linear(skew), 4}}) {
     const auto found = limited_memory(c.f, c.n, {.stop = StoppingRule::paper(1e-12)});
     REQUIRE(found.report.status == Status::success);
     CHECK(found.report.evaluations == static_cast<int>(found.visited.size()));
@@ -112,7 +113,8 @@ TEST_CASE("The iterates are those of the dense matrix", "[broyden]") {
   }
 }
 
-TEST_CASE("Where the Jacobian is far from 4I Broyden converges and the simplified iteration would not", "[broyden]") {
+TEST_CASE("Where the Jacobian is far from 4I Broyden converges and the simplified iteration would not",
+          "[broyden]") {
   Eigen::MatrixXd large = Eigen::MatrixXd::Identity(3, 3) * 4;
   large(0, 0) = 12;  // m ← m - f/4 would multiply the error by -2
   large(1, 2) = -3;
@@ -137,7 +139,8 @@ TEST_CASE("A full memory starts anew from the current point", "[broyden]") {
     }
   }
   // Nonsense in place of a memory is taken as one.
-  CHECK(limited_memory(f, 10, {.stop = StoppingRule::paper(1e-11), .memory = 0}).report.status == Status::success);
+  CHECK(limited_memory(f, 10, {.stop = StoppingRule::paper(1e-11), .memory = 0}).report.status ==
+        Status::success);
 }
 
 TEST_CASE("A singular update is left out", "[broyden]") {
@@ -155,7 +158,8 @@ TEST_CASE("A singular update is left out", "[broyden]") {
 }
 
 TEST_CASE("NaN and Inf end the iteration, and are never a solution", "[broyden]") {
-  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+  for (const double bad :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     for (int from = 1; from <= 5; ++from) {
       CAPTURE(bad, from);
       int calls = 0;

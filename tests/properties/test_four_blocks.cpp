@@ -42,15 +42,20 @@ Block d2(const Block& q, const Block& p) {
 }
 
 /// Φ^A and Φ^B.
-Blocks flow_a(double t, const Blocks& z) { return {z.q, z.x + t * d2(z.q, z.y), z.p - t * d1(z.q, z.y), z.y}; }
-Blocks flow_b(double t, const Blocks& z) { return {z.q + t * d2(z.x, z.p), z.x, z.p, z.y - t * d1(z.x, z.p)}; }
+Blocks flow_a(double t, const Blocks& z) {
+  return {z.q, z.x + t * d2(z.q, z.y), z.p - t * d1(z.q, z.y), z.y};
+}
+Blocks flow_b(double t, const Blocks& z) {
+  return {z.q + t * d2(z.x, z.p), z.x, z.p, z.y - t * d1(z.x, z.p)};
+}
 
 /// Φ^C: the exact flow of q' = ω(p - y), p' = -ω(q - x), x' = ω(y - p), y' = -ω(x - q).
 Blocks flow_c(double omega, double t, const Blocks& z) {
   const double c = std::cos(2 * omega * t), s = std::sin(2 * omega * t);
   const Block mean_q = (z.q + z.x) / 2, mean_p = (z.p + z.y) / 2;
   const Block dq = (z.q - z.x) / 2, dp = (z.p - z.y) / 2;
-  return {mean_q + c * dq + s * dp, mean_q - c * dq - s * dp, mean_p - s * dq + c * dp, mean_p + s * dq - c * dp};
+  return {mean_q + c * dq + s * dp, mean_q - c * dq - s * dp, mean_p - s * dq + c * dp,
+          mean_p + s * dq - c * dp};
 }
 
 using Map = std::function<Blocks(double, const Blocks&)>;
@@ -153,7 +158,8 @@ void equals_formulas(Stepper stepper, const Formulas& formulas, double dt, doubl
 TEST_CASE("A projected step equals the four-block formulas", "[four blocks]") {
   const Map jump4 = triple_jump(4, strang), jump6 = triple_jump(6, jump4);
   const auto newton_of = [](Map map) {
-    return [map](double dt, const Blocks& z, double epsilon) { return simplified_newton(map, dt, z, epsilon); };
+    return
+        [map](double dt, const Blocks& z, double epsilon) { return simplified_newton(map, dt, z, epsilon); };
   };
   const auto broyden_of = [](Map map) {
     return [map](double dt, const Blocks& z, double epsilon) { return broyden(map, dt, z, epsilon); };
@@ -163,8 +169,10 @@ TEST_CASE("A projected step equals the four-block formulas", "[four blocks]") {
       CAPTURE(epsilon, dt);
       const SimplifiedNewton simplified{.stop = StoppingRule::paper(epsilon)};
       equals_formulas(Semiexplicit(lattice, schemes::strang(), simplified), newton_of(strang), dt, epsilon);
-      equals_formulas(Semiexplicit(lattice, schemes::triple_jump(4), simplified), newton_of(jump4), dt, epsilon);
-      equals_formulas(Semiexplicit(lattice, schemes::triple_jump(6), simplified), newton_of(jump6), dt, epsilon);
+      equals_formulas(Semiexplicit(lattice, schemes::triple_jump(4), simplified), newton_of(jump4), dt,
+                      epsilon);
+      equals_formulas(Semiexplicit(lattice, schemes::triple_jump(6), simplified), newton_of(jump6), dt,
+                      epsilon);
       const Broyden quasi{.stop = StoppingRule::paper(epsilon)};
       equals_formulas(Semiexplicit(lattice, schemes::strang(), quasi), broyden_of(strang), dt, epsilon);
       equals_formulas(Semiexplicit(lattice, schemes::triple_jump(4), quasi), broyden_of(jump4), dt, epsilon);

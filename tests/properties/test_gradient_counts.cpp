@@ -17,7 +17,8 @@ struct Counting {
   using Scalar = double;
   static constexpr int Dof = 4;
 
-  void gradient(ConstRef<double, 4> q, ConstRef<double, 4> p, Ref<double, 4> dHdq, Ref<double, 4> dHdp) const {
+  void gradient(ConstRef<double, 4> q, ConstRef<double, 4> p, Ref<double, 4> dHdq,
+                Ref<double, 4> dHdp) const {
     ++*calls;
     lattice.gradient(q, p, dHdq, dHdp);
   }
@@ -70,9 +71,9 @@ TEST_CASE("A sweep costs one gradient call a kick", "[counts]") {
     int kicks;
   };
   for (const Row& row : {Row{"strang", 3}, Row{"mclachlan2", 5}, Row{"triple_jump4", 7}, Row{"suzuki4", 11},
-                         Row{"blanes_moan4", 13}, Row{"yoshida6", 15}, Row{"triple_jump6", 19}, Row{"blanes_moan6", 21},
-                         Row{"low_defect6_s13", 27}, Row{"suzuki_umeno8", 31}, Row{"low_defect8_s20", 41},
-                         Row{"sofroniou_spaletta10", 71}}) {
+                         Row{"blanes_moan4", 13}, Row{"yoshida6", 15}, Row{"triple_jump6", 19},
+                         Row{"blanes_moan6", 21}, Row{"low_defect6_s13", 27}, Row{"suzuki_umeno8", 31},
+                         Row{"low_defect8_s20", 41}, Row{"sofroniou_spaletta10", 71}}) {
     CAPTURE(row.name);
     const auto s = schemes::by_name(row.name);
     CHECK(of(Semiexplicit(h, s)) == row.kicks);
@@ -98,7 +99,8 @@ TEST_CASE("A step with one evaluation costs one sweep", "[counts]") {
 TEST_CASE("A failed step's calls are counted, too", "[counts]") {
   const Counting h;
   PhasePoint<double, 4> z = start;
-  Semiexplicit stepper(h, schemes::strang(), SimplifiedNewton{.stop = StoppingRule::paper(1e-15), .max_iterations = 2});
+  Semiexplicit stepper(h, schemes::strang(),
+                       SimplifiedNewton{.stop = StoppingRule::paper(1e-15), .max_iterations = 2});
   const StepReport report = stepper.step(z, 0.05);
   CHECK(report.status == Status::no_convergence);
   CHECK(report.evaluations == 2);

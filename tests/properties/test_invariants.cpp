@@ -22,7 +22,8 @@ PhasePoint<double, 4> vortices_start() {
 }
 
 /// The worst relative errors of a run on the lattice.
-template <class Stepper> auto errors_on_lattice(Stepper stepper, double dt, std::int64_t steps) {
+template <class Stepper>
+auto errors_on_lattice(Stepper stepper, double dt, std::int64_t steps) {
   PhasePoint<double, 5> z = lattice_start;
   Invariants errors(lattice);
   errors.add("mass", [](const auto& q, const auto& p) { return lattice.mass(q, p); });
@@ -31,7 +32,8 @@ template <class Stepper> auto errors_on_lattice(Stepper stepper, double dt, std:
 }
 
 /// Likewise for the vortices. None of the first values is zero.
-template <class Stepper> auto errors_of_vortices(Stepper stepper, double dt, std::int64_t steps) {
+template <class Stepper>
+auto errors_of_vortices(Stepper stepper, double dt, std::int64_t steps) {
   PhasePoint<double, 4> z = vortices_start();
   Invariants errors(vortices);
   errors.add("angular", [](const auto& q, const auto& p) { return vortices.angular_impulse(q, p); });
@@ -64,13 +66,17 @@ TEST_CASE("Every symplectic method keeps the linear and the quadratic invariants
 
 TEST_CASE("The mass error of a long run is that of rounding", "[invariants]") {
   const auto tight = StoppingRule::paper(0);
-  CHECK(errors_on_lattice(Semiexplicit(lattice, schemes::strang(), SimplifiedNewton{.stop = tight}), 0.01, 50'000)["mass"]
+  CHECK(errors_on_lattice(Semiexplicit(lattice, schemes::strang(), SimplifiedNewton{.stop = tight}), 0.01,
+                          50'000)["mass"]
             .worst <= 1e-14);
-  CHECK(errors_on_lattice(Semiexplicit(lattice, schemes::blanes_moan4(), Broyden{.stop = tight}), 0.01, 20'000)["mass"]
+  CHECK(errors_on_lattice(Semiexplicit(lattice, schemes::blanes_moan4(), Broyden{.stop = tight}), 0.01,
+                          20'000)["mass"]
             .worst <= 1e-14);
   // The default rule allows a relative drift of 1e-16 a step at most.
-  CHECK(errors_on_lattice(Semiexplicit(lattice, schemes::strang()), 0.01, 50'000)["mass"].worst <= 50'000 * 1e-16);
-  CHECK(errors_on_lattice(Semiexplicit(lattice, schemes::low_defect6_s13()), 0.01, 20'000)["mass"].worst <= 20'000 * 1e-16);
+  CHECK(errors_on_lattice(Semiexplicit(lattice, schemes::strang()), 0.01, 50'000)["mass"].worst <=
+        50'000 * 1e-16);
+  CHECK(errors_on_lattice(Semiexplicit(lattice, schemes::low_defect6_s13()), 0.01, 20'000)["mass"].worst <=
+        20'000 * 1e-16);
   CHECK(errors_on_lattice(GaussLegendre(lattice, {.stages = 3}), 0.01, 20'000)["mass"].worst <= 1e-14);
   // The test can fail.
   CHECK(errors_on_lattice(MidpointProjection(lattice, schemes::strang()), 0.01, 2000)["mass"].worst >= 1e-8);
@@ -78,9 +84,10 @@ TEST_CASE("The mass error of a long run is that of rounding", "[invariants]") {
 
 TEST_CASE("The impulses of vortices in a long run are kept to rounding", "[invariants]") {
   const auto tight = StoppingRule::paper(0);
-  const auto strang =
-      errors_of_vortices(Semiexplicit(vortices, schemes::strang(), SimplifiedNewton{.stop = tight}), 0.02, 20'000);
-  const auto default_rule = errors_of_vortices(Semiexplicit(vortices, schemes::low_defect6_s13(), Broyden{}), 0.05, 20'000);
+  const auto strang = errors_of_vortices(
+      Semiexplicit(vortices, schemes::strang(), SimplifiedNewton{.stop = tight}), 0.02, 20'000);
+  const auto default_rule =
+      errors_of_vortices(Semiexplicit(vortices, schemes::low_defect6_s13(), Broyden{}), 0.05, 20'000);
   for (const char* name : {"angular", "x", "y"}) {
     CAPTURE(name);
     CHECK(strang[name].worst <= 1e-13);
@@ -88,7 +95,8 @@ TEST_CASE("The impulses of vortices in a long run are kept to rounding", "[invar
   }
 }
 
-TEST_CASE("The energy error is bounded: the second half of a run is no worse than the first", "[invariants]") {
+TEST_CASE("The energy error is bounded: the second half of a run is no worse than the first",
+          "[invariants]") {
   struct Halves {
     double first = 0, second = 0;
   };
@@ -109,8 +117,13 @@ TEST_CASE("The energy error is bounded: the second half of a run is no worse tha
     CHECK(h.second <= 1.3 * h.first);
   };
   is_bounded(halves(Semiexplicit(lattice, schemes::strang()), lattice, lattice_start, 0.01, 50'000), 2e-2);
-  is_bounded(halves(Semiexplicit(lattice, schemes::blanes_moan4()), lattice, lattice_start, 0.01, 20'000), 1e-5);
-  is_bounded(halves(Semiexplicit(lattice, schemes::low_defect4_s7(), Broyden{}), lattice, lattice_start, 0.01, 20'000), 1e-4);
-  is_bounded(halves(Semiexplicit(vortices, schemes::strang()), vortices, vortices_start(), 0.02, 20'000), 1e-2);
-  is_bounded(halves(Semiexplicit(vortices, schemes::yoshida6()), vortices, vortices_start(), 0.05, 10'000), 1e-3);
+  is_bounded(halves(Semiexplicit(lattice, schemes::blanes_moan4()), lattice, lattice_start, 0.01, 20'000),
+             1e-5);
+  is_bounded(halves(Semiexplicit(lattice, schemes::low_defect4_s7(), Broyden{}), lattice, lattice_start, 0.01,
+                    20'000),
+             1e-4);
+  is_bounded(halves(Semiexplicit(vortices, schemes::strang()), vortices, vortices_start(), 0.02, 20'000),
+             1e-2);
+  is_bounded(halves(Semiexplicit(vortices, schemes::yoshida6()), vortices, vortices_start(), 0.05, 10'000),
+             1e-3);
 }

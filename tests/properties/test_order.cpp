@@ -20,7 +20,8 @@ using namespace semiexplicit;
 using Real = long double;
 
 /// A problem with its solution at time T, which comes from elsewhere.
-template <class H> struct Problem {
+template <class H>
+struct Problem {
   H hamiltonian;
   PhasePoint<Real, H::Dof> start, end;
   Real T;
@@ -44,7 +45,8 @@ Problem<systems::NlsLattice<Real, 3>> lattice() {
 }
 
 /// The error at T after n steps; infinite where a step fails.
-template <class H, class Stepper> double error(const Problem<H>& problem, Stepper stepper, int n) {
+template <class H, class Stepper>
+double error(const Problem<H>& problem, Stepper stepper, int n) {
   typename Stepper::State state(problem.start);
   const auto report =
       integrate(stepper, state, {.dt = problem.T / Real(n), .steps = n, .on_failure = OnFailure::stop});
@@ -55,7 +57,8 @@ template <class H, class Stepper> double error(const Problem<H>& problem, Steppe
 }
 
 /// How the error falls when the step is halved, as a power of two, once it is `small`.
-template <class H, class Stepper> double order(const Problem<H>& problem, const Stepper& stepper, double small) {
+template <class H, class Stepper>
+double order(const Problem<H>& problem, const Stepper& stepper, double small) {
   int n = 2;
   double now = error(problem, stepper, n);
   while (!(now <= small) && n < 10'000) {
@@ -73,7 +76,8 @@ double small_error(const methods::Claim& claim) {
   return claim.order > 10 ? 1e-9 : std::pow(10.0, -2.5 - 0.9 * claim.order);
 }
 
-template <class H> auto has_its_order(const Problem<H>& problem) {
+template <class H>
+auto has_its_order(const Problem<H>& problem) {
   return [&problem](const methods::Claim& claim, const auto& stepper) {
     CAPTURE(claim.name);
     const double measured = order(problem, stepper, small_error(claim));
@@ -109,8 +113,8 @@ TEST_CASE("The low-defect schemes of order 6 and 8 need the projection", "[order
     const auto s = schemes::by_name<Real>(name);
     CHECK(order(problem, Pihajoki(problem.hamiltonian, s), 1e-11) == Approx(4).margin(0.3));
     const double small = std::pow(10.0, -2.5 - 0.9 * s.order);
-    CHECK(order(problem, Semiexplicit(problem.hamiltonian, s, Broyden{.stop = StoppingRule::paper(0)}), small) ==
-          Approx(s.order).margin(0.3));
+    CHECK(order(problem, Semiexplicit(problem.hamiltonian, s, Broyden{.stop = StoppingRule::paper(0)}),
+                small) == Approx(s.order).margin(0.3));
     CHECK(order(problem, MidpointProjection(problem.hamiltonian, s), small) == Approx(s.order).margin(0.3));
   }
 }

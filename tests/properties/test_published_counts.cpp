@@ -11,7 +11,8 @@ namespace {
 
 using namespace semiexplicit;
 
-template <class Solver> double evaluations_per_step(const std::string& scheme, const Solver& solver) {
+template <class Solver>
+double evaluations_per_step(const std::string& scheme, const Solver& solver) {
   PhasePoint<double, 5> z({3, 0.01, 0.01, 0.01, 0.01}, {1, 0, 0, 0, 0});
   Semiexplicit stepper(systems::NlsLattice<double, 5>{}, schemes::by_name(scheme), solver);
   // The counts settle early: T = 100 instead of the published 1000.
@@ -31,7 +32,8 @@ TEST_CASE("The published numbers of evaluations per step come out", "[published]
         Row{"triple_jump6", 8.92, 7.06}, Row{"suzuki6", 4.69, 4.30}, Row{"yoshida6", 6.91, 5.99}}) {
     CAPTURE(row.scheme);
     const auto rule = StoppingRule::paper(1e-13);
-    CHECK(evaluations_per_step(row.scheme, SimplifiedNewton{.stop = rule}) == Approx(row.simplified).epsilon(0.03));
+    CHECK(evaluations_per_step(row.scheme, SimplifiedNewton{.stop = rule}) ==
+          Approx(row.simplified).epsilon(0.03));
     CHECK(evaluations_per_step(row.scheme, Broyden{.stop = rule}) == Approx(row.broyden).epsilon(0.03));
   }
 }

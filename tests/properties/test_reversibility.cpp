@@ -14,7 +14,8 @@ const systems::NlsLattice<double, 4> lattice;
 const PhasePoint<double, 4> start({1, 0.5, -0.3, 0.1}, {0.4, -0.7, 0.2, 0.9});
 
 /// How far from the start n steps forth and n back end.
-template <class Stepper> double way_off(Stepper stepper, double dt, int steps) {
+template <class Stepper>
+double way_off(Stepper stepper, double dt, int steps) {
   typename Stepper::State state(start);
   integrate(stepper, state, {.dt = dt, .steps = steps});
   CHECK((state.q() - start.q()).norm() >= 0.01);  // it went somewhere
@@ -34,7 +35,8 @@ TEST_CASE("A step back undoes a step", "[reversibility]") {
   });
 }
 
-TEST_CASE("With the default stopping rule a step back undoes a step to the rule's accuracy", "[reversibility]") {
+TEST_CASE("With the default stopping rule a step back undoes a step to the rule's accuracy",
+          "[reversibility]") {
   methods::Choice choice;
   choice.stop = StoppingRule::product();
   methods::for_each_of_phase_space(lattice, choice, [](const methods::Claim& claim, const auto& stepper) {

@@ -74,8 +74,9 @@ class GaussLegendre {
       report.status = Status::invalid_state;
     if (!report.ok()) return report;
 
-    start(z, dt, report);
-    last_dt_ = Scalar(0);  // nothing to extrapolate from until the step is done
+    const bool goes_on = options_.extrapolate && last_dt_ == dt && update_.continues(z);
+    last_dt_ = Scalar(0);  // nothing to extrapolate from until the step is done, also where a gradient throws
+    start(z, dt, goes_on, report);
     report.status = iterate(z, dt, report);
     if (report.status == Status::not_finite && !z.vector().allFinite()) report.status = Status::invalid_state;
     if (!report.ok()) return report;
@@ -104,8 +105,8 @@ class GaussLegendre {
   using Dense = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
 
   /// First values of the stages' gradients and displacements.
-  void start(const State& z, const Scalar& dt, StepReport& report) {
-    if (options_.extrapolate && last_dt_ == dt && update_.continues(z)) {
+  void start(const State& z, const Scalar& dt, bool extrapolate, StepReport& report) {
+    if (extrapolate) {
       started_.swap(gradients_);
       gradients_.setZero();
       for (Eigen::Index i = 0; i < gradients_.cols(); ++i)
@@ -125,24 +126,28 @@ class GaussLegendre {
   Status iterate(const State& z, const Scalar& dt, StepReport& report) {
     using std::isfinite;
     using std::sqrt;
-    const Scalar floor = 100 * Eigen::NumTraits<Scalar>::epsilon() * detail::norm(z.vector());
+    const Scalar size = detail::norm(z.vector());
+    const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon();
+    const bool newton = options_.solver == StageSolver::newton;
     Scalar previous(0);
     for (;;) {
+      // The first fixed-point sweep only evaluates the gradients at the starting values: a change is yet to be seen.
+      const bool seen = newton || report.evaluations > 0;
       const Scalar change =
-          options_.solver == StageSolver::newton
-              ? newton_iteration(z, dt, report)
-              : detail::inlined<Scalar>([&] { return fixed_point_iteration(z, dt, report); });
+          newton ? newton_iteration(z, dt, report)
+                 : detail::inlined<Scalar>([&] { return fixed_point_iteration(z, dt, report); });
       ++report.evaluations;
-      report.correction = static_cast<double>(change);
-      if (report.evaluations > 1) report.rate = static_cast<double>(change / previous);
-      if (!isfinite(change)) return Status::not_finite;
-      if (change == Scalar(0) || change < Scalar(options_.tolerance)) return Status::success;
-      if (report.evaluations > 1 && change >= previous &&
-          change <=
-              floor + 100 * Eigen::NumTraits<Scalar>::epsilon() * detail::norm(displacements_.reshaped()))
-        return options_.tolerance == 0 ? Status::success : Status::rounding_limited;
+      if (seen) {
+        report.correction = static_cast<double>(change);
+        if (previous > Scalar(0)) report.rate = static_cast<double>(change / previous);
+        if (!isfinite(change)) return Status::not_finite;
+        if (change == Scalar(0) || change < Scalar(options_.tolerance)) return Status::success;
+        if (previous > Scalar(0) && change >= previous &&
+            change <= 100 * epsilon * (size + detail::norm(displacements_.reshaped())))
+          return options_.tolerance == 0 ? Status::success : Status::rounding_limited;
+        previous = change;
+      }
       if (report.evaluations >= options_.max_iterations) return Status::no_convergence;
-      previous = change;
     }
   }
 
@@ -178,8 +183,7 @@ class GaussLegendre {
       stage_gradient(z, i);
       ++report.gradients;
     }
-    // The first sweep only evaluates the gradients at the starting values: a change is yet to be seen.
-    return report.evaluations > 0 ? sqrt(squared) : std::numeric_limits<Scalar>::max();
+    return sqrt(squared);
   }
 
   /// What Newton's method needs: the Hessian of a stage, and the matrix and right-hand side of all.

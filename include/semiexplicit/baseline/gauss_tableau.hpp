@@ -46,6 +46,7 @@ struct GaussTableau {
         for (int k = 0; k < stages; ++k) integral += b[k] * lagrange(j, c[i] * c[k]);
         m(i, j) = c[i] * integral / b[j];
         m(j, i) = 1 - m(i, j);
+        m(i, j) = 1 - m(j, i);  // exact, as 1/2 <= m_ji <= 2; the line above may round
       }
       for (int j = 0; j < stages; ++j) extrapolation(i, j) = lagrange(j, 1 + c[i]);
     }

@@ -26,7 +26,7 @@ class CompensatedUpdate {
   template <class Increment>
   bool update(PhasePoint<Scalar, Dof>& z, const Increment& increment) {
     if (!continues(z)) carry_.setZero();
-    Scalar* __restrict state = z.vector().data();
+    Scalar* state = z.vector().data();  // which increment() may read as well
     Scalar* __restrict carry = carry_.data();
     Scalar* __restrict next = next_.data();
     const Eigen::Index n = next_.size();

@@ -78,10 +78,7 @@ class PhasePoint {
   }
   static Vector<Scalar, Dof> column(const char* name, std::initializer_list<Scalar> list) {
     require_size(name, static_cast<Eigen::Index>(list.size()));
-    Vector<Scalar, Dof> entries(static_cast<Eigen::Index>(list.size()));
-    Eigen::Index i = 0;
-    for (const Scalar& entry : list) entries[i++] = entry;
-    return entries;
+    return Eigen::Map<const Vector<Scalar, Dof>>(list.begin(), static_cast<Eigen::Index>(list.size()));
   }
 
   Storage z_;

@@ -28,7 +28,7 @@ inline std::string describe(Status status) {
     case Status::rounding_limited:
       return "success, limited by rounding";
     case Status::no_convergence:
-      return "the projection did not converge; reduce dt, or loosen the stopping rule if the correction is "
+      return "the iteration did not converge; reduce dt, or loosen the stopping rule if the correction is "
              "near rounding";
     case Status::not_finite:
       return "the gradient gave NaN or Inf; check it at this state for a singularity, or reduce dt";

@@ -26,7 +26,7 @@ class DoubledStep {
   /// in the result, and diagnose() tells it from a gradient that is not.
   Status check(const State& z, const Scalar& dt) const {
     if (!valid_step(dt)) return Status::invalid_step;
-    return z.vector().size() == sum_.size() ? Status::success : Status::invalid_state;
+    return z.vector().size() == chain_.a.size() ? Status::success : Status::invalid_state;
   }
 
   /// The status of a step from z that came out NaN or Inf.
@@ -35,41 +35,47 @@ class DoubledStep {
   }
 
   /// All kicks from a = b = z.
-  void sweep(const State& z, const Scalar& dt) { run(z.vector(), z.vector(), z, dt); }
+  void sweep(const State& z, const Scalar& dt) { run(z.vector(), z.vector(), dt); }
 
   /// The same from a = z + m, b = z - m (the paper's ζ + Aᵀμ).
   void sweep(const State& z, const Vec& m, const Scalar& dt) {
     chain_.a = z.vector() + m;
     chain_.b = z.vector() - m;
-    run(chain_.a, chain_.b, z, dt);
+    run(chain_.a, chain_.b, dt);
   }
 
   /// a - b after the sweep.
   auto difference() const { return chain_.a - chain_.b; }
 
   /// How far the mean of the copies moved from z, in the Euclidean norm.
-  Scalar distance() const { return norm(sum_) / 2; }
+  Scalar distance(const State& z) const {
+    return summed() ? norm(sum_) / 2 : norm((chain_.a - z.vector()) + (chain_.b - z.vector())) / 2;
+  }
 
   /// z becomes the mean of the copies; false, and z untouched, where that is not finite.
   bool finish(State& z) {
-    return update_.update(z, [moved = sum_.data()](Eigen::Index i) { return moved[i] / 2; });
+    if (summed()) return update_.update(z, [moved = sum_.data()](Eigen::Index i) { return moved[i] / 2; });
+    return update_.update(z, [a = chain_.a.data(), b = chain_.b.data(), from = z.vector().data()](
+                                 Eigen::Index i) { return ((a[i] - from[i]) + (b[i] - from[i])) / 2; });
   }
 
   const KickChain<H>& chain() const { return chain_; }
 
  private:
   /// In vectors longer than this (bytes) a kick costs what it moves through memory, and keeping the sum up to date in each
-  /// would be a third of that. It is taken from the copies then, once a step, with their rounding errors.
+  /// would be a third of that. What the copies moved is taken from them at the end then, with their rounding errors.
   static constexpr std::size_t long_vector = std::size_t{1} << 20;
+  bool summed() const { return static_cast<std::size_t>(chain_.a.size()) * sizeof(Scalar) <= long_vector; }
 
-  void run(const Vec& from_a, const Vec& from_b, const State& z, const Scalar& dt) {
-    if (static_cast<std::size_t>(sum_.size()) * sizeof(Scalar) <= long_vector) {
+  void run(const Vec& from_a, const Vec& from_b, const Scalar& dt) {
+    if (summed()) {
       chain_.run(from_a, from_b, dt, sum_);
     } else {
-      chain_.a = from_a;
-      chain_.b = from_b;
+      if (&from_a != &chain_.a) {
+        chain_.a = from_a;
+        chain_.b = from_b;
+      }
       chain_.run(dt);
-      sum_ = (chain_.a - z.vector()) + (chain_.b - z.vector());
     }
   }
 

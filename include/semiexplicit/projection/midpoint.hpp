@@ -29,8 +29,10 @@ class MidpointProjection {
     doubled_.sweep(z, dt);
     report.evaluations = 1;
     report.gradients = doubled_.chain().gradients();
-    report.correction = static_cast<double>(detail::norm(doubled_.difference()) / 4);
-    if (!std::isfinite(report.correction) || !doubled_.finish(z)) report.status = doubled_.diagnose(z);
+    using std::isfinite;
+    const Scalar correction = detail::norm(doubled_.difference()) / 4;
+    report.correction = static_cast<double>(correction);
+    if (!isfinite(correction) || !doubled_.finish(z)) report.status = doubled_.diagnose(z);
     return report;
   }
 

@@ -79,7 +79,7 @@ class Semiexplicit {
 
     /// A correction below this may be nothing but rounding: the copies' own, made larger by the kicks in between.
     Scalar rounding_level() const {
-      return 100 * Eigen::NumTraits<Scalar>::epsilon() * (size + doubled.distance());
+      return 100 * Eigen::NumTraits<Scalar>::epsilon() * (size + doubled.distance(z));
     }
   };
 

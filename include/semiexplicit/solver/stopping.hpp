@@ -24,7 +24,7 @@ struct StoppingRule {
   /// NaN in any argument is never accepted.
   template <class Scalar>
   bool accepts(const Scalar& e, const Scalar& size_m, const Scalar& size_z) const {
-    const Scalar bound(tolerance);
+    const Scalar bound = static_cast<Scalar>(tolerance);
     if (kind == Kind::paper) return e < bound;
     // As a product of ratios: the squares of very small or very large states have no room in the exponent.
     return e == Scalar(0) || (e / size_z) * ((size_m + e) / size_z) <= bound;

@@ -6,6 +6,7 @@
 #include <concepts>
 #include <cstdint>
 #include <stdexcept>
+#include <type_traits>
 
 #include <semiexplicit/core/report.hpp>
 
@@ -44,8 +45,8 @@ bool notify(Observer& observer, const Scalar& t, const State& state, const StepR
     else
       return observer(t, state);
   };
-  if constexpr (std::convertible_to<decltype(call()), bool>)
-    return static_cast<bool>(call());
+  if constexpr (std::same_as<std::remove_cvref_t<decltype(call())>, bool>)
+    return call();
   else {
     call();
     return true;
@@ -55,7 +56,7 @@ bool notify(Observer& observer, const Scalar& t, const State& state, const StepR
 }  // namespace detail
 
 /// Takes `steps` steps of size dt and calls every observer, in order, at the start and after each step. An observer is any
-/// callable (t, state), or (t, state, StepReport); one that returns false ends the run there (status `stopped`).
+/// callable (t, state), or (t, state, StepReport); one that returns the bool false ends the run there (status `stopped`).
 ///
 ///     PhasePoint<double, 1> z(-3, 0);
 ///     integrate(stepper, z, {.dt = 0.01, .steps = 1000}, [](double t, const auto& z) { std::cout << t << ' ' << z.q() << '\n'; });

@@ -142,7 +142,8 @@ TEST_CASE("Every status has a description, those of failures with a remedy", "[i
     return std::string();
   };
   CHECK(failed(Status::no_convergence).find("reduce dt") != std::string::npos);
-  CHECK(failed(Status::not_finite).find("check it at this state for a singularity") != std::string::npos);
+  CHECK(failed(Status::not_finite).find("check the gradient near this state for a singularity") !=
+        std::string::npos);
   CHECK(failed(Status::invalid_state).find("check the initial data") != std::string::npos);
   CHECK(failed(Status::invalid_step).find("give a finite step") != std::string::npos);
   CHECK(failed(Status::no_convergence).find("last correction") == std::string::npos);  // there was none

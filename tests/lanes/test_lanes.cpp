@@ -23,7 +23,17 @@ struct PlainLattice {
   }
 };
 
-#ifdef __AVX512F__
+/// A type with another gradient does not take over the lanes of its base.
+struct Changed : systems::NlsLattice<double, 5> {
+  void gradient(const ConstRef<double, 5>& q, const ConstRef<double, 5>& p, Ref<double, 5> dHdq,
+                Ref<double, 5> dHdp) const {
+    dHdq = q;
+    dHdp = p;
+  }
+};
+static_assert(Hamiltonian<Changed> && !HasLaneGradient<Changed>);
+
+#ifdef SEMIEXPLICIT_HAS_LANES
 static_assert(HasLaneGradient<systems::NlsLattice<double, 1>> &&
               HasLaneGradient<systems::NlsLattice<double, 8>>);
 #endif

@@ -114,7 +114,7 @@ TEST_CASE("max_iterations is exact: the last evaluation may still be accepted", 
   with_both([](auto solver) {
     solver.stop = StoppingRule::paper(1e-12);
     Residual residual{mild(0.5)};
-    const int needed = solve(solver, residual).evaluations;
+    const auto needed = static_cast<int>(solve(solver, residual).evaluations);
     solver.max_iterations = needed;
     CHECK(solve(solver, residual).status == Status::success);
     solver.max_iterations = needed - 1;
@@ -191,7 +191,7 @@ TEST_CASE("NaN and Inf are failures, wherever they stand", "[solver]") {
 
 TEST_CASE("Systems of tiny and of huge size are solved to the same relative accuracy", "[solver]") {
   with_both([](auto solver) {
-    for (const double size : {1e-150, 1e150}) {
+    for (const double size : {1e-200, 1e-150, 1e150, 1e200}) {
       CAPTURE(size);
       Residual residual{[size](const Vec& m) { return Vec(size * mild(0.5)(m / size)); }, size};
       const auto report = solve(solver, residual);

@@ -34,7 +34,8 @@ struct GaussLegendreOptions {
 /// iteration that stops at the rounding floor, compensated update.
 ///
 /// Newton's method takes the Hessian of H where it has one (HasHessian), else central differences of the gradient (4d calls a
-/// stage). Memory: (3s + 3) vectors of length 2d; Newton's method (2ds)² numbers more, and its factorisation may use the heap.
+/// stage). Memory: (3s + 4) vectors of length 2d; Newton's method 2 (2ds)² numbers more, and its factorisation may use the heap. Its
+/// step ends with the gradients from before the last correction, so it wants a tight tolerance.
 ///
 /// Sources: Hairer, Lubich, Wanner, Geometric Numerical Integration, II.1.3 and VIII.6; Antoñana, Makazaga, Murua,
 /// Numer. Algorithms 76 (2017) 861.
@@ -169,21 +170,20 @@ class GaussLegendre {
     detail::gradient_at(hamiltonian_, point_.data(), gradients_.col(i).data(), dof());
   }
 
-  /// One sweep over the stages; returns the norm of what changed.
+  /// One sweep over the stages; returns the sum of the norms of what changed in each.
   Scalar fixed_point_iteration(const State& z, const Scalar& dt, StepReport& report) {
-    using std::sqrt;
-    Scalar squared(0);
+    Scalar total(0);
     for (Eigen::Index i = 0; i < gradients_.cols(); ++i) {
       if (report.evaluations > 0) {
         displace(i, dt);
         displacements_.col(i) -= change_;
-        squared += detail::dot(displacements_.col(i), displacements_.col(i));
+        total += detail::norm(displacements_.col(i));
         displacements_.col(i) = change_;
       }
       stage_gradient(z, i);
       ++report.gradients;
     }
-    return sqrt(squared);
+    return total;
   }
 
   /// What Newton's method needs: the Hessian of a stage, and the matrix and right-hand side of all.

@@ -31,7 +31,9 @@ inline std::string describe(Status status) {
       return "the iteration did not converge; reduce dt, or loosen the stopping rule if the correction is "
              "near rounding";
     case Status::not_finite:
-      return "the gradient gave NaN or Inf; check it at this state for a singularity, or reduce dt";
+      return "the copies or a gradient became NaN or Inf within the step; reduce dt, or check the gradient "
+             "near this state "
+             "for a singularity";
     case Status::invalid_state:
       return "the state has another size than the Hamiltonian, or holds NaN or Inf; check the initial data";
     case Status::invalid_step:
@@ -45,7 +47,8 @@ inline std::string describe(Status status) {
 /// What one step did. `z` is as it was unless ok().
 struct StepReport {
   Status status = Status::success;
-  int evaluations = 0;  ///< of the residual f; for an explicit map 1, for a Runge-Kutta method its iterations
+  std::int64_t evaluations =
+      0;  ///< of the residual f; for an explicit map 1, for a Runge-Kutta method its iterations
   std::int64_t gradients = 0;  ///< gradient calls
   double correction =
       0;  ///< size of the solver's next correction, ‖f‖/4 at the accepted point for the projection
@@ -83,7 +86,7 @@ class IntegrationError : public std::runtime_error {
     out.precision(9);
     out << "integrate: step " << r.steps + 1 << " failed at t = " << r.t << " (dt = " << dt
         << "): " << describe(r.status);
-    if (r.last.correction != 0) {
+    if (r.last.correction > 0) {
       out.precision(3);
       out << " (last correction " << r.last.correction << " after " << r.last.evaluations << " evaluations";
       if (r.last.rate > 0) out << ", changing by a factor " << r.last.rate << " each";

@@ -15,7 +15,7 @@
 
 namespace semiexplicit {
 
-/// Writes a table of numbers as CSV: a header, then rows, each number with as many digits as it takes to read it back
+/// Writes a table of doubles as CSV: a header, then rows, each number with as many digits as it takes to read it back
 /// exactly. The rows go to `path` + ".part"; commit() gives the file its name, so that a file of that name is always whole.
 /// Without commit() nothing is left behind. Throws std::runtime_error, naming the file, where writing fails.
 class CsvWriter {
@@ -76,7 +76,7 @@ class CsvWriter {
   bool committed_ = false;
 };
 
-/// An observer that writes the trajectory: t, q0, q1, ..., p0, p1, .... Call commit() after the run.
+/// An observer that writes the trajectory, as doubles: t, q0, q1, ..., p0, p1, .... Call commit() after the run.
 class CsvTrajectory {
  public:
   CsvTrajectory(const std::filesystem::path& path, Eigen::Index dof) : writer_(path, columns(dof)) {}

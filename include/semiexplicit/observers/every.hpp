@@ -27,7 +27,8 @@ class Every {
 };
 
 /// `every(100, observer)`: calls the observer at the start and then after every 100 steps. A named observer is referred to,
-/// so it must outlive the run; a temporary is kept.
+/// so it must outlive the run; a temporary is kept. The count goes on from run to run; the last state is only seen where a
+/// multiple of n falls on it.
 template <class Observer>
 Every<Observer> every(std::int64_t n, Observer&& observer) {
   return {n, std::forward<Observer>(observer)};

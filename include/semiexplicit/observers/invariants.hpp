@@ -31,6 +31,7 @@ class Invariants {
     Scalar worst = Scalar(0);       ///< largest error so far
     Scalar worst_time = Scalar(0);  ///< when it was first seen
     Scalar final = Scalar(0);       ///< error at the last call
+    bool started = false;           ///< whether it has its first value
   };
 
   Invariants() = default;
@@ -50,7 +51,8 @@ class Invariants {
     using std::abs;
     for (Row& row : rows_) {
       const Scalar now = row.value(state.q(), state.p());
-      if (!started_) row.initial = now;
+      if (!row.started) row.initial = now;
+      row.started = true;
       row.final = abs(now - row.initial);
       if (row.initial != Scalar(0)) row.final /= abs(row.initial);
       if (!(row.final <= row.worst) &&
@@ -59,7 +61,11 @@ class Invariants {
         row.worst_time = t;
       }
     }
-    started_ = true;
+  }
+
+  /// Forgets what it saw: the next call's values are the first ones again. Without it a second run counts as going on.
+  void reset() {
+    for (Row& row : rows_) row = {.name = std::move(row.name), .value = std::move(row.value)};
   }
 
   const std::vector<Row>& rows() const { return rows_; }
@@ -72,7 +78,6 @@ class Invariants {
 
  private:
   std::vector<Row> rows_;
-  bool started_ = false;
 };
 
 template <HasEnergy H>

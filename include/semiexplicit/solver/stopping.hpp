@@ -35,9 +35,9 @@ struct StoppingRule {
 template <class Scalar>
 struct SolverReport {
   Status status = Status::no_convergence;
-  int evaluations = 0;    ///< of the residual
-  Scalar correction = 0;  ///< size e of the next correction
-  Scalar rate = 0;        ///< e over the one before it; 0 after a single evaluation
+  std::int64_t evaluations = 0;  ///< of the residual
+  Scalar correction = 0;         ///< size e of the next correction
+  Scalar rate = 0;               ///< e over the one before it; 0 after a single evaluation
 };
 
 namespace detail {

@@ -59,6 +59,7 @@ class NlsLattice {
   }
 
 #ifdef SEMIEXPLICIT_HAS_LANES
+  using LaneGradientOf = NlsLattice;
   /// The same for up to eight sites, all in one register; see HasLaneGradient.
   void lane_gradient(const Lanes& q, const Lanes& p, Lanes& dHdq, Lanes& dHdp) const
       requires(N > 0 && N <= 8) {

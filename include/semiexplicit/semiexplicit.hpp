@@ -2,6 +2,7 @@
 
 /// Everything of the library. Each header also stands alone.
 
+#include <semiexplicit/baseline/gauss_lanes.hpp>
 #include <semiexplicit/baseline/gauss_legendre.hpp>
 #include <semiexplicit/core/hamiltonian.hpp>
 #include <semiexplicit/core/phase_point.hpp>

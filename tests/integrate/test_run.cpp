@@ -254,7 +254,7 @@ TEST_CASE("A run of the doubled space", "[integrate]") {
                                   [&](double, const auto& now) { defect = std::max(defect, now.defect()); });
     CHECK(report.status == Status::success);
     CHECK(report.evaluations == 50);
-    CHECK(report.gradients == 50 * gradients);
+    CHECK(report.gradients == gradients);
     CHECK((state.a.vector() - expected.vector()).norm() < 1e-6);
     CHECK((state.b.vector() - expected.vector()).norm() < 1e-6);
     CHECK(defect > 0);
@@ -267,8 +267,8 @@ TEST_CASE("A run of the doubled space", "[integrate]") {
     CHECK(invariants["energy"].worst > 0);
     CHECK(invariants["energy"].worst < 1e-6);
   };
-  comes_close(Pihajoki(product, schemes::yoshida6()), 15);
-  comes_close(Tao(product, schemes::yoshida6(), 5.0), 22);
+  comes_close(Pihajoki(product, schemes::yoshida6()), 50 * 15);
+  comes_close(Tao(product, schemes::yoshida6(), 5.0), 50 * 21 + 1);  // the last gradient is kept
 }
 
 TEST_CASE("A run in another number type", "[integrate]") {

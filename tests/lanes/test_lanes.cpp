@@ -2,6 +2,8 @@
 // here they are held against the same systems without that path.
 
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "catch.hpp"
 
@@ -35,7 +37,8 @@ static_assert(Hamiltonian<Changed> && !HasLaneGradient<Changed>);
 
 #ifdef SEMIEXPLICIT_HAS_LANES
 static_assert(HasLaneGradient<systems::NlsLattice<double, 1>> &&
-              HasLaneGradient<systems::NlsLattice<double, 8>>);
+              HasLaneGradient<systems::NlsLattice<double, 8>> &&
+              HasLaneGradient<systems::PointVortices<double, 10>>);
 #endif
 static_assert(!HasLaneGradient<PlainLattice<5>> && !HasLaneGradient<systems::NlsLattice<double, 9>> &&
               !HasLaneGradient<systems::NlsLattice<float, 5>> &&
@@ -73,9 +76,98 @@ void compare() {
     CHECK(distance(u.a, v.a) < 1e-13);
     CHECK(distance(u.b, v.b) < 1e-13);
   }
+  SECTION("coupled") {
+    Tao lanes(systems::NlsLattice<double, N>(), scheme, 7.0);
+    Tao plain(PlainLattice<N>{}, scheme, 7.0);
+    ExtendedPoint u(start), v(start);
+    for (int i = 0; i < 50; ++i) {
+      REQUIRE(lanes.step(u, 2e-3).ok());
+      REQUIRE(plain.step(v, 2e-3).ok());
+    }
+    CHECK(distance(u.a, v.a) < 1e-13);
+    CHECK(distance(u.b, v.b) < 1e-13);
+  }
 }
 
 }  // namespace
+
+TEST_CASE("Vortices in registers feel what they feel in wider numbers") {
+  const auto check = [](auto n) {
+    constexpr int N = n.value;
+    CAPTURE(N);
+    Vector<double, N> circulation, x, y;
+    for (int i = 0; i < N; ++i) {
+      circulation[i] = std::cos(3.0 * i) + 1.5 * (i % 2) - 0.2;
+      x[i] = 2.0 * (i % 9) + 0.3 * std::sin(1 + 2.3 * i);
+      y[i] = 2.0 * (i / 9) + 0.3 * std::cos(0.7 * i * i);
+    }
+    const systems::PointVortices<double, N> fixed(circulation);
+    const systems::PointVortices<double> dynamic(circulation);
+    const systems::PointVortices<long double, N> wide(circulation.template cast<long double>());
+    const auto z = fixed.phase_point(x, y);
+    const Vector<long double, N> q = z.q().template cast<long double>(),
+                                 p = z.p().template cast<long double>();
+    Vector<long double, N> dq, dp;
+    wide.gradient(q, p, dq, dp);
+    const auto close = [&](const auto& gradient_q, const auto& gradient_p) {
+      const auto error = (gradient_q.template cast<long double>() - dq).norm() +
+                         (gradient_p.template cast<long double>() - dp).norm();
+      return error <= 5e-15L * (dq.norm() + dp.norm());
+    };
+    Vector<double, N> a, b;
+    fixed.gradient(z.q(), z.p(), a, b);
+    CHECK(close(a, b));
+    Eigen::VectorXd c(N), d(N);
+    dynamic.gradient(z.q(), z.p(), c, d);
+    CHECK(close(c, d));
+#ifdef SEMIEXPLICIT_HAS_LANES
+    if constexpr (HasLaneGradient<systems::PointVortices<double, N>>) {
+      const auto at = detail::LanePoint<N>::load(z.vector().data());
+      detail::LanePoint<N> gradient;
+      fixed.lane_gradient(at.q, at.p, gradient.q, gradient.p);
+      double all[32];
+      for (int k = 0; k < registers_for(N); ++k) {
+        _mm512_storeu_pd(all + 8 * k, gradient.q[k]);
+        _mm512_storeu_pd(all + 16 + 8 * k, gradient.p[k]);
+      }
+      CHECK(close(Eigen::Map<Vector<double, N>>(all), Eigen::Map<Vector<double, N>>(all + 16)));
+      for (int i = N; i < 8 * registers_for(N); ++i) CHECK((all[i] == 0 && all[16 + i] == 0));
+    }
+#endif
+#ifdef SEMIEXPLICIT_HAS_PACKS
+    std::vector<Pack<double>> at(2 * N), gradient(2 * N);
+    for (int i = 0; i < 2 * N; ++i) at[std::size_t(i)] = z.vector()[i];
+    fixed.gradient(at.data(), at.data() + N, gradient.data(), gradient.data() + N);
+    for (int i = 0; i < N; ++i) {
+      c[i] = gradient[std::size_t(i)][7];
+      d[i] = gradient[std::size_t(N + i)][7];
+    }
+    CHECK(close(c, d));
+#endif
+  };
+  [&]<int... Ns>(std::integer_sequence<int, Ns...>) { (check(std::integral_constant<int, Ns>()), ...); }
+  (std::integer_sequence<int, 3, 7, 9, 10, 16, 70>());
+}
+
+TEST_CASE("Vortices that coincide give no finite gradient, in registers as elsewhere") {
+  Vector<double, 10> circulation, x, y;
+  for (int i = 0; i < 10; ++i) {
+    circulation[i] = 1 + i;
+    x[i] = i;
+    y[i] = i * i;
+  }
+  for (const auto& [i, j] : {std::pair(0, 7), std::pair(3, 9), std::pair(8, 9)}) {
+    CAPTURE(i, j);
+    auto same_x = x, same_y = y;
+    same_x[j] = x[i];
+    same_y[j] = y[i];
+    const systems::PointVortices<double, 10> vortices(Vector<double, 10>::Ones());
+    Vector<double, 10> dq, dp;
+    const auto z = vortices.phase_point(same_x, same_y);
+    vortices.gradient(z.q(), z.p(), dq, dp);
+    CHECK_FALSE((std::isfinite(dq[i]) && std::isfinite(dq[j])));
+  }
+}
 
 TEST_CASE("Small systems in registers take the steps of the plain code: 1 site") { compare<1>(); }
 TEST_CASE("Small systems in registers take the steps of the plain code: 2 sites") { compare<2>(); }

@@ -48,6 +48,8 @@ void for_each_of_phase_space(const H& h, const Choice& choice, Test test) {
     test(Claim{gauss + "fixed point", 2 * stages, true, true}, GaussLegendre(h, {.stages = stages}));
     test(Claim{gauss + "Newton", 2 * stages, true, true},
          GaussLegendre(h, {.stages = stages, .solver = StageSolver::newton}));
+    if constexpr (HasPackGradient<H>)
+      test(Claim{gauss + "in lanes", 2 * stages, true, true}, GaussLegendreLanes(h, {.stages = stages}));
   }
 }
 

@@ -86,6 +86,26 @@ TEST_CASE("A sweep costs one gradient call a kick", "[counts]") {
   CHECK(of(Tao(h, schemes::yoshida6(), 10.0)) == 22);
 }
 
+TEST_CASE("Tao's map keeps the last gradient of a step for the next one, and for no other point",
+          "[counts]") {
+  const Counting h;
+  Tao stepper(h, schemes::triple_jump(4), 10.0);
+  ExtendedPoint<double, 4> zeta(start), by_fresh_ones(start);
+  for (const int calls : {10, 9, 9, 9}) {
+    const StepReport report = stepper.step(zeta, 0.01);
+    REQUIRE(report.ok());
+    CHECK(report.gradients == calls);
+    REQUIRE(Tao(h, schemes::triple_jump(4), 10.0).step(by_fresh_ones, 0.01).ok());
+    CHECK(zeta.a.vector() == by_fresh_ones.a.vector());
+    CHECK(zeta.b.vector() == by_fresh_ones.b.vector());
+  }
+  CHECK(stepper.step(zeta, -0.01).gradients == 9);  // the step may change, the point may not
+  ExtendedPoint<double, 4> other(start);
+  CHECK(stepper.step(other, 0.01).gradients == 10);
+  CHECK(stepper.step(other, 0.0).status == Status::invalid_step);
+  CHECK(stepper.step(other, 0.01).gradients == 10);
+}
+
 TEST_CASE("A step with one evaluation costs one sweep", "[counts]") {
   const Counting h;
   PhasePoint<double, 4> z = start;

@@ -13,6 +13,19 @@ using namespace semiexplicit;
 using Real = long double;
 using Dynamic = PhasePoint<Real, Eigen::Dynamic>;
 
+/// A lattice with its whole gradient only.
+struct Whole {
+  using Scalar = double;
+  static constexpr int Dof = Eigen::Dynamic;
+  systems::NlsLattice<double> lattice;
+  Eigen::Index dof() const { return lattice.dof(); }
+  void gradient(ConstRef<double, Dof> q, ConstRef<double, Dof> p, Ref<double, Dof> dHdq,
+                Ref<double, Dof> dHdp) const {
+    lattice.gradient(q, p, dHdq, dHdp);
+  }
+};
+static_assert(HasRangeGradient<systems::NlsLattice<double>> && !HasRangeGradient<Whole>);
+
 /// Numbers without a pattern in (-1, 1).
 Real number(int n) { return std::fmod(static_cast<Real>(n + 1) * 0.618033988749894848L, 1.0L) * 2 - 1; }
 
@@ -261,5 +274,23 @@ TEST_CASE("Vortices that coincide have no gradient, and a step fails without har
     fails(Pihajoki(h, schemes::strang()));
     fails(Tao(h, schemes::strang(), 1.0));
     fails(GaussLegendre(h));
+  }
+}
+
+TEST_CASE("A large lattice stepped block by block takes the steps of the whole gradient", "[systems]") {
+  // Sizes about the length of a block, where ends meet.
+  for (const Eigen::Index sites : {64, 65, 128, 129, 200}) {
+    CAPTURE(sites);
+    const systems::NlsLattice<double> lattice(sites);
+    PhasePoint<double, Eigen::Dynamic> u(sites);
+    for (Eigen::Index i = 0; i < 2 * sites; ++i) u.vector()[i] = std::sin(1.0 + 3.7 * double(i * i));
+    auto v = u;
+    Semiexplicit in_blocks(lattice, schemes::blanes_moan4());
+    Semiexplicit at_once(Whole{lattice}, schemes::blanes_moan4());
+    for (int n = 0; n < 5; ++n) {
+      REQUIRE(in_blocks.step(u, 0.01).ok());
+      REQUIRE(at_once.step(v, 0.01).ok());
+    }
+    CHECK((u.vector() - v.vector()).norm() <= 1e-14 * v.vector().norm());
   }
 }

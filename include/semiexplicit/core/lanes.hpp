@@ -16,35 +16,54 @@ namespace semiexplicit {
 /// Eight doubles side by side; arithmetic goes lane by lane.
 using Lanes = double __attribute__((vector_size(64)));
 
-/// Optional, for a system so small that all its positions fit into one register, and all its momenta into another: the
-/// gradient on registers, entry i in lane i. Lanes from Dof on are zero on entry and have to be zero on exit. The copies
-/// then stay in registers through all kicks of a step. gradient() is needed all the same and must agree: H says that it
-/// does by `using LaneGradientOf = H;`, which does not hold for a type that derives from H and changes gradient().
+/// How many registers hold `dof` numbers.
+constexpr int registers_for(int dof) { return (dof + 7) / 8; }
+
+/// Optional, for a system so small that its positions fit into one or two registers, and its momenta into as many: the
+/// gradient on registers, entry i in lane i % 8 of register i / 8. Lanes from Dof on are zero on entry and have to be zero
+/// on exit. The copies then stay in registers through all kicks of a step. gradient() is needed all the same and must agree:
+/// H says that it does by `using LaneGradientOf = H;`, which does not hold for a type that derives from H and changes
+/// gradient().
 template <class H>
 concept HasLaneGradient = Hamiltonian<H> && std::same_as<typename H::Scalar, double> &&
                           std::same_as<typename H::LaneGradientOf, H> &&(H::Dof > 0) &&
-                          (H::Dof <= 8) &&
-                          requires(const H& h, const Lanes& q, const Lanes& p, Lanes& dHdq, Lanes& dHdp) {
-  h.lane_gradient(q, p, dHdq, dHdp);
+                          (H::Dof <= 16) && requires(const H& h, const Lanes* at, Lanes* gradient) {
+  h.lane_gradient(at, at, gradient, gradient);  // q, p, dHdq, dHdp: registers_for(Dof) registers each
 };
 
 namespace detail {
 
-/// A phase point in two registers.
+/// The lanes of register k that hold some of `dof` numbers.
+constexpr __mmask8 lanes_of(int dof, int k) {
+  return static_cast<__mmask8>(dof >= 8 * (k + 1) ? 0xff : (1 << (dof - 8 * k)) - 1);
+}
+
+/// Up to 16 numbers in registers; lanes beyond are zero.
+template <int Dof>
+void load_lanes(const double* from, Lanes* to) {
+  for (int k = 0; k < registers_for(Dof); ++k) to[k] = _mm512_maskz_loadu_pd(lanes_of(Dof, k), from + 8 * k);
+}
+template <int Dof>
+void store_lanes(const Lanes* from, double* to) {
+  for (int k = 0; k < registers_for(Dof); ++k) _mm512_mask_storeu_pd(to + 8 * k, lanes_of(Dof, k), from[k]);
+}
+
+/// A phase point in registers.
 template <int Dof>
 struct LanePoint {
-  Lanes q, p;
+  static constexpr int size = registers_for(Dof);
+  Lanes q[size], p[size];
 
   static LanePoint load(const double* z) {
-    return {_mm512_maskz_loadu_pd(mask, z), _mm512_maskz_loadu_pd(mask, z + Dof)};
+    LanePoint point;
+    load_lanes<Dof>(z, point.q);
+    load_lanes<Dof>(z + Dof, point.p);
+    return point;
   }
   void store(double* z) const {
-    _mm512_mask_storeu_pd(z, mask, q);
-    _mm512_mask_storeu_pd(z + Dof, mask, p);
+    store_lanes<Dof>(q, z);
+    store_lanes<Dof>(p, z + Dof);
   }
-
- private:
-  static constexpr __mmask8 mask = static_cast<__mmask8>((1 << Dof) - 1);
 };
 
 }  // namespace detail

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <type_traits>
 #include <utility>
@@ -12,8 +13,10 @@
 /// Inlines everything that a function calls; see detail::inlined().
 #if defined(__GNUC__) || defined(__clang__)
 #define SEMIEXPLICIT_FLATTEN __attribute__((flatten))
+#define SEMIEXPLICIT_NOINLINE __attribute__((noinline))
 #else
 #define SEMIEXPLICIT_FLATTEN
+#define SEMIEXPLICIT_NOINLINE
 #endif
 
 namespace semiexplicit::detail {
@@ -43,27 +46,29 @@ void gradient_at(const H& hamiltonian, const typename H::Scalar* at, typename H:
                        Eigen::Map<Column>(gradient, dof), Eigen::Map<Column>(gradient + dof, dof));
 }
 
-/// to += t X, where X = (∂H/∂p, -∂H/∂q). A plain loop over raw pointers: compilers vectorise that, and not the equivalent
-/// Eigen expression on the halves of a vector of odd fixed size.
+/// to += t X in `size` places, where X = (∂H/∂p, -∂H/∂q) and the momenta of `to` lie d places after its positions. Plain
+/// loops over raw pointers: compilers vectorise these, and not the equivalent Eigen expression on the halves of a vector of
+/// odd fixed size.
 template <class Scalar>
-void kick(const Scalar& t, const Scalar* __restrict gradient, Scalar* __restrict to, Eigen::Index dof) {
-  for (Eigen::Index i = 0; i < dof; ++i) to[i] += t * gradient[dof + i];
-  for (Eigen::Index i = 0; i < dof; ++i) to[dof + i] -= t * gradient[i];
+void kick(const Scalar& t, const Scalar* __restrict gradient, Scalar* __restrict to, Eigen::Index size,
+          Eigen::Index d) {
+  for (Eigen::Index i = 0; i < size; ++i) to[i] += t * gradient[size + i];
+  for (Eigen::Index i = 0; i < size; ++i) to[d + i] -= t * gradient[i];
 }
 
 /// The same, and sum += t X in one pass.
 template <class Scalar>
 void kick(const Scalar& t, const Scalar* __restrict gradient, Scalar* __restrict to, Scalar* __restrict sum,
-          Eigen::Index dof) {
-  for (Eigen::Index i = 0; i < dof; ++i) {
-    const Scalar move = t * gradient[dof + i];
+          Eigen::Index size, Eigen::Index d) {
+  for (Eigen::Index i = 0; i < size; ++i) {
+    const Scalar move = t * gradient[size + i];
     to[i] += move;
     sum[i] += move;
   }
-  for (Eigen::Index i = 0; i < dof; ++i) {
+  for (Eigen::Index i = 0; i < size; ++i) {
     const Scalar move = t * gradient[i];
-    to[dof + i] -= move;
-    sum[dof + i] -= move;
+    to[d + i] -= move;
+    sum[d + i] -= move;
   }
 }
 
@@ -154,16 +159,35 @@ class KickChain {
 
   template <class... Sum>
   void kicks(const Scalar& dt, Scalar* at_a, Scalar* at_b, Scalar* gradient, Sum*... sum) const {
-    const Eigen::Index d = dof_of(hamiltonian);
     const std::size_t n = scheme.b.size();
     for (std::size_t i = 0; i < n; ++i) {
-      gradient_at(hamiltonian, at_a, gradient, d);
-      kick(Scalar(dt * scheme.a[i]), gradient, at_b, sum..., d);
-      gradient_at(hamiltonian, at_b, gradient, d);
-      kick(Scalar(dt * scheme.b[i]), gradient, at_a, sum..., d);
+      flow(Scalar(dt * scheme.a[i]), at_a, at_b, gradient, sum...);
+      flow(Scalar(dt * scheme.b[i]), at_b, at_a, gradient, sum...);
     }
-    gradient_at(hamiltonian, at_a, gradient, d);
-    kick(Scalar(dt * scheme.a[n]), gradient, at_b, sum..., d);
+    flow(Scalar(dt * scheme.a[n]), at_a, at_b, gradient, sum...);
+  }
+
+  /// One kick: `to`, and sum, move by t X(from). `gradient` is work space, 2d numbers.
+  template <class... Sum>
+  void flow(const Scalar& t, const Scalar* from, Scalar* to, Scalar* gradient, Sum*... sum) const {
+    const Eigen::Index d = dof_of(hamiltonian);
+    if constexpr (HasRangeGradient<H>)
+      if (d > block) return flow_in_blocks(t, from, to, gradient, d, sum...);
+    gradient_at(hamiltonian, from, gradient, d);
+    kick(t, gradient, to, sum..., d, d);
+  }
+
+  static constexpr Eigen::Index block = 64;
+  /// Not inlined: g++ vectorises the loops on their own, and not within the chain.
+  template <class... Sum>
+  SEMIEXPLICIT_NOINLINE void flow_in_blocks(const Scalar& t, const Scalar* __restrict from,
+                                            Scalar* __restrict to, Scalar* __restrict gradient,
+                                            Eigen::Index d, Sum* __restrict... sum) const {
+    for (Eigen::Index begin = 0; begin < d; begin += block) {
+      const Eigen::Index size = std::min(block, d - begin);
+      hamiltonian.gradient_range(begin, begin + size, from, from + d, gradient, gradient + size);
+      kick(t, gradient, to + begin, (sum + begin)..., size, d);
+    }
   }
 
   void run_in_lanes([[maybe_unused]] const Vec& from_a, [[maybe_unused]] const Vec& from_b,
@@ -172,12 +196,14 @@ class KickChain {
     using Point = LanePoint<Dof>;
     Point at_a = Point::load(from_a.data()), at_b = Point::load(from_b.data()), moved{};
     const auto flow = [&](const Scalar& t, const Point& from, Point& to) {
-      Lanes dHdq, dHdp;
+      Lanes dHdq[Point::size], dHdp[Point::size];
       hamiltonian.lane_gradient(from.q, from.p, dHdq, dHdp);
-      to.q += t * dHdp;
-      to.p -= t * dHdq;
-      moved.q += t * dHdp;
-      moved.p -= t * dHdq;
+      for (int k = 0; k < Point::size; ++k) {
+        to.q[k] += t * dHdp[k];
+        to.p[k] -= t * dHdq[k];
+        moved.q[k] += t * dHdp[k];
+        moved.p[k] -= t * dHdq[k];
+      }
     };
     const std::size_t n = scheme.b.size();
     for (std::size_t i = 0; i < n; ++i) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <stdexcept>
 #include <string>
 
@@ -52,60 +53,74 @@ class NlsLattice {
 
   void gradient(const ConstRef<Scalar, N>& q, const ConstRef<Scalar, N>& p, Ref<Scalar, N> dHdq,
                 Ref<Scalar, N> dHdp) const {
+    gradient(q.data(), p.data(), dHdq.data(), dHdp.data());
+  }
+
+  /// The same with any numbers in arrays, packs above all; see HasPackGradient.
+  template <class T>
+  void gradient(const T* q, const T* p, T* dHdq, T* dHdp) const {
     if constexpr (N != Eigen::Dynamic && N <= 64)
-      small_gradient(q.data(), p.data(), dHdq.data(), dHdp.data());
+      small_gradient(q, p, dHdq, dHdp);
     else
-      large_gradient(q.data(), p.data(), dHdq.data(), dHdp.data());
+      gradient_range(0, dof(), q, p, dHdq, dHdp);
+  }
+
+  using RangeGradientOf = NlsLattice;
+  /// Entries begin to end - 1; see HasRangeGradient. One pass that reads neighbours instead of storing squares: vectorises,
+  /// and touches memory once.
+  template <class T>
+  void gradient_range(Eigen::Index begin, Eigen::Index end, const T* __restrict q, const T* __restrict p,
+                      T* __restrict dHdq, T* __restrict dHdp) const {
+    const auto u = [&](Eigen::Index i) -> T { return q[i] * q[i] - p[i] * p[i]; };
+    const auto v = [&](Eigen::Index i) -> T { return q[i] * p[i]; };
+    const auto put = [&](Eigen::Index i, const T& sum_u, const T& sum_v) {
+      site(q[i], p[i], sum_u, sum_v, dHdq[i - begin], dHdp[i - begin]);
+    };
+    const Eigen::Index last = dof() - 1;
+    if (last == 0) return put(0, T(0), T(0));
+    if (begin == 0) put(0, u(1), v(1));
+    const Eigen::Index inner_begin = std::max<Eigen::Index>(begin, 1), inner_end = std::min(end, last);
+    for (Eigen::Index i = inner_begin; i < inner_end; ++i) put(i, u(i - 1) + u(i + 1), v(i - 1) + v(i + 1));
+    if (end > last) put(last, u(last - 1), v(last - 1));
   }
 
 #ifdef SEMIEXPLICIT_HAS_LANES
   using LaneGradientOf = NlsLattice;
   /// The same for up to eight sites, all in one register; see HasLaneGradient.
-  void lane_gradient(const Lanes& q, const Lanes& p, Lanes& dHdq, Lanes& dHdp) const
+  void lane_gradient(const Lanes* at_q, const Lanes* at_p, Lanes* dHdq, Lanes* dHdp) const
       requires(N > 0 && N <= 8) {
-    const Lanes none{}, p_squared = p * p, u = q * q - p_squared, density = q * q + p_squared, v = q * p;
+    const Lanes q = *at_q, p = *at_p, none{};
+    const Lanes p_squared = p * p, u = q * q - p_squared, density = q * q + p_squared, v = q * p;
     const auto neighbours = [&none](const Lanes& x) {
       return __builtin_shufflevector(x, none, 8, 0, 1, 2, 3, 4, 5, 6) +
              __builtin_shufflevector(x, none, 1, 2, 3, 4, 5, 6, 7, 8);
     };
     const Lanes sum_u = neighbours(u), four_v = 4 * neighbours(v);
-    dHdq = (density - 2 * sum_u) * q - four_v * p;
-    dHdp = (density + 2 * sum_u) * p - four_v * q;
+    *dHdq = (density - 2 * sum_u) * q - four_v * p;
+    *dHdp = (density + 2 * sum_u) * p - four_v * q;
   }
 #endif
 
  private:
   // With ψ² = u + 2iv, u = q² - p² and v = q p, the neighbours enter by the sums of their u and of their v only.
-  static void site(Scalar q, Scalar p, Scalar sum_u, Scalar sum_v, Scalar& dHdq, Scalar& dHdp) {
-    const Scalar density = q * q + p * p;
-    dHdq = (density - 2 * sum_u) * q - 4 * sum_v * p;
-    dHdp = (density + 2 * sum_u) * p - 4 * sum_v * q;
+  template <class T>
+  static void site(const T& q, const T& p, const T& sum_u, const T& sum_v, T& dHdq, T& dHdp) {
+    const T density = q * q + p * p, two_u = 2 * sum_u, four_v = 4 * sum_v;
+    dHdq = (density - two_u) * q - four_v * p;
+    dHdp = (density + two_u) * p - four_v * q;
   }
 
   // Squares first, in registers, between two zeros that stand for the open ends.
-  static void small_gradient(const Scalar* q, const Scalar* p, Scalar* __restrict dHdq,
-                             Scalar* __restrict dHdp) {
+  template <class T>
+  static void small_gradient(const T* q, const T* p, T* __restrict dHdq, T* __restrict dHdp) {
     constexpr int size = N == Eigen::Dynamic ? 1 : N;
-    Scalar u[size + 2], v[size + 2];
-    u[0] = v[0] = u[size + 1] = v[size + 1] = Scalar(0);
+    T u[size + 2], v[size + 2];
+    u[0] = v[0] = u[size + 1] = v[size + 1] = T(0);
     for (int i = 0; i < size; ++i) {
       u[i + 1] = q[i] * q[i] - p[i] * p[i];
       v[i + 1] = q[i] * p[i];
     }
     for (int i = 0; i < size; ++i) site(q[i], p[i], u[i] + u[i + 2], v[i] + v[i + 2], dHdq[i], dHdp[i]);
-  }
-
-  // One pass that reads neighbours instead of storing squares: vectorises, and touches memory once.
-  void large_gradient(const Scalar* __restrict q, const Scalar* __restrict p, Scalar* __restrict dHdq,
-                      Scalar* __restrict dHdp) const {
-    const Eigen::Index last = dof() - 1;
-    const auto u = [&](Eigen::Index i) { return q[i] * q[i] - p[i] * p[i]; };
-    const auto v = [&](Eigen::Index i) { return q[i] * p[i]; };
-    if (last == 0) return site(q[0], p[0], Scalar(0), Scalar(0), dHdq[0], dHdp[0]);
-    site(q[0], p[0], u(1), v(1), dHdq[0], dHdp[0]);
-    for (Eigen::Index i = 1; i < last; ++i)
-      site(q[i], p[i], u(i - 1) + u(i + 1), v(i - 1) + v(i + 1), dHdq[i], dHdp[i]);
-    site(q[last], p[last], u(last - 1), v(last - 1), dHdq[last], dHdp[last]);
   }
 
   Eigen::Index sites_;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <semiexplicit/core/phase_point.hpp>
+#include <semiexplicit/systems/vortex_pairs.hpp>
 
 namespace semiexplicit::systems {
 
@@ -20,6 +21,9 @@ namespace semiexplicit::systems {
 /// Sources: P. Newton, The N-Vortex Problem (2001), section 2.1; Jayawardana and Ohsawa (2023), eq. (Hamil-Vortices).
 template <class ScalarType = double, int N = Eigen::Dynamic>
 class PointVortices {
+  /// Few, but enough to gain by it.
+  static constexpr bool in_lanes = N >= 4 && N <= 16 && std::is_same_v<ScalarType, double>;
+
  public:
   using Scalar = ScalarType;
   static constexpr int Dof = N;
@@ -35,9 +39,10 @@ class PointVortices {
       if (!isfinite(circulation_[i]) || circulation_[i] == Scalar(0))
         throw std::invalid_argument("PointVortices: circulation " + std::to_string(i) +
                                     " is zero or not finite; leave such a vortex out");
-    factor_ = -1 / (2 * pi());
     x_per_q_ = circulation_.cwiseAbs().cwiseSqrt().cwiseInverse();
     y_per_p_ = x_per_q_.cwiseProduct(circulation_.cwiseSign());
+    factor_q_ = circulation_.cwiseProduct(x_per_q_) / (-2 * pi());
+    factor_p_ = circulation_.cwiseProduct(y_per_p_) / (-2 * pi());
   }
 
   Eigen::Index dof() const { return circulation_.size(); }
@@ -65,21 +70,57 @@ class PointVortices {
     return sum / (4 * pi());
   }
   /// Σ Γx, linear in q: an invariant.
-  Scalar linear_impulse_x(const Read& q, const Read&) const { return detail::dot(circulation_, x(q)); }
+  Scalar linear_impulse_x(const Read& q, const Read&) const {
+    return semiexplicit::detail::dot(circulation_, x(q));
+  }
   /// Σ Γy, linear in p: an invariant.
-  Scalar linear_impulse_y(const Read&, const Read& p) const { return detail::dot(circulation_, y(p)); }
+  Scalar linear_impulse_y(const Read&, const Read& p) const {
+    return semiexplicit::detail::dot(circulation_, y(p));
+  }
   /// Σ Γ(x² + y²) = Σ sgn(Γ)(q² + p²): a quadratic invariant.
   Scalar angular_impulse(const Read& q, const Read& p) const {
-    return detail::dot(circulation_.cwiseSign(), q.cwiseAbs2() + p.cwiseAbs2());
+    return semiexplicit::detail::dot(circulation_.cwiseSign(), q.cwiseAbs2() + p.cwiseAbs2());
   }
 
   void gradient(const Read& q, const Read& p, Ref<Scalar, N> dHdq, Ref<Scalar, N> dHdp) const {
-    sum_pairs(q.data(), p.data(), dHdq.data(), dHdp.data());
+    gradient(q.data(), p.data(), dHdq.data(), dHdp.data());
+  }
+  /// The same with any numbers in arrays, packs above all; see HasPackGradient.
+  template <class T>
+  void gradient(const T* q, const T* p, T* dHdq, T* dHdp) const {
+#ifdef SEMIEXPLICIT_HAS_LANES
+    if constexpr (in_lanes && std::is_same_v<T, double>) {
+      constexpr int size = registers_for(N);
+      Lanes at_q[size], at_p[size], to_q[size], to_p[size];
+      semiexplicit::detail::load_lanes<N>(q, at_q);
+      semiexplicit::detail::load_lanes<N>(p, at_p);
+      lane_gradient(at_q, at_p, to_q, to_p);
+      semiexplicit::detail::store_lanes<N>(to_q, dHdq);
+      semiexplicit::detail::store_lanes<N>(to_p, dHdp);
+      return;
+    }
+#endif
+    detail::sum_vortex_pairs(dof(), scales(), q, p, dHdq, dHdp);
     for (Eigen::Index i = 0; i < dof(); ++i) {
-      dHdq[i] *= factor_ * circulation_[i] * x_per_q_[i];
-      dHdp[i] *= factor_ * circulation_[i] * y_per_p_[i];
+      dHdq[i] *= factor_q_[i];
+      dHdp[i] *= factor_p_[i];
     }
   }
+
+#ifdef SEMIEXPLICIT_HAS_LANES
+  using LaneGradientOf = PointVortices;
+  /// The same for few vortices in registers; see HasLaneGradient.
+  void lane_gradient(const Lanes* q, const Lanes* p, Lanes* dHdq, Lanes* dHdp) const requires(in_lanes) {
+    Lanes factor_q[registers_for(N)], factor_p[registers_for(N)];
+    semiexplicit::detail::load_lanes<N>(factor_q_.data(), factor_q);
+    semiexplicit::detail::load_lanes<N>(factor_p_.data(), factor_p);
+    detail::sum_vortex_pairs<N>(scales(), q, p, dHdq, dHdp);
+    for (int k = 0; k < registers_for(N); ++k) {
+      dHdq[k] *= factor_q[k];
+      dHdp[k] *= factor_p[k];
+    }
+  }
+#endif
 
  private:
   static Scalar pi() {
@@ -87,46 +128,12 @@ class PointVortices {
     return acos(Scalar(-1));
   }
 
-  /// sum_x[i] = Σ_{j≠i} Γⱼ (xᵢ - xⱼ)/‖zᵢ - zⱼ‖², and sum_y likewise.
-  void sum_pairs(const Scalar* __restrict q, const Scalar* __restrict p, Scalar* __restrict sum_x,
-                 Scalar* __restrict sum_y) const {
-    const Eigen::Index n = dof();
-    const Scalar* const gamma = circulation_.data();
-    const Scalar* const sx = x_per_q_.data();
-    const Scalar* const sy = y_per_p_.data();
-    for (Eigen::Index i = 0; i < n; ++i) sum_x[i] = sum_y[i] = Scalar(0);
-    // Few vortices: each pair once, half the divisions. Many: every i over one j, which fills the SIMD lanes.
-    if (n <= 16) {
-      for (Eigen::Index j = 1; j < n; ++j) {
-        const Scalar xj = q[j] * sx[j], yj = p[j] * sy[j];
-        for (Eigen::Index i = 0; i < j; ++i) {
-          const Scalar dx = q[i] * sx[i] - xj, dy = p[i] * sy[i] - yj;
-          const Scalar inverse = 1 / (dx * dx + dy * dy);
-          sum_x[i] += gamma[j] * (dx * inverse);
-          sum_y[i] += gamma[j] * (dy * inverse);
-          sum_x[j] -= gamma[i] * (dx * inverse);
-          sum_y[j] -= gamma[i] * (dy * inverse);
-        }
-      }
-      return;
-    }
-    for (Eigen::Index j = 0; j < n; ++j) {
-      const Scalar xj = q[j] * sx[j], yj = p[j] * sy[j], gj = gamma[j];
-      const auto add = [&](Eigen::Index begin, Eigen::Index end) {
-        for (Eigen::Index i = begin; i < end; ++i) {
-          const Scalar dx = q[i] * sx[i] - xj, dy = p[i] * sy[i] - yj;
-          const Scalar weight = gj / (dx * dx + dy * dy);
-          sum_x[i] += dx * weight;
-          sum_y[i] += dy * weight;
-        }
-      };
-      add(0, j);
-      add(j + 1, n);
-    }
+  detail::VortexScales<Scalar> scales() const {
+    return {circulation_.data(), x_per_q_.data(), y_per_p_.data()};
   }
 
   Column circulation_, x_per_q_, y_per_p_;
-  Scalar factor_ = 0;  ///< -1/(2π)
+  Column factor_q_, factor_p_;  ///< what makes ∂H/∂q and ∂H/∂p of the pairs' sums
 };
 
 }  // namespace semiexplicit::systems

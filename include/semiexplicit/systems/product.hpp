@@ -21,6 +21,12 @@ struct Product {
     dHdq[0] = q[0] * (p[0] * p[0] + 1);
     dHdp[0] = p[0] * (q[0] * q[0] + 1);
   }
+  /// The same with any numbers in arrays, packs above all; see HasPackGradient.
+  template <class T>
+  void gradient(const T* q, const T* p, T* dHdq, T* dHdp) const {
+    dHdq[0] = q[0] * (p[0] * p[0] + T(1));
+    dHdp[0] = p[0] * (q[0] * q[0] + T(1));
+  }
   void hessian(const ConstRef<Scalar, 1>& q, const ConstRef<Scalar, 1>& p,
                Eigen::Ref<Eigen::Matrix<Scalar, 2, 2>> hessian) const {
     hessian << p[0] * p[0] + 1, 2 * q[0] * p[0], 2 * q[0] * p[0], q[0] * q[0] + 1;

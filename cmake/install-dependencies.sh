@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# install-dependencies.sh run|test|check...: installs what these tasks need and this machine lacks. Where all is there
+# install-dependencies.sh run|test|check|benchmark...: installs what these tasks need and this machine lacks. Where all is there
 # it does nothing and needs no rights.
 set -euo pipefail
 
@@ -12,7 +12,8 @@ declare -A purpose=(
   [libcli11-dev]="CLI11, the command lines of the example programs"
   [gnuplot-nox]="gnuplot, which the example programs call to draw their pictures"
   [catch2]="Catch2 2 or 3, the test framework"
-  [libboost-dev]="Boost headers: multiprecision numbers and reference functions of the tests"
+  [libboost-dev]="Boost headers: numbers and reference functions of the tests, integrators of the benchmark"
+  [libgsl-dev]="the GNU Scientific Library, whose integrators the benchmark compares with"
   [clang]="the second compiler that everything must pass"
   [libclang-rt-14-dev]="the run-time part of its sanitizers"
   [clang-format]="checks the formatting"
@@ -27,9 +28,10 @@ for task in "$@"; do
   case $task in
     run) packages+=(g++ cmake ninja-build libeigen3-dev libcli11-dev gnuplot-nox) ;;
     test) packages+=(g++ cmake ninja-build libeigen3-dev libcli11-dev catch2 libboost-dev) ;;
+    benchmark) packages+=(g++ cmake ninja-build libeigen3-dev libcli11-dev gnuplot-nox libboost-dev libgsl-dev) ;;
     check) packages+=(clang libclang-rt-14-dev clang-format) ;;
     *)
-      echo "install-dependencies.sh: unknown task '$task'; give run, test or check" >&2
+      echo "install-dependencies.sh: unknown task '$task'; give run, test, check or benchmark" >&2
       exit 2
       ;;
   esac

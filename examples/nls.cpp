@@ -9,6 +9,7 @@
 #include <semiexplicit/semiexplicit.hpp>
 
 #include "common/arguments.hpp"
+#include "common/cost.hpp"
 #include "common/error_panels.hpp"
 #include "common/gnuplot.hpp"
 #include "common/run.hpp"
@@ -19,22 +20,29 @@ namespace {
 
 using namespace examples;
 
-template <int N>
-Run run_lattice(const Method& method, Eigen::Index sites, double dt, const Rows& rows, std::int64_t steps) {
+/// Calls use(lattice, z0).
+template <int N, class Use>
+auto with_lattice_of(Eigen::Index sites, const Use& use) {
   const systems::NlsLattice<double, N> lattice(sites);
   PhasePoint<double, N> z(sites);
   z.q().setConstant(0.01);
   z.q()[0] = 3;
   z.p()[0] = 1;
-  Invariants invariants(lattice);
-  invariants.add("mass", lattice.mass);
-  return run_method(method, lattice, z, invariants, dt, rows, steps);
+  return use(lattice, z);
 }
 
 // The paper's size is worth a type of its own: it runs twice as fast.
+template <class Use>
+auto with_lattice(Eigen::Index sites, const Use& use) {
+  return sites == 5 ? with_lattice_of<5>(sites, use) : with_lattice_of<Eigen::Dynamic>(sites, use);
+}
+
 Run run_sites(const Method& method, Eigen::Index sites, double dt, const Rows& rows, std::int64_t steps) {
-  return sites == 5 ? run_lattice<5>(method, sites, dt, rows, steps)
-                    : run_lattice<Eigen::Dynamic>(method, sites, dt, rows, steps);
+  return with_lattice(sites, [&](const auto& lattice, const auto& z) {
+    Invariants invariants(lattice);
+    invariants.add("mass", lattice.mass);
+    return run_method(method, lattice, z, invariants, dt, rows, steps);
+  });
 }
 
 /// The four contestants. All take the same step, and the schemes are such that a step costs nearly the same, 21 to 28
@@ -121,15 +129,29 @@ int main(int argc, char** argv) {
       "--compare", compare,
       "run pihajoki, tao, midpoint and semiexplicit side by side (the schemes of the first three are set)");
   app.get_option("--method")->excludes(comparison);
+  CostRequest request;
+  add_cost(app, request);
+  comparison->excludes("--cost")->excludes("--accuracy");
   app.footer(
       app.get_footer() +
       "\n\n--compare gives every method the same dt, and schemes with which a step costs nearly the same.");
 
   return run_program(app, argc, argv, [&] {
+    if (request.wanted(app)) {
+      settings.make_output_folder();
+      const CostOfAccuracy cost = with_lattice(sites, [&](const auto& lattice, const auto& z) {
+        return cost_of_accuracy(lattice, z, settings.time, request.options());
+      });
+      if (request.curve) {
+        show_cost(cost, settings, "nls_cost", "NLS lattice, N = " + std::to_string(sites));
+        return 0;
+      }
+      request.choose(cost, method, settings);
+    }
     const std::vector<Method> methods = compare ? contestants(method) : std::vector<Method>{method};
     std::vector<std::string> listening;
     for (const Method& m : methods) listening.push_back(m.name);
-    refuse_idle_options(app, listening);
+    if (!request.chosen) refuse_idle_options(app, listening);
     const std::int64_t steps = settings.steps();
     settings.make_output_folder();
 
@@ -139,6 +161,7 @@ int main(int argc, char** argv) {
     for (const Method& m : methods) runs.push_back(run_sites(m, sites, settings.dt, rows, steps));
 
     print_table(std::cout, runs, settings.dt);
+    request.compare_with(runs.back());
     const std::string name = compare ? "nls_comparison" : "nls";
     const std::filesystem::path csv = settings.output / (name + ".csv"),
                                 png = settings.output / (name + ".png");

@@ -12,6 +12,7 @@
 #include <semiexplicit/semiexplicit.hpp>
 
 #include "common/arguments.hpp"
+#include "common/cost.hpp"
 #include "common/error_panels.hpp"
 #include "common/gnuplot.hpp"
 #include "common/run.hpp"
@@ -174,20 +175,32 @@ int main(int argc, char** argv) {
   add_settings(app, settings);
   app.get_option("--dt")->default_str("paper: 0.1, others: 0.01");
   app.get_option("--time")->default_str("paper: 1000, others: 100");
+  CostRequest request;
+  add_cost(app, request);
 
   return run_program(app, argc, argv, [&] {
-    refuse_idle_options(app, {method.name});
+    if (!request.wanted(app)) refuse_idle_options(app, {method.name});
     Preset chosen{.name = input, .vortices = {}, .dt = settings.dt, .time = settings.time};
     if (!input.empty()) chosen.vortices = read_vortices(input);
     for (const Preset& preset : presets())
       if (input.empty() && preset.name == preset_name) chosen = preset;
     if (app.count("--dt") == 0) settings.dt = chosen.dt;
     if (app.count("--time") == 0) settings.time = chosen.time;
+    const Vortices& vortices = chosen.vortices;
+    const System system(vortices.circulation);
+    if (request.wanted(app)) {
+      settings.make_output_folder();
+      const CostOfAccuracy cost = cost_of_accuracy(system, system.phase_point(vortices.x, vortices.y),
+                                                   settings.time, request.options());
+      if (request.curve) {
+        show_cost(cost, settings, "vortices_cost", std::to_string(vortices.x.size()) + " vortices");
+        return 0;
+      }
+      request.choose(cost, method, settings);
+    }
     const std::int64_t steps = settings.steps();
     settings.make_output_folder();
 
-    const Vortices& vortices = chosen.vortices;
-    const System system(vortices.circulation);
     const std::filesystem::path csv = settings.output / "vortices.csv",
                                 places_csv = settings.output / "vortices_trajectory.csv",
                                 png = settings.output / "vortices.png";
@@ -198,6 +211,7 @@ int main(int argc, char** argv) {
                                evenly_spaced(steps, settings.samples), steps, some_places);
 
     print_table(std::cout, {run}, settings.dt);
+    request.compare_with(run);
     places.commit();
     write_series(csv, {run});
     std::cout << "data: " << csv.string() << ", " << places_csv.string() << '\n';

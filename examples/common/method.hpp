@@ -19,6 +19,7 @@ struct Method {
   std::optional<double> tolerance{};
   double omega = 100;
   int stages = 3;
+  bool lanes = false;  ///< of gauss: its stages in SIMD lanes; only --accuracy chooses them
 
   static std::vector<std::string> names() { return {"semiexplicit", "midpoint", "pihajoki", "tao", "gauss"}; }
 
@@ -27,7 +28,7 @@ struct Method {
 
   /// What the table and the legend call the coefficients.
   std::string coefficients() const {
-    return name == "gauss" ? std::to_string(stages) + " stages" : scheme_name();
+    return name == "gauss" ? std::to_string(stages) + (lanes ? " stages, lanes" : " stages") : scheme_name();
   }
 
   /// Does it work with two copies of the phase space?
@@ -43,6 +44,14 @@ struct Method {
 /// not fit together.
 template <class H, class Use>
 void with_stepper(const Method& method, const H& hamiltonian, const Use& use) {
+#ifdef SEMIEXPLICIT_HAS_PACKS
+  if constexpr (HasPackGradient<H>) {
+    if (method.name == "gauss" && method.lanes) {
+      GaussLegendreLanes stepper(hamiltonian, {.stages = method.stages});
+      return use(stepper);
+    }
+  }
+#endif
   if (method.name == "gauss") {
     GaussLegendre stepper(hamiltonian, {.stages = method.stages});
     return use(stepper);

@@ -33,7 +33,7 @@ class GaussLegendreLanes {
         options_(options),
         tableau_(options.stages),
         update_(dof()),
-        gradients_(size()),
+        gradients_(at(size())),
         points_(gradients_),
         displacements_(gradients_) {
     if (!(options.max_iterations >= 1 && options.tolerance >= 0))
@@ -48,7 +48,7 @@ class GaussLegendreLanes {
   }
 
   /// One step of size dt, which may be negative; z is untouched unless the report is ok(). `evaluations` are iterations,
-  /// `correction` is the norm of the stages' last change.
+  /// `correction` is the sum of the absolute values of what they last changed in the stages.
   StepReport step(State& z, const Scalar& dt) {
     StepReport report;
     if (!detail::valid_step(dt))
@@ -154,23 +154,23 @@ class GaussLegendreLanes {
   Status iterate(const State& z, StepReport& report) {
     using std::isfinite;
     const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon();
+    const Scalar size_of_state = detail::sum_of_absolutes(z.vector());
     Scalar previous(0);
     for (;;) {
-      Many moved_squared = Scalar(0), squared = Scalar(0);
+      Many moved = Scalar(0), displaced = Scalar(0);  // sums of absolute values
       detail::inlined<Scalar>([&] {
-        move<Stages>(z, moved_squared, squared);
+        move<Stages>(z, moved, displaced);
         evaluate(report);
       });
       ++report.evaluations;
       if (report.evaluations > 1) {  // before, no change can be seen
-        using std::sqrt;
-        const Scalar change = sqrt(Scalar(reduce(moved_squared)));
+        const Scalar change = reduce(moved);
         report.correction = static_cast<double>(change);
         if (previous > Scalar(0)) report.rate = static_cast<double>(change / previous);
         if (!isfinite(change)) return Status::not_finite;
         if (change == Scalar(0) || change < Scalar(options_.tolerance)) return Status::success;
         if (previous > Scalar(0) && change >= previous &&
-            change <= 100 * epsilon * (detail::norm(z.vector()) + sqrt(Scalar(reduce(squared)))))
+            change <= 100 * epsilon * (size_of_state + reduce(displaced)))
           return options_.tolerance == 0 ? Status::success : Status::rounding_limited;
         previous = change;
       }
@@ -178,18 +178,18 @@ class GaussLegendreLanes {
     }
   }
 
-  /// The stages' displacements, z + dt Σ_j a_ij X_j - z, and points from their gradients; adds up the squares of the
-  /// displacements and of what changed in them.
+  /// The stages' displacements, z + dt Σ_j a_ij X_j - z, and points from their gradients; adds up the absolute
+  /// values of the displacements and of what changed in them.
   template <int Stages>
-  void move(const State& z, Many& moved_squared, Many& squared) {
+  void move(const State& z, Many& moved, Many& displaced) {
     const std::size_t d = at(dof());
     const Scalar* const state = z.vector().data();
     Many weight[Stages];
     for (int j = 0; j < Stages; ++j) weight[j] = weight_[j];
     const auto put = [&](std::size_t i, const Many& displacement) {
-      const Many moved = displacement - displacements_[i];
-      moved_squared += moved * moved;
-      squared += displacement * displacement;
+      using std::abs;
+      moved += abs(displacement - displacements_[i]);
+      displaced += abs(displacement);
       displacements_[i] = displacement;
       points_[i] = state[i] + displacement;
     };

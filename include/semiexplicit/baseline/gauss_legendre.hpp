@@ -24,7 +24,7 @@ struct GaussLegendreOptions {
   int stages = 2;  ///< 1 to 8; order 2 · stages; 1 is the implicit midpoint rule
   StageSolver solver = StageSolver::fixed_point;
   double tolerance =
-      0;  ///< bound on the norm of the stages' last change, absolute; 0: until rounding stops it
+      0;  ///< bound on the sum of the stages' last changes, absolute; 0: until rounding stops it
   int max_iterations = 100;  ///< the step is refused beyond
   bool extrapolate = true;  ///< start the stages from the last step's collocation polynomial, instead of at z
 };
@@ -34,7 +34,7 @@ struct GaussLegendreOptions {
 /// iteration that stops at the rounding floor, compensated update.
 ///
 /// Newton's method takes the Hessian of H where it has one (HasHessian), else central differences of the gradient (4d calls a
-/// stage). Memory: (3s + 4) vectors of length 2d; Newton's method 2 (2ds)² numbers more, and its factorisation may use the heap. Its
+/// stage). Memory: (3s + 5) vectors of length 2d; Newton's method 2 (2ds)² numbers more, and its factorisation may use the heap. Its
 /// step ends with the gradients from before the last correction, so it wants a tight tolerance.
 ///
 /// Sources: Hairer, Lubich, Wanner, Geometric Numerical Integration, II.1.3 and VIII.6; Antoñana, Makazaga, Murua,
@@ -54,39 +54,42 @@ class GaussLegendre {
         options_(options),
         tableau_(options.stages),
         update_(dof()),
-        gradients_(2 * dof(), options.stages),
+        weights_(options.stages, options.stages),
+        gradients_(Stages::Zero(small ? padded : 2 * dof(), options.stages)),
         started_(gradients_),
-        displacements_(2 * dof(), options.stages),
-        change_(State(dof()).vector()),
-        point_(change_) {
+        displacements_(gradients_),
+        sign_(gradients_.col(0)),
+        displaced_(sign_),
+        point_(State(dof()).vector()) {
+    sign_.head(dof()).setOnes();
+    sign_.segment(dof(), dof()).setConstant(Scalar(-1));
     if (!(options.max_iterations >= 1 && options.tolerance >= 0))
       throw std::invalid_argument("GaussLegendre: max_iterations must be 1 or more, and tolerance 0 or more");
     if (options.solver == StageSolver::newton) newton_.emplace(2 * dof(), options.stages);
   }
 
   /// One step of size dt, which may be negative; z is untouched unless the report is ok(). `evaluations` are iterations,
-  /// `correction` is the norm of the stages' last change.
+  /// `correction` is the sum of the absolute values of what they last changed in the stages.
   StepReport step(State& z, const Scalar& dt) {
     using std::isfinite;
     StepReport report;
     if (!detail::valid_step(dt))
       report.status = Status::invalid_step;
-    else if (z.vector().size() != change_.size())
+    else if (z.vector().size() != point_.size())
       report.status = Status::invalid_state;
     if (!report.ok()) return report;
 
     const bool goes_on = options_.extrapolate && last_dt_ == dt && update_.continues(z);
     last_dt_ = Scalar(0);  // nothing to extrapolate from until the step is done, also where a gradient throws
-    start(z, dt, goes_on, report);
-    report.status = iterate(z, dt, report);
+    scale_weights(dt);
+    detail::inlined<Scalar>([&] { start(z, goes_on, report); });
+    report.status = iterate(z, report);
     if (report.status == Status::not_finite && !z.vector().allFinite()) report.status = Status::invalid_state;
     if (!report.ok()) return report;
-    const Eigen::Index d = dof();
     const bool finite = update_.update(z, [&](Eigen::Index i) {
       Scalar sum(0);
-      for (Eigen::Index j = 0; j < gradients_.cols(); ++j)
-        sum += (dt * tableau_.b[j]) * (i < d ? gradients_(i + d, j) : -gradients_(i - d, j));
-      return sum;
+      for (Eigen::Index j = 0; j < gradients_.cols(); ++j) sum += (dt * tableau_.b[j]) * gradients_(i, j);
+      return sign_[i] * sum;
     });
     if (finite)
       last_dt_ = dt;
@@ -102,41 +105,74 @@ class GaussLegendre {
 
  private:
   using Vec = typename State::Storage;
-  using Stages = Eigen::Matrix<Scalar, twice(Dof), Eigen::Dynamic>;  // a column a stage
+  /// Columns of a few numbers are padded with zeros to whole registers, where sums over the stages then stay.
+  static constexpr bool small = Dof != Eigen::Dynamic && Dof <= 32;
+  static constexpr int padded = small ? (2 * Dof + 3) / 4 * 4 : twice(Dof);
+  using Column = Vector<Scalar, padded>;
+  using Stages = Eigen::Matrix<Scalar, padded, Eigen::Dynamic>;  // a column a stage
   using Dense = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
 
+  void scale_weights(const Scalar& dt) {
+    if (weights_dt_ == dt) return;
+    for (Eigen::Index i = 0; i < weights_.rows(); ++i)
+      for (Eigen::Index j = 0; j < weights_.cols(); ++j)
+        weights_(i, j) = tableau_.m(i, j) * (dt * tableau_.b[j]);
+    weights_dt_ = dt;
+  }
+
+  /// put(k, Σ_j matrix_ij stages_kj) for every k: row i of a matrix over the stages, in blocks that stay in registers.
+  template <class Put>
+  static void combine(const Dense& matrix, Eigen::Index i, const Stages& stages, const Put& put) {
+    const Eigen::Index n = stages.rows();
+    constexpr Eigen::Index block = small ? padded : 32;
+    Eigen::Index begin = 0;
+    for (; begin + block <= n; begin += block) combine_block<block>(matrix, i, stages, begin, block, put);
+    if constexpr (!small)
+      if (begin < n) combine_block<block>(matrix, i, stages, begin, n - begin, put);
+  }
+  template <Eigen::Index Block, class Put>
+  static void combine_block(const Dense& matrix, Eigen::Index i, const Stages& stages, Eigen::Index begin,
+                            Eigen::Index size, const Put& put) {
+    Scalar sum[Block];
+    for (Eigen::Index k = 0; k < Block; ++k) sum[k] = Scalar(0);
+    for (Eigen::Index j = 0; j < stages.cols(); ++j) {
+      const Scalar factor = matrix(i, j);
+      const Scalar* const stage = stages.data() + j * stages.rows() + begin;
+      for (Eigen::Index k = 0; k < size; ++k) sum[k] += factor * stage[k];
+    }
+    for (Eigen::Index k = 0; k < size; ++k) put(begin + k, sum[k]);
+  }
+
   /// First values of the stages' gradients and displacements.
-  void start(const State& z, const Scalar& dt, bool extrapolate, StepReport& report) {
+  void start(const State& z, bool extrapolate, StepReport& report) {
     if (extrapolate) {
       started_.swap(gradients_);
-      gradients_.setZero();
-      for (Eigen::Index i = 0; i < gradients_.cols(); ++i)
-        for (Eigen::Index j = 0; j < gradients_.cols(); ++j)
-          gradients_.col(i) += tableau_.extrapolation(i, j) * started_.col(j);
+      for (Eigen::Index i = 0; i < gradients_.cols(); ++i) {
+        Scalar* const to = gradients_.data() + i * gradients_.rows();
+        combine(tableau_.extrapolation, i, started_,
+                [to](Eigen::Index k, const Scalar& sum) { to[k] = sum; });
+      }
     } else {
-      detail::gradient_at(hamiltonian_, z.vector().data(), gradients_.col(0).data(), dof());
+      point_ = z.vector();
+      evaluate(0);
       for (Eigen::Index i = 1; i < gradients_.cols(); ++i) gradients_.col(i) = gradients_.col(0);
       ++report.gradients;
     }
-    for (Eigen::Index i = 0; i < gradients_.cols(); ++i) {
-      displace(i, dt);
-      displacements_.col(i) = change_;
-    }
+    for (Eigen::Index i = 0; i < gradients_.cols(); ++i) displace(i);
   }
 
-  Status iterate(const State& z, const Scalar& dt, StepReport& report) {
+  Status iterate(const State& z, StepReport& report) {
     using std::isfinite;
-    using std::sqrt;
-    const Scalar size = detail::norm(z.vector());
+    const Scalar size = detail::sum_of_absolutes(z.vector());
     const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon();
     const bool newton = options_.solver == StageSolver::newton;
     Scalar previous(0);
     for (;;) {
       // The first fixed-point sweep only evaluates the gradients at the starting values: a change is yet to be seen.
       const bool seen = newton || report.evaluations > 0;
-      const Scalar change =
-          newton ? newton_iteration(z, dt, report)
-                 : detail::inlined<Scalar>([&] { return fixed_point_iteration(z, dt, report); });
+      const Scalar change = newton
+                                ? newton_iteration(z, report)
+                                : detail::inlined<Scalar>([&] { return fixed_point_iteration(z, report); });
       ++report.evaluations;
       if (seen) {
         report.correction = static_cast<double>(change);
@@ -144,7 +180,7 @@ class GaussLegendre {
         if (!isfinite(change)) return Status::not_finite;
         if (change == Scalar(0) || change < Scalar(options_.tolerance)) return Status::success;
         if (previous > Scalar(0) && change >= previous &&
-            change <= 100 * epsilon * (size + detail::norm(displacements_.reshaped())))
+            change <= 100 * epsilon * (size + detail::sum_of_absolutes(displacements_.reshaped())))
           return options_.tolerance == 0 ? Status::success : Status::rounding_limited;
         previous = change;
       }
@@ -152,38 +188,44 @@ class GaussLegendre {
     }
   }
 
-  /// change_ = dt Σ_j a_ij X_j, what the gradients say the displacement of stage i is.
-  void displace(Eigen::Index i, const Scalar& dt) {
-    const Eigen::Index d = dof();
-    Scalar* __restrict out = change_.data();
-    change_.setZero();
-    for (Eigen::Index j = 0; j < gradients_.cols(); ++j) {
-      const Scalar factor = tableau_.m(i, j) * (dt * tableau_.b[j]);
-      const Scalar* __restrict gradient = gradients_.col(j).data();
-      for (Eigen::Index k = 0; k < d; ++k) out[k] += factor * gradient[d + k];
-      for (Eigen::Index k = 0; k < d; ++k) out[d + k] -= factor * gradient[k];
-    }
+  /// Stage i's displacement dt Σ_j a_ij X_j as the gradients have it. Adds up to displaced_ by how much that differs from
+  /// what it was.
+  void displace(Eigen::Index i) {
+    Scalar* const displacement = displacements_.data() + i * displacements_.rows();
+    const Scalar* const sign = sign_.data();
+    Scalar* const displaced = displaced_.data();
+    combine(weights_, i, gradients_, [=](Eigen::Index k, const Scalar& sum) {
+      using std::abs;
+      displaced[k] += abs(sign[k] * sum - displacement[k]);
+      displacement[k] = sign[k] * sum;
+    });
   }
 
   void stage_gradient(const State& z, Eigen::Index i) {
-    point_ = z.vector() + displacements_.col(i);
-    detail::gradient_at(hamiltonian_, point_.data(), gradients_.col(i).data(), dof());
+    const Scalar* const displacement = displacements_.data() + i * displacements_.rows();
+    for (Eigen::Index k = 0; k < point_.size(); ++k) point_[k] = z.vector()[k] + displacement[k];
+    evaluate(i);
   }
 
-  /// One sweep over the stages; returns the sum of the norms of what changed in each.
-  Scalar fixed_point_iteration(const State& z, const Scalar& dt, StepReport& report) {
-    Scalar total(0);
+  /// Gradient i at point_. Its halves are exchanged, so that with sign_ it is the vector field X = (∂H/∂p, -∂H/∂q).
+  void evaluate(Eigen::Index i) {
+    using Half = Vector<Scalar, Dof>;
+    const Eigen::Index d = dof();
+    Scalar* const gradient = gradients_.data() + i * gradients_.rows();
+    hamiltonian_.gradient(Eigen::Map<const Half>(point_.data(), d),
+                          Eigen::Map<const Half>(point_.data() + d, d), Eigen::Map<Half>(gradient + d, d),
+                          Eigen::Map<Half>(gradient, d));
+  }
+
+  /// One sweep over the stages; returns the sum of the absolute values of what changed.
+  Scalar fixed_point_iteration(const State& z, StepReport& report) {
+    displaced_.setZero();
     for (Eigen::Index i = 0; i < gradients_.cols(); ++i) {
-      if (report.evaluations > 0) {
-        displace(i, dt);
-        displacements_.col(i) -= change_;
-        total += detail::norm(displacements_.col(i));
-        displacements_.col(i) = change_;
-      }
+      if (report.evaluations > 0) displace(i);
       stage_gradient(z, i);
       ++report.gradients;
     }
-    return total;
+    return detail::sum_of_absolutes(displaced_);
   }
 
   /// What Newton's method needs: the Hessian of a stage, and the matrix and right-hand side of all.
@@ -202,8 +244,8 @@ class GaussLegendre {
     Vec ahead, behind;
   };
 
-  /// One Newton step on all stages together; returns the norm of the correction.
-  Scalar newton_iteration(const State& z, const Scalar& dt, StepReport& report) {
+  /// One Newton step on all stages together; returns the sum of the absolute values of the correction.
+  Scalar newton_iteration(const State& z, StepReport& report) {
     Newton& work = *newton_;
     const Eigen::Index d = dof(), n = 2 * d, stages = gradients_.cols();
     for (Eigen::Index j = 0; j < stages; ++j) {
@@ -211,21 +253,22 @@ class GaussLegendre {
       ++report.gradients;
       stage_hessian(report);
       for (Eigen::Index i = 0; i < stages; ++i) {
-        const Scalar factor = tableau_.m(i, j) * (dt * tableau_.b[j]);
+        const Scalar factor = weights_(i, j);
         auto block = work.matrix.block(i * n, j * n, n, n);  // δ_ij I - dt a_ij J H''
         block.topRows(d) = -factor * work.hessian.bottomRows(d);
         block.bottomRows(d) = factor * work.hessian.topRows(d);
         if (i == j) block.diagonal().array() += Scalar(1);
       }
     }
-    for (Eigen::Index i = 0; i < stages; ++i) {
-      displace(i, dt);
-      work.residual.segment(i * n, n) = change_ - displacements_.col(i);
-    }
+    for (Eigen::Index i = 0; i < stages; ++i)
+      combine(weights_, i, gradients_, [&](Eigen::Index k, const Scalar& sum) {
+        if (k < n) work.residual[i * n + k] = sign_[k] * sum - displacements_(k, i);
+      });
     work.lu.compute(work.matrix);
     work.residual = work.lu.solve(work.residual).eval();
-    displacements_.reshaped() += work.residual;
-    return detail::norm(work.residual);
+    for (Eigen::Index i = 0; i < stages; ++i)
+      displacements_.col(i).head(n) += work.residual.segment(i * n, n);
+    return detail::sum_of_absolutes(work.residual);
   }
 
   /// The Hessian at point_.
@@ -233,8 +276,8 @@ class GaussLegendre {
     Newton& work = *newton_;
     const Eigen::Index d = dof();
     if constexpr (HasHessian<H>) {
-      using Column = const Vector<Scalar, Dof>;
-      hamiltonian_.hessian(Eigen::Map<Column>(point_.data(), d), Eigen::Map<Column>(point_.data() + d, d),
+      using Half = const Vector<Scalar, Dof>;
+      hamiltonian_.hessian(Eigen::Map<Half>(point_.data(), d), Eigen::Map<Half>(point_.data() + d, d),
                            work.hessian);
     } else {
       using std::cbrt;
@@ -257,9 +300,11 @@ class GaussLegendre {
   GaussLegendreOptions options_;
   GaussTableau<Scalar> tableau_;
   CompensatedUpdate<Scalar, Dof> update_;
+  Dense weights_;  ///< dt a_ij, for steps of weights_dt_
   Stages gradients_, started_, displacements_;
-  Vec change_, point_;
-  Scalar last_dt_ = Scalar(0);
+  Column sign_, displaced_;
+  Vec point_;
+  Scalar last_dt_ = Scalar(0), weights_dt_ = Scalar(0);
   std::optional<Newton> newton_;
 };
 

@@ -39,6 +39,19 @@ typename U::Scalar dot(const Eigen::MatrixBase<U>& u, const Eigen::MatrixBase<V>
   return (part[0] + part[1]) + (part[2] + part[3]);
 }
 
+/// Σ |vᵢ|, in four partial sums: a norm without squares, which have less room in the exponent.
+template <class Derived>
+typename Derived::Scalar sum_of_absolutes(const Eigen::MatrixBase<Derived>& v) {
+  using Scalar = typename Derived::Scalar;
+  using std::abs;
+  Scalar part[4] = {Scalar(0), Scalar(0), Scalar(0), Scalar(0)};
+  const Eigen::Index n = v.size(), whole = n - n % 4;
+  for (Eigen::Index i = 0; i < whole; i += 4)
+    for (Eigen::Index k = 0; k < 4; ++k) part[k] += abs(v.derived().coeff(i + k));
+  for (Eigen::Index i = whole; i < n; ++i) part[i - whole] += abs(v.derived().coeff(i));
+  return (part[0] + part[1]) + (part[2] + part[3]);
+}
+
 /// Euclidean norm that neither underflows nor overflows: states of size 1e-200 or 1e200 have a norm, too.
 template <class Derived>
 typename Derived::Scalar norm(const Eigen::MatrixBase<Derived>& v) {

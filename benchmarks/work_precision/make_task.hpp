@@ -1,0 +1,62 @@
+#pragma once
+
+#include "gauss_methods.hpp"
+#include "gsl_methods.hpp"
+#include "odeint_methods.hpp"
+#include "own_methods.hpp"
+#include "task.hpp"
+
+namespace work_precision {
+
+/// Largest difference between the gradient and central differences of the energy, relative to the gradient.
+template <class H>
+double gradient_error(const H& hamiltonian, PhasePoint<double, H::Dof> z) {
+  const Eigen::Index d = z.dof();
+  const PhasePoint<double, H::Dof> at = z;
+  PhasePoint<double, H::Dof> gradient(d);
+  hamiltonian.gradient(at.q(), at.p(), gradient.q(), gradient.p());
+  double worst = 0, scale = 0;
+  for (Eigen::Index i = 0; i < 2 * d; ++i) {
+    const double h = 1e-5 * std::max(1.0, std::abs(at.vector()[i]));
+    z.vector()[i] = at.vector()[i] + h;
+    const double ahead = hamiltonian.energy(z.q(), z.p());
+    z.vector()[i] = at.vector()[i] - h;
+    const double behind = hamiltonian.energy(z.q(), z.p());
+    z.vector()[i] = at.vector()[i];
+    worst = std::max(worst, std::abs((ahead - behind) / (2 * h) - gradient.vector()[i]));
+    scale = std::max(scale, std::abs(gradient.vector()[i]));
+  }
+  return worst / scale;
+}
+
+/// Everything that is run on a problem.
+template <class H>
+Task make_task(const Problem<H>& problem, bool is_short) {
+  const double end = is_short ? problem.short_end : problem.end;
+  Task task{
+      .name = problem.name, .title = problem.title, .yardstick = {}, .max_seconds = problem.max_seconds};
+  const H& hamiltonian = problem.hamiltonian;
+  const auto& z = problem.start.vector();
+  task.yardstick = {
+      .end = end,
+      .start = {z.data(), z.data() + z.size()},
+      .energy = on_numbers<H::Dof>(problem.start.dof(),
+                                   [=](const auto& q, const auto& p) { return hamiltonian.energy(q, p); }),
+      .invariants = problem.invariants,
+      .exact = problem.exact};
+
+  // Away from the start, where many a derivative happens to vanish.
+  PhasePoint<double, H::Dof> moved = problem.start;
+  for (Eigen::Index i = 0; i < z.size(); ++i)
+    moved.vector()[i] += 0.05 * std::sin(static_cast<double>(i) + 1);
+  task.gradient_error = gradient_error(hamiltonian, moved);
+
+  add_semiexplicit(task.lines, problem, end);
+  add_tao(task.lines, problem, end);
+  add_gauss_methods(task.lines, problem, end);
+  add_odeint(task.lines, problem, end);
+  add_gsl(task.lines, problem, end);
+  return task;
+}
+
+}  // namespace work_precision

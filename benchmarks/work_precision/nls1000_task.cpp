@@ -1,0 +1,7 @@
+#include "make_task.hpp"
+
+namespace work_precision {
+
+Task nls1000_task(bool is_short) { return make_task(nls1000_problem(is_short), is_short); }
+
+}  // namespace work_precision

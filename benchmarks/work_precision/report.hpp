@@ -1,0 +1,34 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "scan.hpp"
+
+namespace work_precision {
+
+/// A problem with its results.
+struct Result {
+  std::string name, title;
+  double end = 0;
+  std::vector<std::string> invariants;
+  std::vector<Row> rows;
+};
+
+/// `<name>.csv`: every row, in the order in which they were run.
+void write_csv(const std::filesystem::path& folder, const Result& result);
+
+/// `<name>.md`: who is first at every target, in CPU time and in gradient calls, and with what.
+void write_tables(const std::filesystem::path& folder, const Result& result);
+
+/// `summary.md`: the CPU times of all problems in short, and the goals with what was reached.
+void write_summary(const std::filesystem::path& folder, const std::vector<Result>& results);
+
+/// `<name>.png`: energy error against CPU time and against gradient calls.
+void draw_result(const std::filesystem::path& folder, const Result& result);
+
+/// As /proc/cpuinfo has it.
+std::string processor_name();
+
+}  // namespace work_precision

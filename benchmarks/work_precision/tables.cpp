@@ -1,0 +1,234 @@
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <functional>
+#include <limits>
+#include <sstream>
+#include <stdexcept>
+
+#include "common/table.hpp"
+#include "report.hpp"
+
+namespace work_precision {
+
+namespace {
+
+using examples::formatted;
+
+std::vector<std::string> family_names(bool ours) {
+  std::vector<std::string> names;
+  for (const Family& family : families())
+    if (family.ours == ours) names.push_back(family.name);
+  return names;
+}
+
+std::vector<std::string> rivals_without(const std::string& left_out) {
+  std::vector<std::string> names = family_names(false);
+  std::erase(names, left_out);
+  return names;
+}
+
+/// Three digits, in milliseconds or in calls.
+std::string cost_text(const Row* row, Cost cost) {
+  if (row == nullptr) return "–";
+  const double value = cost_of(*row, cost);
+  return cost == Cost::seconds ? formatted("%.3g", 1e3 * value)
+                               : std::to_string(static_cast<long long>(value));
+}
+
+std::string setting(const Row& row) {
+  std::string text = row.method.name;
+  if (!row.method.options.empty()) text += ", " + row.method.options;
+  text += row.dt > 0 ? formatted(", dt = %.4g", row.dt) : formatted(", %.2g", row.tolerance);
+  return text + (row.errors.drifts() ? ", drifting" : "");
+}
+
+/// How many times cheaper ours is than the best rival: above 1 ours is first. Where only one side reaches the target it is
+/// infinite or zero, where none does NaN.
+double advantage(const std::vector<Row>& rows, Cost cost, double target,
+                 const std::vector<std::string>& rivals) {
+  const Row* own = cheapest(rows, family_names(true), cost, target);
+  const Row* rival = cheapest(rows, rivals, cost, target);
+  if (own == nullptr) return rival == nullptr ? nan : 0;
+  return rival == nullptr ? INFINITY : cost_of(*rival, cost) / cost_of(*own, cost);
+}
+
+std::string factor_text(double factor) {
+  if (std::isnan(factor)) return "–";
+  if (std::isinf(factor)) return "only ours";
+  return factor == 0 ? "only rivals" : formatted("%.2f", factor);
+}
+
+/// Families that have at least one setting here, in their order.
+std::vector<std::string> present(const std::vector<Row>& rows) {
+  std::vector<std::string> names;
+  for (const Family& family : families())
+    if (std::any_of(rows.begin(), rows.end(), [&](const Row& r) { return r.method.family == family.name; }))
+      names.push_back(family.name);
+  return names;
+}
+
+void write_costs(std::ostream& out, const Result& result, Cost cost) {
+  const std::vector<std::string> names = present(result.rows);
+  out << "| energy error |";
+  for (const std::string& name : names) out << ' ' << name << " |";
+  out << " first | best rival / ours |\n|" << std::string(2, '-') << '|';
+  for (std::size_t i = 0; i < names.size() + 2; ++i) out << "--|";
+  out << '\n';
+  for (const double target : targets()) {
+    const Row* first = cheapest(result.rows, names, cost, target);
+    out << "| " << formatted("%.0e", target) << " |";
+    for (const std::string& name : names) {
+      const Row* row = cheapest(result.rows, {name}, cost, target);
+      const std::string text = cost_text(row, cost);
+      out << ' ' << (row != nullptr && row == first ? "**" + text + "**" : text) << " |";
+    }
+    out << ' ' << (first == nullptr ? "–" : first->method.family) << " | "
+        << factor_text(advantage(result.rows, cost, target, family_names(false))) << " |\n";
+  }
+}
+
+/// The errors of a run besides that of the energy.
+std::string other_errors(const Result& result, const Row& row) {
+  std::string text;
+  for (std::size_t i = 0; i < result.invariants.size(); ++i)
+    text += "; " + result.invariants[i] + formatted(" %.0e", row.errors.invariants[i]);
+  if (!std::isnan(row.errors.trajectory)) text += formatted("; trajectory %.0e", row.errors.trajectory);
+  std::replace(text.begin(), text.end(), '_', ' ');
+  return text;
+}
+
+/// What the winners are.
+void write_settings(std::ostream& out, const Result& result) {
+  out << "| energy error | ours | best rival |\n|--|--|--|\n";
+  for (const double target : targets()) {
+    out << "| " << formatted("%.0e", target) << " |";
+    for (const bool ours : {true, false}) {
+      const Row* row = cheapest(result.rows, family_names(ours), Cost::seconds, target);
+      out << ' '
+          << (row == nullptr ? "–" : row->method.family + ": " + setting(*row) + other_errors(result, *row))
+          << " |";
+    }
+    out << '\n';
+  }
+}
+
+/// Writes a file whole or not at all.
+void write_file(const std::filesystem::path& path, const std::string& content) {
+  const std::filesystem::path part = path.string() + ".part";
+  std::ofstream out(part);
+  out << content;
+  out.close();
+  if (!out) throw std::runtime_error(part.string() + ": cannot be written; is the disk full?");
+  std::filesystem::rename(part, path);
+}
+
+/// A goal: on these problems, at these targets, ours is so many times cheaper than the best of these rivals.
+struct Goal {
+  std::string text;
+  Cost cost;
+  std::vector<std::string> problems;  ///< empty: all
+  std::vector<std::string> rivals;
+  std::vector<std::pair<double, double>> levels;  ///< target, factor
+  bool where_reached = false;                     ///< at every target that the rival reaches, too
+};
+
+std::vector<Goal> goals() {
+  const std::vector<std::string> large{"nls1000", "vortices300"},
+      small{"nls5", "vortices10", "vortices10_disparate"}, all_rivals = family_names(false);
+  std::vector<std::pair<double, double>> everywhere;
+  for (const double target : targets()) everywhere.emplace_back(target, 5.0);
+  return {
+      {"CPU time, best rival of any kind",
+       Cost::seconds,
+       large,
+       all_rivals,
+       {{1e-4, 2}, {1e-6, 2}, {1e-8, 1.3}, {1e-10, 1}}},
+      {"CPU time, rivals but Gauss in lanes",
+       Cost::seconds,
+       small,
+       rivals_without(family::gauss_lanes),
+       {{1e-4, 1.8}, {1e-6, 1.5}, {1e-8, 1}}},
+      {"CPU time, Gauss in lanes", Cost::seconds, small, {family::gauss_lanes}, {{1e-4, 1}, {1e-6, 1}}},
+      {"gradient calls, best rival of any kind",
+       Cost::gradients,
+       {},
+       all_rivals,
+       {{1e-4, 2}, {1e-6, 2}, {1e-8, 1.3}, {1e-10, 1}}},
+      {"CPU time, Tao, wherever it gets", Cost::seconds, {}, {family::tao}, everywhere, true},
+  };
+}
+
+void write_goals(std::ostream& out, const std::vector<Result>& results) {
+  out << "| goal | problem | factors | |\n|--|--|--|--|\n";
+  for (const Goal& goal : goals())
+    for (const Result& result : results) {
+      if (goal.problems.empty() ? result.name == "nls5_long"
+                                : std::count(goal.problems.begin(), goal.problems.end(), result.name) == 0)
+        continue;
+      std::string cells;
+      bool missed = false;
+      for (const auto& [target, wanted] : goal.levels) {
+        const double factor = advantage(result.rows, goal.cost, target, goal.rivals);
+        if (goal.where_reached && !(factor < INFINITY)) continue;
+        const bool good = factor >= wanted;
+        missed = missed || !good;
+        cells += (cells.empty() ? "" : "; ") + formatted("%.0e: ", target) + (good ? "" : "**") +
+                 factor_text(factor) + (good ? "" : "**") + formatted(" (%g)", wanted);
+      }
+      out << "| " << goal.text << " | " << result.title << " | "
+          << (cells.empty() ? "not reached by it" : cells) << " | " << (missed ? "missed" : "reached")
+          << " |\n";
+    }
+}
+
+}  // namespace
+
+std::string processor_name() {
+  std::ifstream in("/proc/cpuinfo");
+  for (std::string line; std::getline(in, line);)
+    if (line.rfind("model name", 0) == 0) return line.substr(line.find(':') + 2);
+  return "an unknown processor";
+}
+
+void write_tables(const std::filesystem::path& folder, const Result& result) {
+  std::ostringstream out;
+  out << "# " << result.title << ", t = 0 to " << formatted("%g", result.end) << "\n\n"
+      << "Cheapest measured setting of each family whose largest relative energy error is within the "
+         "target.\n"
+         "Processor: "
+      << processor_name() << ", one core.\n\n## CPU time, milliseconds\n\n";
+  write_costs(out, result, Cost::seconds);
+  out << "\n## Gradient calls\n\n";
+  write_costs(out, result, Cost::gradients);
+  out << "\n## The settings that were fastest\n\n";
+  write_settings(out, result);
+  write_file(folder / (result.name + ".md"), out.str());
+}
+
+void write_summary(const std::filesystem::path& folder, const std::vector<Result>& results) {
+  std::ostringstream out;
+  out << "Processor: " << processor_name()
+      << ", one core. CPU time in milliseconds, ours / best rival: who that is, and (time of the best\n"
+         "rival) / (ours).\n\n| problem |";
+  const std::vector<double> levels{1e-4, 1e-6, 1e-8, 1e-10, 1e-12};
+  for (const double level : levels) out << formatted(" %.0e |", level);
+  out << "\n|--|--|--|--|--|--|\n";
+  for (const Result& result : results) {
+    out << "| " << result.title << " |";
+    for (const double level : levels) {
+      const Row* own = cheapest(result.rows, family_names(true), Cost::seconds, level);
+      const Row* rival = cheapest(result.rows, family_names(false), Cost::seconds, level);
+      const double factor = advantage(result.rows, Cost::seconds, level, family_names(false));
+      out << ' ' << cost_text(own, Cost::seconds) << " / " << cost_text(rival, Cost::seconds)
+          << (rival == nullptr ? "" : " " + rival->method.family) << ": " << (factor >= 1 ? "**" : "")
+          << factor_text(factor) << (factor >= 1 ? "**" : "") << " |";
+    }
+    out << '\n';
+  }
+  out << "\nGoals, as factors best rival / ours, with the wanted ones in brackets; bold: missed.\n\n";
+  write_goals(out, results);
+  write_file(folder / "summary.md", out.str());
+}
+
+}  // namespace work_precision

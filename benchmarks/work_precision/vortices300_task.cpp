@@ -1,0 +1,7 @@
+#include "make_task.hpp"
+
+namespace work_precision {
+
+Task vortices300_task(bool is_short) { return make_task(vortices300_problem(is_short), is_short); }
+
+}  // namespace work_precision

@@ -1,0 +1,140 @@
+// What accuracy costs: energy error against CPU time and gradient calls, this library's methods and everybody else's, on
+// eight problems and a long run. See README.md in this folder.
+#include <algorithm>
+#include <filesystem>
+#include <iostream>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "common/arguments.hpp"
+#include "report.hpp"
+#include "scan.hpp"
+
+namespace {
+
+using namespace work_precision;
+
+struct Entry {
+  std::string name;
+  Task (*make)(bool is_short);
+};
+
+const std::vector<Entry>& entries() {
+  static const std::vector<Entry> list{{"product", product_task},
+                                       {"nls5", nls5_task},
+                                       {"nls1000", nls1000_task},
+                                       {"vortices10", vortices_task},
+                                       {"vortices10_disparate", disparate_vortices_task},
+                                       {"vortices300", vortices300_task},
+                                       {"magnetic_bottle", bottle_task},
+                                       {"kerr", kerr_task}};
+  return list;
+}
+
+Result result_of(const Task& task, std::vector<Row> rows) {
+  Result result{.name = task.name,
+                .title = task.title,
+                .end = task.yardstick.end,
+                .invariants = {},
+                .rows = std::move(rows)};
+  for (const auto& invariant : task.yardstick.invariants) result.invariants.push_back(invariant.name);
+  return result;
+}
+
+Result run(const Task& task, const ScanOptions& options) {
+  const double begin = cpu_seconds();
+  std::cout << task.name << ": " << task.lines.size() << " lines\n" << std::flush;
+  std::vector<Row> rows = scan(task, options);
+  const double scanned = cpu_seconds();
+  time_carefully(task, rows, options);
+  std::cout << "  " << static_cast<int>(scanned - begin) << " s to scan, "
+            << static_cast<int>(cpu_seconds() - scanned) << " s to time\n"
+            << std::flush;
+  return result_of(task, std::move(rows));
+}
+
+/// What the short run finds wrong: a gradient that is not the energy's, a family that never gets anywhere.
+std::vector<std::string> faults(const Task& task, const Result& result) {
+  std::vector<std::string> list;
+  for (const Family& family : families()) {
+    const auto is_one = [&](const auto& x) { return x.method.family == family.name; };
+    if (std::none_of(task.lines.begin(), task.lines.end(), is_one)) continue;
+    if (std::none_of(result.rows.begin(), result.rows.end(),
+                     [&](const Row& row) { return is_one(row) && row.ok() && row.errors.energy < 1e-2; }))
+      list.push_back(task.name + ": no setting of the family '" + family.name + "' comes near");
+  }
+  return list;
+}
+
+void write(const std::filesystem::path& output, const std::vector<Result>& results, bool plot) {
+  for (const char* folder : {"tables", "figures"}) std::filesystem::create_directories(output / folder);
+  const Result& last = results.back();
+  write_csv(output / "tables", last);
+  write_tables(output / "tables", last);
+  if (plot) draw_result(output / "figures", last);
+  write_summary(output / "tables", results);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{
+      "What accuracy costs: scans every method over steps, tolerances and parameters, and writes tables "
+      "(CSV, "
+      "Markdown) and pictures of energy error against CPU time and gradient calls. Pin it to a core."};
+  std::vector<std::string> known{"nls5_long"}, chosen;
+  for (const Entry& entry : entries()) known.push_back(entry.name);
+  std::filesystem::path output = "out/work_precision";
+  bool is_short = false, no_plot = false;
+  ScanOptions options;
+  app.add_option("what", chosen, "problems; all if none is named: " + examples::joined(known))
+      ->check(examples::one_of(known))
+      ->type_name("NAME");
+  app.add_option("--output", output, "folder for tables and figures")
+      ->type_name("DIR")
+      ->capture_default_str();
+  app.add_option("--repetitions", options.repetitions, "of each careful timing")
+      ->check(examples::whole_number(2, 1000))
+      ->type_name("NUMBER")
+      ->capture_default_str();
+  app.add_flag("--short", is_short, "small problems and few settings: a test that everything runs");
+  app.add_flag("--no-plot", no_plot, "leave the pictures out");
+
+  return examples::run_program(app, argc, argv, [&] {
+    if (chosen.empty()) chosen = known;
+    if (is_short) {
+      options.is_short = true;
+      options.samples = 20;
+      options.batch = 0;
+      options.repetitions = 2;
+    }
+    const auto wants = [&](const std::string& name) {
+      return std::find(chosen.begin(), chosen.end(), name) != chosen.end();
+    };
+    std::vector<Result> results;
+    std::vector<std::string> wrong;
+    for (const Entry& entry : entries()) {
+      const bool goes_on = entry.name == "nls5" && wants("nls5_long");
+      if (!wants(entry.name) && !goes_on) continue;
+      const Task task = entry.make(is_short);
+      if (!(task.gradient_error < 1e-6))
+        throw std::runtime_error(task.name + ": the gradient is not the energy's, off by " +
+                                 std::to_string(task.gradient_error));
+      results.push_back(run(task, options));
+      write(output, results, !no_plot);
+      const auto found = faults(task, results.back());
+      if (is_short) wrong.insert(wrong.end(), found.begin(), found.end());
+      if (!goes_on) continue;
+      const Task long_task = nls5_long_task(is_short);
+      const double begin = cpu_seconds();
+      results.push_back(result_of(long_task, long_runs(long_task, task, results.back().rows, options)));
+      std::cout << long_task.name << ": " << static_cast<int>(cpu_seconds() - begin) << " s\n" << std::flush;
+      write(output, results, !no_plot);
+    }
+    std::cout << "tables: " << (output / "tables").string() << '\n';
+    for (const std::string& fault : wrong) std::cerr << fault << '\n';
+    return wrong.empty() ? 0 : 1;
+  });
+}

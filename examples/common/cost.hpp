@@ -1,0 +1,145 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <optional>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "arguments.hpp"
+#include "gnuplot.hpp"
+#include "run.hpp"
+#include "table.hpp"
+
+namespace examples {
+
+/// The options --cost, what accuracy costs, and --accuracy, choose a method and a step for me.
+struct CostRequest {
+  bool curve = false;
+  double accuracy = 0;
+  std::string by = "seconds";
+  std::optional<CostRow> chosen{};
+
+  /// Whether one of them is there. Throws std::invalid_argument where the user has chosen a method or a step as well.
+  bool wanted(const CLI::App& app) const {
+    const char* const option = curve ? "--cost" : "--accuracy";
+    if (!curve && app.count("--accuracy") == 0) {
+      if (app.count("--cost-by") > 0)
+        throw std::invalid_argument("--cost-by goes with --cost or --accuracy; give one of them");
+      return false;
+    }
+    for (const char* other :
+         {"--dt", "--method", "--scheme", "--solver", "--rule", "--tolerance", "--omega", "--stages"})
+      if (app.count(other) > 0)
+        throw std::invalid_argument(std::string(other) + " is what " + option +
+                                    " is to find out; leave one of them out");
+    return true;
+  }
+
+  CostOptions options() const {
+    CostOptions options{.by = by == "seconds" ? CostBy::seconds : CostBy::gradients};
+    if (!curve) options.targets = {accuracy};
+    return options;
+  }
+
+  /// Takes the cheapest setting, says why, and puts it into method and settings. Throws std::runtime_error where the
+  /// accuracy is out of reach.
+  void choose(const CostOfAccuracy& cost, Method& method, Settings& settings) {
+    chosen = cost.cheapest(accuracy);
+    if (!chosen) {
+      const auto best = cost.best();
+      throw std::runtime_error("--accuracy " + formatted("%g", accuracy) + " is out of reach" +
+                               (best ? ": the best found is " + formatted("%.1e", best->error) + " by " +
+                                           best->setting.name() +
+                                           " with dt = " + formatted("%.3g", best->setting.dt)
+                                     : std::string("; no setting works")));
+    }
+    std::cout << cost << '\n';
+    const Setting& setting = chosen->setting;
+    method.name = setting.method == Setting::Method::semiexplicit ? "semiexplicit" : "gauss";
+    if (setting.method == Setting::Method::semiexplicit) method.scheme = setting.scheme;
+    method.tolerance = setting.rule.tolerance;
+    method.stages = std::max(1, setting.stages);
+    method.lanes = setting.method == Setting::Method::gauss_lanes;
+    settings.dt = settings.time / std::ceil(settings.time / setting.dt);
+    std::cout << "chosen: " << setting.name() << ", dt = " << formatted("%.4g", settings.dt)
+              << ", the cheapest in " << (by == "seconds" ? "processor time" : "gradient calls") << " of "
+              << cost.rows.size() << " settings tried\n\n";
+  }
+
+  /// What came of the choice.
+  void compare_with(const Run& run) const {
+    if (chosen)
+      std::cout << "energy error: "
+                << formatted("%.1e asked for, %.1e expected, %.1e reached\n", accuracy, chosen->error,
+                             run.quantities.front().worst);
+  }
+};
+
+inline void add_cost(CLI::App& app, CostRequest& request) {
+  auto* const curve = app.add_flag("--cost", request.curve,
+                                   "print what accuracy costs here, and draw it, instead of a long run");
+  app.add_option("--accuracy", request.accuracy,
+                 "largest relative energy error: choose the cheapest method and step for it, and run")
+      ->check(CLI::Range(1e-300, 0.1))
+      ->type_name("X")
+      ->excludes(curve);
+  app.add_option("--cost-by", request.by, "what cheap means: seconds, gradients")
+      ->check(one_of({"seconds", "gradients"}))
+      ->type_name("NAME")
+      ->capture_default_str();
+}
+
+/// The rows as a file. It gets its name when it is whole.
+inline void write_cost(const std::filesystem::path& path, const CostOfAccuracy& cost) {
+  const std::filesystem::path part = path.string() + ".part";
+  std::ofstream out(part);
+  out.precision(9);
+  out << "method,solver,dt,error,gradients,seconds,drifts,works\n";
+  for (const CostRow& row : cost.rows)
+    out << row.setting.name() << ',' << row.setting.solver() << ',' << row.setting.dt << ',' << row.error
+        << ',' << row.gradients << ',' << row.seconds << ',' << row.drifts << ',' << row.works() << '\n';
+  out.close();
+  if (!out) throw std::runtime_error(part.string() + ": cannot be written; is the disk full?");
+  std::filesystem::rename(part, path);
+}
+
+/// The table on the screen, the rows in <name>.csv, and error against cost in <name>.png, a curve a method.
+inline void show_cost(const CostOfAccuracy& cost, const Settings& settings, const std::string& name,
+                      const std::string& what) {
+  std::cout << cost;
+  const std::filesystem::path csv = settings.output / (name + ".csv"),
+                              png = settings.output / (name + ".png");
+  write_cost(csv, cost);
+  std::cout << "data: " << csv.string() << '\n';
+  if (settings.no_plot) return;
+
+  const bool seconds = cost.by == CostBy::seconds;
+  std::ostringstream out;
+  out << gnuplot_prologue(png, 1200, 800) << "set title "
+      << quoted(what + ": what accuracy costs over T = " + formatted("%g", cost.time)) << " noenhanced\n"
+      << "set logscale xy\nset format '10^{%T}'\nset xrange [*:*] reverse\n"
+      << "set xlabel 'largest relative energy error, expected'\nset ylabel '"
+      << (seconds ? "seconds of processor time" : "gradient calls") << "'\n"
+      << "set key outside right noenhanced\nset grid linetype 1 linewidth 0.5 linecolor rgb '#d8d8d8'\n"
+      << "plot NaN notitle";
+  std::vector<std::string> drawn;
+  for (const CostRow& row : cost.rows) {
+    const std::string method = row.setting.name();
+    if (!row.works() || std::find(drawn.begin(), drawn.end(), method) != drawn.end()) continue;
+    drawn.push_back(method);
+    out << ", \\\n  " << quoted(csv.string()) << " skip 1 using (stringcolumn(1) eq " << quoted(method)
+        << " && $8 == 1 ? $4 : NaN):" << (seconds ? 6 : 5) << " with linespoints linewidth 2 pointtype "
+        << 4 + drawn.size() << (row.setting.method == Setting::Method::semiexplicit ? "" : " dashtype 2")
+        << " title " << quoted(method);
+  }
+  out << '\n';
+  draw(png, out.str());
+}
+
+}  // namespace examples

@@ -175,10 +175,10 @@ inline auto vortices300_problem(bool is_short) {
     circulations[i] = uniform() < 0.5 ? -size : size;
   }
   auto problem = vortex_problem<Eigen::Dynamic>("vortices300", "300 vortices", circulations, x, y);
-  problem.end = 20;
+  problem.end = 10;
   problem.short_end = 1;
   problem.step_per_call = 0.1;
-  problem.max_seconds = 0.4;
+  problem.max_seconds = 0.6;
   return problem;
 }
 

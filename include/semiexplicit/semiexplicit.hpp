@@ -2,6 +2,7 @@
 
 /// Everything of the library. Each header also stands alone.
 
+#include <semiexplicit/baseline/explicit_splitting.hpp>
 #include <semiexplicit/baseline/gauss_lanes.hpp>
 #include <semiexplicit/baseline/gauss_legendre.hpp>
 #include <semiexplicit/core/hamiltonian.hpp>
@@ -12,6 +13,22 @@
 #include <semiexplicit/observers.hpp>
 #include <semiexplicit/projection/midpoint.hpp>
 #include <semiexplicit/projection/semiexplicit.hpp>
+#include <semiexplicit/scene/any_effect.hpp>
+#include <semiexplicit/scene/audit.hpp>
+#include <semiexplicit/scene/audit_report.hpp>
+#include <semiexplicit/scene/effect.hpp>
+#include <semiexplicit/scene/effects/black_hole.hpp>
+#include <semiexplicit/scene/effects/charges.hpp>
+#include <semiexplicit/scene/effects/electrostatics.hpp>
+#include <semiexplicit/scene/effects/lattice.hpp>
+#include <semiexplicit/scene/effects/orbits.hpp>
+#include <semiexplicit/scene/effects/post_newtonian.hpp>
+#include <semiexplicit/scene/effects/vortex_walls.hpp>
+#include <semiexplicit/scene/effects/vortices.hpp>
+#include <semiexplicit/scene/nearest_names.hpp>
+#include <semiexplicit/scene/runtime_scene.hpp>
+#include <semiexplicit/scene/scene.hpp>
+#include <semiexplicit/scene/stepper_for.hpp>
 #include <semiexplicit/solver/broyden.hpp>
 #include <semiexplicit/solver/simplified_newton.hpp>
 #include <semiexplicit/splitting/pihajoki.hpp>

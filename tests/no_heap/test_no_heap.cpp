@@ -145,6 +145,29 @@ TEST_CASE("A step does not touch the heap", "[heap]") {
   steps_use_no_heap(systems::Product<double>{}, {-1.0, 0.3});
 }
 
+TEST_CASE("Nor does a step of a scene, doubled or not, chosen at compile time or at run time", "[heap]") {
+  const auto uses_none = [](auto stepper, auto state) {
+    StepReport report;
+    long count = 0;
+    REQUIRE_NOTHROW(count = allocations_of([&] {
+                      for (const double dt : {0.02, 0.02, -0.01}) report = stepper.step(state, dt);
+                    }));
+    CHECK(report.ok());
+    CHECK(count == 0);
+  };
+  const PhasePoint<double, 2> orbit({1, 0}, {0, 1});
+  const Scene plain(orbits::Kinetic<2>{}, orbits::Attraction<2>{});
+  uses_none(stepper_for(plain), orbit);
+  uses_none(stepper_for(SeparableRuntimeScene(RuntimeScene(plain))), orbit);
+  uses_none(stepper_for(RuntimeScene(plain)), orbit);
+  PhasePoint<double, Eigen::Dynamic> wave(30);
+  wave.q()[3] = 1;
+  const Scene lattice(lattice::Hopping<>{.sites = 30}, lattice::Disorder<>(Eigen::VectorXd::Ones(30)));
+  uses_none(stepper_for(lattice), wave);
+  uses_none(stepper_for(SeparableRuntimeScene(RuntimeScene(lattice))), wave);
+  uses_none(stepper_for(Scene(lattice::Hopping<>{.sites = 30}, lattice::OnSite<>{.sites = 30})), wave);
+}
+
 TEST_CASE("A run allocates nothing a step", "[heap]") {
   systems::NlsLattice<double> h(10);
   PhasePoint<double, Eigen::Dynamic> z(10);

@@ -82,6 +82,16 @@ concept HasHessian = Hamiltonian<H> &&
   h.hessian(q, p, hessian);
 };
 
+/// Optional: H(q, p) = V(q) + T(p), and each half of the gradient can be had alone. H says so by `static constexpr bool
+/// separable = true;`. ExplicitSplitting then needs no second copy of the phase point.
+template <class H>
+concept SeparableHamiltonian = Hamiltonian<H> && requires {
+  requires bool(H::separable);
+} && requires(const H& h, ConstRef<typename H::Scalar, H::Dof> at, Ref<typename H::Scalar, H::Dof> half) {
+  h.position_gradient(at, half);  // ∂V/∂q at q
+  h.momentum_gradient(at, half);  // ∂T/∂p at p
+};
+
 /// The degrees of freedom of `h`: known to the type, or asked of the value.
 template <Hamiltonian H>
 constexpr Eigen::Index dof_of(const H& h) {

@@ -1,0 +1,97 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <semiexplicit/core/phase_point.hpp>
+#include <semiexplicit/scene/effect.hpp>
+
+namespace semiexplicit {
+
+/// An effect whose type is forgotten, for programs that learn at run time which ones are wanted. A call is one virtual call.
+/// Copies share the effect, which is never changed.
+template <class ScalarType, int DofValue>
+class AnyEffect {
+ public:
+  using Scalar = ScalarType;
+  static constexpr int Dof = DofValue;
+  using Read = ConstRef<Scalar, Dof>;
+  using Write = Ref<Scalar, Dof>;
+
+  template <Effect E>
+  requires std::same_as<typename E::Acts::Scalar, Scalar> &&(E::Acts::Dof == Dof) AnyEffect(E effect)
+      : name_(effect_name(effect)),
+        about_(effect_about(effect)),
+        on_position_(!MomentumEffect<E>),
+        on_momentum_(!PositionEffect<E>),
+        coupled_(CoupledEffect<E>),
+        effect_(std::make_shared<Model<E>>(std::move(effect))) {}
+
+  const std::string& name() const { return name_; }
+  const std::string& about() const { return about_; }
+  /// Whether it depends on q, on p, and on both in a way that no sum does.
+  bool on_position() const { return on_position_; }
+  bool on_momentum() const { return on_momentum_; }
+  bool coupled() const { return coupled_; }
+  Eigen::Index dof() const { return effect_->dof(); }
+
+  Scalar energy(const Read& q, const Read& p) const { return effect_->energy(q, p); }
+  /// Adds both halves of its gradient.
+  void add_gradient(const Read& q, const Read& p, Write& dHdq, Write& dHdp) const {
+    effect_->add_gradient(q, p, dHdq, dHdp);
+  }
+  /// Adds one half of the gradient of an effect that is not coupled; nothing where it does not depend on that half.
+  void add_position_gradient(const Read& q, Write& dHdq) const { effect_->add_position_gradient(q, dHdq); }
+  void add_momentum_gradient(const Read& p, Write& dHdp) const { effect_->add_momentum_gradient(p, dHdp); }
+
+  /// The sum of its gradients at all of the points, added up inside the effect: its cost without the virtual calls.
+  void add_gradients(const std::vector<PhasePoint<Scalar, Dof>>& points, Write& dHdq, Write& dHdp) const {
+    effect_->add_gradients(points, dHdq, dHdp);
+  }
+
+ private:
+  struct Interface {
+    virtual ~Interface() = default;
+    virtual Eigen::Index dof() const = 0;
+    virtual Scalar energy(const Read& q, const Read& p) const = 0;
+    virtual void add_gradient(const Read& q, const Read& p, Write& dHdq, Write& dHdp) const = 0;
+    virtual void add_position_gradient(const Read& q, Write& dHdq) const = 0;
+    virtual void add_momentum_gradient(const Read& p, Write& dHdp) const = 0;
+    virtual void add_gradients(const std::vector<PhasePoint<Scalar, Dof>>& points, Write& dHdq,
+                               Write& dHdp) const = 0;
+  };
+
+  template <class E>
+  struct Model final : Interface {
+    explicit Model(E wrapped) : effect(std::move(wrapped)) {}
+    Eigen::Index dof() const override {
+      if constexpr (Dof == Eigen::Dynamic)
+        return effect.dof();
+      else
+        return Dof;
+    }
+    Scalar energy(const Read& q, const Read& p) const override { return detail::effect_energy(effect, q, p); }
+    void add_gradient(const Read& q, const Read& p, Write& dHdq, Write& dHdp) const override {
+      detail::add_effect(effect, q, p, dHdq, dHdp);
+    }
+    void add_position_gradient([[maybe_unused]] const Read& q, [[maybe_unused]] Write& dHdq) const override {
+      if constexpr (PositionEffect<E> || EachEffect<E>) effect.add_gradient(q, dHdq);
+    }
+    void add_momentum_gradient([[maybe_unused]] const Read& p, [[maybe_unused]] Write& dHdp) const override {
+      if constexpr (MomentumEffect<E> || EachEffect<E>) effect.add_gradient(p, dHdp);
+    }
+    void add_gradients(const std::vector<PhasePoint<Scalar, Dof>>& points, Write& dHdq,
+                       Write& dHdp) const override {
+      for (const auto& z : points) detail::add_effect(effect, Read(z.q()), Read(z.p()), dHdq, dHdp);
+    }
+    E effect;
+  };
+
+  std::string name_, about_;
+  bool on_position_, on_momentum_, coupled_;
+  std::shared_ptr<const Interface> effect_;
+};
+
+}  // namespace semiexplicit

@@ -1,0 +1,228 @@
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include <semiexplicit/integrate.hpp>
+#include <semiexplicit/scene/audit_report.hpp>
+#include <semiexplicit/scene/runtime_scene.hpp>
+
+namespace semiexplicit {
+
+/// What trajectories are compared by.
+enum class Compare {
+  positions,  ///< q
+  state       ///< q and p, as where both are coordinates (vortices, lattices)
+};
+
+/// How an audit is done.
+template <class Scalar, int Dof>
+struct AuditOptions {
+  Scalar dt = Scalar(0);                   ///< the step of the runs; needed
+  std::optional<Scheme<Scalar>> scheme{};  ///< else usual_scheme()
+  int samples = 200;                       ///< how many times of the orbit are looked at
+  Compare compare = Compare::positions;
+  /// Functions of (q, p) that the whole scene keeps, by name; the energy is always among them.
+  std::vector<std::pair<std::string,
+                        std::function<Scalar(const ConstRef<Scalar, Dof>&, const ConstRef<Scalar, Dof>&)>>>
+      invariants{};
+};
+
+namespace detail {
+
+/// An audit at work: the runs and what is read off them.
+template <class Scalar, int Dof>
+class Auditor {
+ public:
+  using Chosen = RuntimeScene<Scalar, Dof>;
+  using Any = AnyEffect<Scalar, Dof>;
+  using State = PhasePoint<Scalar, Dof>;
+  using Orbit = std::vector<State>;
+
+  Auditor(Chosen scene, const State& z0, Scalar t_end, const AuditOptions<Scalar, Dof>& options)
+      : scene_(std::move(scene)), z0_(z0), options_(options) {
+    using std::abs;
+    if (!valid_step(t_end) || !valid_step(options.dt) || options.samples < 1)
+      throw std::invalid_argument(
+          "audit: give a time T and options.dt that are finite and not zero, and samples > 0");
+    if (z0.dof() != scene_.dof())
+      throw std::invalid_argument("audit: the state has " + std::to_string(z0.dof()) +
+                                  " degrees of freedom, and the scene " + std::to_string(scene_.dof()));
+    const double steps = static_cast<double>(abs(t_end / options.dt));
+    each_ = std::max<std::int64_t>(1, std::llround(steps / options.samples));
+    blocks_ = std::max<std::int64_t>(1, std::llround(std::ceil(steps / static_cast<double>(each_) - 1e-9)));
+    dt_ = t_end / Scalar(each_ * blocks_);
+    invariants_ = options.invariants;
+    invariants_.insert(invariants_.begin(), {"energy", [whole = scene_](const auto& q, const auto& p) {
+                                               return whole.energy(q, p);
+                                             }});
+  }
+
+  Audit operator()() {
+    Audit audit;
+    audit.t = static_cast<double>(dt_) * static_cast<double>(each_ * blocks_);
+    audit.dt = static_cast<double>(dt_);
+    for (const auto& [name, value] : invariants_) audit.invariants.push_back(name);
+    const Orbit orbit = run(scene_, 1, OnFailure::raise);
+    audit.noise = largest(distances(run(scene_, 2, OnFailure::raise), orbit));
+    for (const auto& effect : scene_.effects()) {
+      AuditRow row;
+      row.name = effect.name();
+      row.coupled = effect.coupled();
+      row.seconds = seconds_per_gradient(effect, orbit);
+      measure_size(effect, orbit, row);
+      leave_out(effect.name(), orbit, row);
+      audit.rows.push_back(std::move(row));
+    }
+    double total = 0;
+    for (const AuditRow& row : audit.rows) total += row.seconds;
+    for (AuditRow& row : audit.rows) row.time_share = row.seconds / total;
+    return audit;
+  }
+
+ private:
+  /// The state at the times of the samples, with a step `finer` times smaller. All runs take the stepper that the whole scene
+  /// needs: what is left of their errors is then alike and hardly enters the differences. Shorter where the run failed.
+  Orbit run(const Chosen& scene, int finer, OnFailure on_failure) const {
+    const Scheme<Scalar> scheme =
+        options_.scheme ? *options_.scheme : usual_scheme<Scalar>(scene_.is_separable());
+    const auto along = [&](auto stepper) {
+      Orbit orbit{z0_};
+      State z = z0_;
+      for (std::int64_t i = 0; i < blocks_; ++i) {
+        const auto report = integrate(stepper, z,
+                                      {.dt = dt_ / Scalar(finer),
+                                       .steps = each_ * finer,
+                                       .on_failure = on_failure,
+                                       .t0 = Scalar(i * each_) * dt_});
+        if (!report.ok()) break;
+        orbit.push_back(z);
+      }
+      return orbit;
+    };
+    if (scene_.is_separable()) return along(stepper_for(SeparableRuntimeScene<Scalar, Dof>(scene), scheme));
+    return along(stepper_for(scene, scheme));
+  }
+
+  /// The length that orbits are compared by.
+  Scalar distance(const State& z, const State& from) const {
+    return options_.compare == Compare::positions ? norm(z.q() - from.q()) : norm(z.vector() - from.vector());
+  }
+
+  /// How far `other` is from `orbit` at each sample, in units of the orbit's largest distance from the origin.
+  std::vector<double> distances(const Orbit& other, const Orbit& orbit) const {
+    Scalar size(0);
+    for (const State& z : orbit) size = std::max(size, distance(z, State(z.dof())));
+    if (size == Scalar(0)) size = Scalar(1);
+    std::vector<double> list;
+    for (std::size_t i = 0; i < other.size(); ++i)
+      list.push_back(static_cast<double>(distance(other[i], orbit[i]) / size));
+    return list;
+  }
+  static double largest(const std::vector<double>& list) {
+    return *std::max_element(list.begin(), list.end());
+  }
+
+  /// |∇effect|/|∇H| along the orbit.
+  void measure_size(const Any& effect, const Orbit& orbit, AuditRow& row) const {
+    State own(z0_.dof()), whole(z0_.dof());
+    for (const State& z : orbit) {
+      own.vector().setZero();
+      Ref<Scalar, Dof> by_q = own.q(), by_p = own.p();
+      effect.add_gradient(z.q(), z.p(), by_q, by_p);
+      scene_.gradient(z.q(), z.p(), whole.q(), whole.p());
+      const Scalar all = norm(whole.vector());
+      if (all == Scalar(0)) continue;  // an equilibrium
+      const double size = static_cast<double>(norm(own.vector()) / all);
+      row.size_max = std::max(row.size_max, size);
+      row.size_mean += size / static_cast<double>(orbit.size());
+    }
+  }
+
+  /// The best of a few measurements, of a millisecond each.
+  double seconds_per_gradient(const Any& effect, const Orbit& orbit) const {
+    using Clock = std::chrono::steady_clock;
+    State sum(z0_.dof());
+    Ref<Scalar, Dof> by_q = sum.q(), by_p = sum.p();
+    double best = 1e300;
+    for (int batch = 0; batch < 5; ++batch) {
+      std::int64_t calls = 0;
+      const auto start = Clock::now();
+      std::chrono::duration<double> passed{};
+      do {
+        effect.add_gradients(orbit, by_q, by_p);
+        calls += static_cast<std::int64_t>(orbit.size());
+        passed = Clock::now() - start;
+      } while (passed.count() < 1e-3);
+      best = std::min(best, passed.count() / static_cast<double>(calls));
+    }
+    return best;
+  }
+
+  void leave_out(const std::string& name, const Orbit& orbit, AuditRow& row) const {
+    row.invariant_shift.assign(invariants_.size(), AuditRow::infinite);
+    row.shift_max = row.shift_final = AuditRow::infinite;
+    if (scene_.effects().size() == 1) return;
+    const Orbit other = run(scene_.without(name), 1, OnFailure::stop);
+    if (other.size() < orbit.size()) return;
+    const auto apart = distances(other, orbit);
+    row.shift_max = largest(apart);
+    row.shift_final = apart.back();
+    for (std::size_t k = 0; k < invariants_.size(); ++k)
+      row.invariant_shift[k] = strays(invariants_[k].second, other);
+  }
+
+  /// How far a function goes from its first value, relative to that where it is not zero.
+  template <class Function>
+  double strays(const Function& value, const Orbit& orbit) const {
+    using std::abs;
+    const Scalar first = value(z0_.q(), z0_.p());
+    Scalar worst(0);
+    for (const State& z : orbit) worst = std::max(worst, Scalar(abs(value(z.q(), z.p()) - first)));
+    return static_cast<double>(first != Scalar(0) ? worst / abs(first) : worst);
+  }
+
+  Chosen scene_;
+  const State& z0_;
+  const AuditOptions<Scalar, Dof>& options_;
+  decltype(AuditOptions<Scalar, Dof>::invariants) invariants_;
+  std::int64_t each_ = 1, blocks_ = 1;
+  Scalar dt_;
+};
+
+}  // namespace detail
+
+/// What each effect of the scene is worth from z0 over the time T: its share of the gradient's time, its size along the
+/// orbit, and how far the orbit and the invariants move when it is left out (all else, also the initial state, being equal).
+/// The numerical error of the runs themselves, from a run at half the step, tells which of those distances mean anything.
+///
+///     const Audit report = audit(scene, z0, 100.0, {.dt = 0.002});
+///     report.called_for(1e-6);  // names
+///     std::cout << report;
+///
+/// Takes k + 3 runs for k effects. Throws std::invalid_argument for nonsense, and IntegrationError where the whole scene
+/// itself does not run.
+template <class Scalar, int Dof>
+Audit audit(const RuntimeScene<Scalar, Dof>& scene, const PhasePoint<Scalar, Dof>& z0,
+            const std::type_identity_t<Scalar>& t_end,
+            const std::type_identity_t<AuditOptions<Scalar, Dof>>& options) {
+  return detail::Auditor<Scalar, Dof>(scene, z0, t_end, options)();
+}
+template <class... Effects>
+Audit audit(const Scene<Effects...>& scene,
+            const PhasePoint<typename Scene<Effects...>::Scalar, Scene<Effects...>::Dof>& z0,
+            const typename Scene<Effects...>::Scalar& t_end,
+            const AuditOptions<typename Scene<Effects...>::Scalar, Scene<Effects...>::Dof>& options) {
+  return audit(RuntimeScene(scene), z0, t_end, options);
+}
+
+}  // namespace semiexplicit

@@ -1,0 +1,171 @@
+#pragma once
+
+#include <concepts>
+#include <string>
+
+#include <semiexplicit/core/hamiltonian.hpp>
+
+namespace semiexplicit {
+
+/// What an effect, one term of a Hamiltonian, acts on. An effect names one of these as its `Acts`, which also fixes the
+/// number type and the degrees of freedom, and gives the two members that belong to it:
+///
+///     OnPosition   energy(q)      add_gradient(q, dHdq)            a potential V(q)
+///     OnMomentum   energy(p)      add_gradient(p, dHdp)            a kinetic energy T(p)
+///     OnEach       energy(x)      add_gradient(x, dHdx)            e(q) + e(p), the same function of both
+///     OnBoth       energy(q, p)   add_gradient(q, p, dHdq, dHdp)   what couples them
+///
+/// Only OnBoth makes a scene non-separable. A whole effect, with the name by which programs and audits call it:
+///
+///     struct Trap {  // k|q|²/2
+///       using Acts = OnPosition<double, 2>;
+///       static constexpr const char* name = "trap";
+///       double k = 1;
+///       double energy(const auto& q) const { return k * (q[0] * q[0] + q[1] * q[1]) / 2; }
+///       void add_gradient(const auto& q, auto& dHdq) const {
+///         dHdq[0] += k * q[0];
+///         dHdq[1] += k * q[1];
+///       }
+///     };
+///
+/// A gradient is added to what is there. q, p and the rest are Eigen columns of length Dof. The effects of this library ask
+/// only for q[i], and compute in the type that this has: double, long double, packs of numbers; types with expression
+/// templates (Boost's et_on) will not do. An effect of dynamic size also has `Eigen::Index dof() const`. One line for lists,
+/// `static constexpr const char* about`, is optional.
+template <class ScalarType, int DofValue>
+struct OnPosition {
+  using Scalar = ScalarType;
+  static constexpr int Dof = DofValue;
+};
+/// See OnPosition.
+template <class ScalarType, int DofValue>
+struct OnMomentum : OnPosition<ScalarType, DofValue> {};
+/// See OnPosition.
+template <class ScalarType, int DofValue>
+struct OnEach : OnPosition<ScalarType, DofValue> {};
+/// See OnPosition.
+template <class ScalarType, int DofValue>
+struct OnBoth : OnPosition<ScalarType, DofValue> {};
+
+/// E says what it acts on: `using Acts = OnPosition<double, 2>;` or OnMomentum, OnEach, OnBoth.
+template <class E>
+concept HasActs = requires {
+  typename E::Acts::Scalar;
+  E::Acts::Dof;
+};
+
+namespace detail {
+
+template <class E, template <class, int> class Kind>
+concept ActsAs = std::same_as<typename E::Acts, Kind<typename E::Acts::Scalar, E::Acts::Dof>>;
+
+template <class E>
+using EffectScalar = typename E::Acts::Scalar;
+template <class E>
+using EffectConstRef = ConstRef<EffectScalar<E>, E::Acts::Dof>;
+template <class E>
+using EffectRef = Ref<EffectScalar<E>, E::Acts::Dof>;
+
+/// The two members of an effect on one half.
+template <class E>
+concept HasHalfMembers = requires(const E& effect, const EffectConstRef<E>& x, EffectRef<E>& dHdx) {
+  { effect.energy(x) } -> std::convertible_to<EffectScalar<E>>;
+  effect.add_gradient(x, dHdx);
+};
+
+/// The two members of an effect on both halves together.
+template <class E>
+concept HasCoupledMembers = requires(const E& effect, const EffectConstRef<E>& q, const EffectConstRef<E>& p,
+                                     EffectRef<E>& dHdq, EffectRef<E>& dHdp) {
+  { effect.energy(q, p) } -> std::convertible_to<EffectScalar<E>>;
+  effect.add_gradient(q, p, dHdq, dHdp);
+};
+
+}  // namespace detail
+
+/// An effect that acts OnPosition, OnMomentum, OnEach or OnBoth, with the members that belong to it.
+template <class E>
+concept PositionEffect = detail::ActsAs<E, OnPosition> && detail::HasHalfMembers<E>;
+template <class E>
+concept MomentumEffect = detail::ActsAs<E, OnMomentum> && detail::HasHalfMembers<E>;
+template <class E>
+concept EachEffect = detail::ActsAs<E, OnEach> && detail::HasHalfMembers<E>;
+template <class E>
+concept CoupledEffect = detail::ActsAs<E, OnBoth> && detail::HasCoupledMembers<E>;
+
+/// An effect of any of the four kinds.
+template <class E>
+concept Effect = PositionEffect<E> || MomentumEffect<E> || EachEffect<E> || CoupledEffect<E>;
+
+/// The name of an effect: `static constexpr const char* name`, or a member function `name()`.
+template <class E>
+std::string effect_name(const E& effect) {
+  if constexpr (requires { effect.name(); })
+    return effect.name();
+  else
+    return effect.name;
+}
+
+/// One line on an effect, or nothing.
+template <class E>
+std::string effect_about(const E& effect) {
+  if constexpr (requires { effect.about; })
+    return effect.about;
+  else
+    return "";
+}
+
+namespace detail {
+
+/// E::Acts; for what has none anything, so that the one error of is_effect() is not followed by others.
+template <class E>
+struct ActsOf {
+  using Type = OnPosition<double, 1>;
+};
+template <HasActs E>
+struct ActsOf<E> {
+  using Type = typename E::Acts;
+};
+
+/// Compiles for an effect; for what is none the compiler says what is missing, and only that.
+template <class E>
+consteval bool is_effect() {
+  static_assert(
+      HasActs<E>,
+      "an effect says what it acts on: using Acts = OnPosition<double, 2>; or OnMomentum, OnEach, OnBoth");
+  if constexpr (HasActs<E>) {
+    if constexpr (ActsAs<E, OnBoth>)
+      static_assert(HasCoupledMembers<E>,
+                    "an effect OnBoth needs energy(q, p) const and add_gradient(q, p, dHdq, dHdp) const");
+    else
+      static_assert(HasHalfMembers<E>,
+                    "an effect on one half needs energy(x) const and add_gradient(x, dHdx) const");
+  }
+  return true;
+}
+
+// What an effect adds to each half of a gradient.
+template <class E, class Q, class P, class OutQ, class OutP>
+void add_effect(const E& effect, const Q& q, const P& p, OutQ& dHdq, OutP& dHdp) {
+  if constexpr (CoupledEffect<E>) {
+    effect.add_gradient(q, p, dHdq, dHdp);
+  } else {
+    if constexpr (!MomentumEffect<E>) effect.add_gradient(q, dHdq);
+    if constexpr (!PositionEffect<E>) effect.add_gradient(p, dHdp);
+  }
+}
+
+template <class E, class Q, class P>
+auto effect_energy(const E& effect, const Q& q, const P& p) {
+  if constexpr (CoupledEffect<E>)
+    return effect.energy(q, p);
+  else if constexpr (PositionEffect<E>)
+    return effect.energy(q);
+  else if constexpr (MomentumEffect<E>)
+    return effect.energy(p);
+  else
+    return effect.energy(q) + effect.energy(p);
+}
+
+}  // namespace detail
+}  // namespace semiexplicit

@@ -1,0 +1,144 @@
+#pragma once
+
+#include <cmath>
+
+#include <semiexplicit/core/phase_point.hpp>
+#include <semiexplicit/scene/effect.hpp>
+
+/// Geodesics about a black hole in Boyer-Lindquist coordinates q = (t, r, θ, φ), with the covariant momenta
+/// p = (-E, p_r, p_θ, L) per rest mass; c = G = 1. H = g^{μν} p_μ p_ν/2 is -1/2 for a body and 0 for light, and the time of
+/// integration is proper time (for light an affine parameter). E, the axial angular momentum L and Carter's constant are
+/// kept. Each is a whole Hamiltonian: a scene of one effect, to which weak perturbations may be added. Outside of the
+/// horizon, and off the axis θ = 0, π.
+namespace semiexplicit::black_hole {
+
+/// A black hole of mass M and spin aM, |a| < M.
+///
+/// Sources: B. Carter, Phys. Rev. 174 (1968) 1559; J. Bardeen, W. Press, S. Teukolsky, Astrophys. J. 178 (1972) 347.
+template <class Scalar = double>
+struct Kerr {
+  using Acts = OnBoth<Scalar, 4>;
+  static constexpr const char* name = "kerr";
+  static constexpr const char* about = "geodesic of a spinning black hole";
+  Scalar mass = Scalar(1);  ///< M, the unit of length and time where it is 1
+  Scalar spin = Scalar(0);  ///< a, a length; the angular momentum is aM
+
+  Scalar energy(const auto& q, const auto& p) const {
+    const Parts parts(*this, q, p);
+    return parts.n / (2 * parts.sigma);
+  }
+
+  void add_gradient(const auto& q, const auto& p, auto& dHdq, auto& dHdp) const {
+    const Parts f(*this, q, p);
+    const Scalar r = q[1], e = -p[0], r2a2 = r * r + spin * spin;
+    const Scalar inverse = 1 / f.sigma, h = f.n * inverse / 2, slope = 2 * (r - mass);
+    const Scalar by_r = slope * p[1] * p[1] + f.k * (slope * f.k / f.delta - 4 * r * e) / f.delta;
+    const Scalar by_theta = -2 * f.w * f.cos / (f.sin2 * f.sin) * (2 * spin * e * f.sin2 + f.w);
+    dHdq[1] += (by_r / 2 - 2 * h * r) * inverse;
+    dHdq[2] += (by_theta / 2 + 2 * h * spin * spin * f.sin * f.cos) * inverse;
+    dHdp[0] += (spin * f.w + f.k * r2a2 / f.delta) * inverse;
+    dHdp[1] += f.delta * p[1] * inverse;
+    dHdp[2] += p[2] * inverse;
+    dHdp[3] += (f.w / f.sin2 + spin * f.k / f.delta) * inverse;
+  }
+
+  /// Carter's constant Q = p_θ² + cos²θ (a²(μ² - E²) + L²/sin²θ), for rest mass μ = 1.
+  Scalar carter(const auto& q, const auto& p) const {
+    using std::cos;
+    using std::sin;
+    const Scalar c = cos(q[2]), s = sin(q[2]);
+    return p[2] * p[2] + c * c * (spin * spin * (1 - p[0] * p[0]) + p[3] * p[3] / (s * s));
+  }
+
+  /// A body at (r, θ) with the given momenta, and with the energy that its rest mass asks for. NaN where there is none.
+  PhasePoint<Scalar, 4> body(Scalar r, Scalar theta, Scalar p_r, Scalar p_theta, Scalar p_phi) const {
+    using std::cos;
+    using std::sin;
+    using std::sqrt;
+    const Scalar s2 = sin(theta) * sin(theta), a2 = spin * spin, r2a2 = r * r + a2;
+    const Scalar delta = r2a2 - 2 * mass * r, sigma = r2a2 - a2 * s2;
+    // αE² + 2βE + γ = 0
+    const Scalar alpha = a2 * s2 - r2a2 * r2a2 / delta, beta = spin * p_phi * (r2a2 / delta - 1);
+    const Scalar gamma =
+        delta * p_r * p_r + p_theta * p_theta + p_phi * p_phi * (1 / s2 - a2 / delta) + sigma;
+    const Scalar e = (-beta - sqrt(beta * beta - alpha * gamma)) / alpha;
+    return {{Scalar(0), r, theta, Scalar(0)}, {-e, p_r, p_theta, p_phi}};
+  }
+
+  /// The equatorial circular orbit at r, in the sense of the spin (L > 0); its angular velocity dφ/dt is circular_rate(r).
+  /// NaN inside of the photon orbit. Source: Bardeen, Press, Teukolsky (1972), eqs. (2.12), (2.13), (2.16).
+  PhasePoint<Scalar, 4> circular(Scalar r) const {
+    using std::acos;
+    using std::sqrt;
+    const Scalar u = mass / r, root = sqrt(u), a = spin / r;
+    const Scalar norm = sqrt(1 - 3 * u + 2 * a * root);
+    const Scalar e = (1 - 2 * u + a * root) / norm;
+    const Scalar l = r * root * (1 - 2 * a * root + a * a) / norm;
+    return {{Scalar(0), r, acos(Scalar(-1)) / 2, Scalar(0)}, {-e, Scalar(0), Scalar(0), l}};
+  }
+  Scalar circular_rate(Scalar r) const {
+    using std::sqrt;
+    return sqrt(mass) / (r * sqrt(r) + spin * sqrt(mass));
+  }
+
+  /// Radius of the innermost stable circular orbit in the sense of the spin; for a < 0 against it. Eq. (2.21) there.
+  Scalar innermost_stable_orbit() const {
+    using std::abs;
+    using std::cbrt;
+    using std::sqrt;
+    const Scalar a = spin / mass;
+    const Scalar z1 = 1 + cbrt(1 - a * a) * (cbrt(1 + a) + cbrt(1 - a)), z2 = sqrt(3 * a * a + z1 * z1);
+    const Scalar way = sqrt((3 - z1) * (3 + z1 + 2 * z2));
+    return mass * (3 + z2 + (a > Scalar(0) ? -way : way));
+  }
+
+ private:
+  /// H = n/(2Σ), n = Δp_r² + p_θ² + w²/sin²θ - k²/Δ.
+  struct Parts {
+    Parts(const Kerr& hole, const auto& q, const auto& p) {
+      using std::cos;
+      using std::sin;
+      const Scalar r = q[1], a = hole.spin, e = -p[0], r2a2 = r * r + a * a;
+      this->sin = sin(q[2]);
+      this->cos = cos(q[2]);
+      sin2 = this->sin * this->sin;
+      delta = r2a2 - 2 * hole.mass * r;
+      sigma = r2a2 - a * a * sin2;
+      w = p[3] - a * e * sin2;
+      k = r2a2 * e - a * p[3];
+      n = delta * p[1] * p[1] + p[2] * p[2] + w * w / sin2 - k * k / delta;
+    }
+    Scalar sin, cos, sin2, delta, sigma, w, k, n;
+  };
+};
+
+/// A black hole of mass M without spin: Kerr with a = 0, and cheaper. Q is L² - L_z² then, the rest of the angular momentum.
+///
+/// Source: S. Chandrasekhar, The Mathematical Theory of Black Holes (1983), chapter 3.
+template <class Scalar = double>
+struct Schwarzschild {
+  using Acts = OnBoth<Scalar, 4>;
+  static constexpr const char* name = "schwarzschild";
+  static constexpr const char* about = "geodesic of a black hole without spin";
+  Scalar mass = Scalar(1);
+
+  Scalar energy(const auto& q, const auto& p) const {
+    using std::sin;
+    const Scalar r = q[1], f = 1 - 2 * mass / r, s = sin(q[2]);
+    return (f * p[1] * p[1] - p[0] * p[0] / f + (p[2] * p[2] + p[3] * p[3] / (s * s)) / (r * r)) / 2;
+  }
+  void add_gradient(const auto& q, const auto& p, auto& dHdq, auto& dHdp) const {
+    using std::cos;
+    using std::sin;
+    const Scalar r = q[1], s = sin(q[2]), inverse2 = 1 / (r * r);
+    const Scalar f = 1 - 2 * mass / r, e_over_f = p[0] / f, l_over_s2 = p[3] / (s * s);
+    dHdq[1] += inverse2 * (mass * (p[1] * p[1] + e_over_f * e_over_f) - (p[2] * p[2] + p[3] * l_over_s2) / r);
+    dHdq[2] -= inverse2 * l_over_s2 * l_over_s2 * s * cos(q[2]);
+    dHdp[0] -= e_over_f;
+    dHdp[1] += f * p[1];
+    dHdp[2] += inverse2 * p[2];
+    dHdp[3] += inverse2 * l_over_s2;
+  }
+};
+
+}  // namespace semiexplicit::black_hole

@@ -1,0 +1,183 @@
+#pragma once
+
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include <semiexplicit/scene/effect.hpp>
+
+/// Effects on N point vortices in the plane, of circulations Γᵢ (length²/time), in the canonical coordinates of
+/// systems::PointVortices: qᵢ = √|Γᵢ| xᵢ, pᵢ = √|Γᵢ| sgn(Γᵢ) yᵢ. A background flow of stream function ψ, with velocity
+/// (∂ψ/∂y, -∂ψ/∂x), adds Σ Γᵢ ψ(xᵢ, yᵢ) to H. N is the number, or Eigen::Dynamic.
+///
+/// Source: P. Newton, The N-Vortex Problem (2001), chapters 2 and 3.
+namespace semiexplicit::vortices {
+
+/// The circulations, and what they make of canonical coordinates. Effects take one each:
+///
+///     const vortices::Circulations<double> gamma(Eigen::Vector3d(1, 2, -1));
+///     Scene scene(vortices::Pairs{gamma}, vortices::HalfPlane{gamma});
+template <class ScalarType = double, int N = Eigen::Dynamic>
+class Circulations {
+ public:
+  using Scalar = ScalarType;
+  static constexpr int Dof = N;
+  using Column = Vector<Scalar, N>;
+
+  /// Throws std::invalid_argument unless every circulation is finite and not zero, and there is one at least.
+  explicit Circulations(Column circulations) : gamma(std::move(circulations)) {
+    using std::isfinite;
+    if (gamma.size() == 0)
+      throw std::invalid_argument("Circulations: no circulation given; give one a vortex");
+    for (Eigen::Index i = 0; i < gamma.size(); ++i)
+      if (!isfinite(gamma[i]) || gamma[i] == Scalar(0))
+        throw std::invalid_argument("Circulations: circulation " + std::to_string(i) +
+                                    " is zero or not finite; leave such a vortex out");
+    x_per_q = gamma.cwiseAbs().cwiseSqrt().cwiseInverse();
+    y_per_p = x_per_q.cwiseProduct(gamma.cwiseSign());
+  }
+
+  Eigen::Index size() const { return N == Eigen::Dynamic ? gamma.size() : N; }
+
+  Column gamma, x_per_q, y_per_p;
+};
+
+template <class Derived>
+Circulations(const Eigen::MatrixBase<Derived>&)
+    -> Circulations<typename Derived::Scalar, Derived::RowsAtCompileTime>;
+
+namespace detail {
+
+template <class Scalar>
+Scalar pi() {
+  using std::acos;
+  return acos(Scalar(-1));
+}
+
+}  // namespace detail
+
+/// Each vortex moves in the velocities of all others: -1/(2π) Σ_{i<j} ΓᵢΓⱼ log‖zᵢ - zⱼ‖. Vortices that coincide have no
+/// gradient (NaN). Two at distance D turn about each other at (Γ₁ + Γ₂)/(2πD²). Source: Newton (2001), section 2.1.
+template <class Scalar = double, int N = Eigen::Dynamic>
+class Pairs {
+ public:
+  using Acts = OnBoth<Scalar, N>;
+  static constexpr const char* name = "pairs";
+  static constexpr const char* about = "the velocity that each vortex gives all others";
+
+  explicit Pairs(Circulations<Scalar, N> circulations) : c_(std::move(circulations)) {
+    weight_ = c_.gamma / (-2 * detail::pi<Scalar>());
+  }
+  Eigen::Index dof() const { return c_.size(); }
+
+  Scalar energy(const auto& q, const auto& p) const {
+    using std::log;
+    Scalar sum(0);
+    for (Eigen::Index j = 0; j < dof(); ++j)
+      for (Eigen::Index i = 0; i < j; ++i) {
+        const Scalar dx = q[i] * c_.x_per_q[i] - q[j] * c_.x_per_q[j],
+                     dy = p[i] * c_.y_per_p[i] - p[j] * c_.y_per_p[j];
+        sum += weight_[i] * c_.gamma[j] * log(dx * dx + dy * dy) / 2;
+      }
+    return sum;
+  }
+
+  void add_gradient(const auto& q, const auto& p, auto& dHdq, auto& dHdp) const {
+    const auto &sx = c_.x_per_q, &sy = c_.y_per_p;
+    for (Eigen::Index j = 1; j < dof(); ++j) {
+      const auto xj = q[j] * sx[j], yj = p[j] * sy[j];
+      auto sum_x = xj - xj, sum_y = sum_x;
+      for (Eigen::Index i = 0; i < j; ++i) {
+        const auto dx = q[i] * sx[i] - xj, dy = p[i] * sy[i] - yj;
+        const auto pull = weight_[i] * c_.gamma[j] / (dx * dx + dy * dy);
+        dHdq[i] += pull * dx * sx[i];
+        dHdp[i] += pull * dy * sy[i];
+        sum_x += pull * dx;
+        sum_y += pull * dy;
+      }
+      dHdq[j] -= sum_x * sx[j];
+      dHdp[j] -= sum_y * sy[j];
+    }
+  }
+
+ private:
+  Circulations<Scalar, N> c_;
+  Vector<Scalar, N> weight_;  ///< -Γᵢ/(2π)
+};
+
+template <class Scalar, int N>
+Pairs(Circulations<Scalar, N>) -> Pairs<Scalar, N>;
+
+/// A uniform straining flow, outward along the axis at `angle` and inward across it, of velocity rate · distance:
+/// ψ = rate (cos 2α xy + sin 2α (y² - x²)/2). Source: Newton (2001), section 3.1.
+template <class Scalar = double, int N = Eigen::Dynamic>
+class Strain {
+ public:
+  using Acts = OnBoth<Scalar, N>;
+  static constexpr const char* name = "strain";
+  static constexpr const char* about = "uniform straining flow";
+
+  /// `rate` in 1/time, `angle` in radians.
+  Strain(const Circulations<Scalar, N>& circulations, Scalar rate, Scalar angle = Scalar(0))
+      : sign_(circulations.gamma.cwiseSign()) {
+    using std::cos;
+    using std::sin;
+    along_ = rate * cos(2 * angle);
+    across_ = rate * sin(2 * angle);
+  }
+  Eigen::Index dof() const { return N == Eigen::Dynamic ? sign_.size() : N; }
+
+  // Γx² = sgn(Γ) q², Γy² = sgn(Γ) p² and Γxy = qp.
+  Scalar energy(const auto& q, const auto& p) const {
+    Scalar sum(0);
+    for (Eigen::Index i = 0; i < dof(); ++i)
+      sum += along_ * q[i] * p[i] + across_ * sign_[i] * (p[i] * p[i] - q[i] * q[i]) / 2;
+    return sum;
+  }
+  void add_gradient(const auto& q, const auto& p, auto& dHdq, auto& dHdp) const {
+    for (Eigen::Index i = 0; i < dof(); ++i) {
+      dHdq[i] += along_ * p[i] - across_ * sign_[i] * q[i];
+      dHdp[i] += along_ * q[i] + across_ * sign_[i] * p[i];
+    }
+  }
+
+ private:
+  Vector<Scalar, N> sign_;
+  Scalar along_, across_;
+};
+
+template <class Scalar, int N, class... Numbers>
+Strain(Circulations<Scalar, N>, Numbers...) -> Strain<Scalar, N>;
+
+/// A flow that turns about the origin at `rate`, counterclockwise: ψ = -rate (x² + y²)/2. A frame that turns at ω sees the
+/// rate -ω.
+template <class Scalar = double, int N = Eigen::Dynamic>
+class Rotation {
+ public:
+  using Acts = OnEach<Scalar, N>;
+  static constexpr const char* name = "rotation";
+  static constexpr const char* about = "uniform rotation about the origin";
+
+  /// `rate` in radians/time.
+  Rotation(const Circulations<Scalar, N>& circulations, Scalar rate)
+      : weight_(-rate * circulations.gamma.cwiseSign()) {}
+  Eigen::Index dof() const { return N == Eigen::Dynamic ? weight_.size() : N; }
+
+  Scalar energy(const auto& x) const {
+    Scalar sum(0);
+    for (Eigen::Index i = 0; i < dof(); ++i) sum += weight_[i] * x[i] * x[i] / 2;
+    return sum;
+  }
+  void add_gradient(const auto& x, auto& dHdx) const {
+    for (Eigen::Index i = 0; i < dof(); ++i) dHdx[i] += weight_[i] * x[i];
+  }
+
+ private:
+  Vector<Scalar, N> weight_;  ///< -rate sgn(Γᵢ)
+};
+
+template <class Scalar, int N, class Number>
+Rotation(Circulations<Scalar, N>, Number) -> Rotation<Scalar, N>;
+
+}  // namespace semiexplicit::vortices

@@ -1,0 +1,113 @@
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <tuple>
+#include <utility>
+
+#include <semiexplicit/scene/effect.hpp>
+
+namespace semiexplicit {
+
+/// A Hamiltonian that is the sum of the effects that are named, and of no others:
+///
+///     Scene scene(orbits::Kinetic<2>{}, orbits::Attraction<2>{.gm = 1}, orbits::RotatingFrame<2>{.omega = 1});
+///     auto stepper = stepper_for(scene);
+///
+/// The effects are known at compile time and inlined into one gradient, which costs what the same sum written by hand
+/// costs. All have the same number type and degrees of freedom.
+template <class... Effects>
+class Scene {
+  static_assert(sizeof...(Effects) > 0, "a Scene has one effect at least");
+  static_assert((detail::is_effect<Effects>() && ...));
+  template <class E>
+  using Acts = typename detail::ActsOf<E>::Type;
+  using First = Acts<std::tuple_element_t<0, std::tuple<Effects...>>>;
+
+ public:
+  using Scalar = typename First::Scalar;
+  static constexpr int Dof = First::Dof;
+  static_assert((std::same_as<typename Acts<Effects>::Scalar, Scalar> && ...),
+                "the effects of a Scene must agree on the number type, Acts::Scalar");
+  static_assert(((Acts<Effects>::Dof == Dof) && ...),
+                "the effects of a Scene must agree on the degrees of freedom, Acts::Dof");
+
+  /// Whether H(q, p) = V(q) + T(p): no effect is coupled.
+  static constexpr bool separable = (!CoupledEffect<Effects> && ...);
+
+  /// Throws std::invalid_argument where effects of dynamic size have different sizes.
+  explicit Scene(Effects... effects) : effects_(std::move(effects)...) {
+    for_each([&](const auto& effect) {
+      if constexpr (Dof == Eigen::Dynamic)
+        if (effect.dof() != dof())
+          throw std::invalid_argument("Scene: the effect " + effect_name(effect) + " has " +
+                                      std::to_string(effect.dof()) + " degrees of freedom, and " +
+                                      effect_name(std::get<0>(effects_)) + " has " + std::to_string(dof()));
+    });
+  }
+
+  Eigen::Index dof() const {
+    if constexpr (Dof == Eigen::Dynamic)
+      return std::get<0>(effects_).dof();
+    else
+      return Dof;
+  }
+
+  Scalar energy(const ConstRef<Scalar, Dof>& q, const ConstRef<Scalar, Dof>& p) const {
+    Scalar sum(0);
+    for_each([&](const auto& effect) { sum += detail::effect_energy(effect, q, p); });
+    return sum;
+  }
+
+  void gradient(const ConstRef<Scalar, Dof>& q, const ConstRef<Scalar, Dof>& p, Ref<Scalar, Dof> dHdq,
+                Ref<Scalar, Dof> dHdp) const {
+    collect(dHdq, [&](auto& sum_q) {
+      collect(dHdp, [&](auto& sum_p) {
+        for_each([&](const auto& effect) { detail::add_effect(effect, q, p, sum_q, sum_p); });
+      });
+    });
+  }
+
+  /// ∂V/∂q alone.
+  void position_gradient(const ConstRef<Scalar, Dof>& q, Ref<Scalar, Dof> dHdq) const requires separable {
+    collect(dHdq, [&](auto& sum) {
+      for_each([&]<class E>(const E& effect) {
+        if constexpr (!MomentumEffect<E>) effect.add_gradient(q, sum);
+      });
+    });
+  }
+  /// ∂T/∂p alone.
+  void momentum_gradient(const ConstRef<Scalar, Dof>& p, Ref<Scalar, Dof> dHdp) const requires separable {
+    collect(dHdp, [&](auto& sum) {
+      for_each([&]<class E>(const E& effect) {
+        if constexpr (!PositionEffect<E>) effect.add_gradient(p, sum);
+      });
+    });
+  }
+
+  /// Calls visit(effect) for each effect, in order.
+  template <class Visit>
+  void for_each(const Visit& visit) const {
+    std::apply([&](const auto&... effect) { (visit(effect), ...); }, effects_);
+  }
+
+ private:
+  /// Hands add() a zero column to add to, and writes the sum to `out`. Few entries are summed in registers, from -0: adding
+  /// to -0 changes no number, so the compiler leaves the first addition out.
+  template <class Add>
+  static void collect(Ref<Scalar, Dof>& out, const Add& add) {
+    if constexpr (Dof != Eigen::Dynamic && Dof <= 16) {
+      Vector<Scalar, Dof> sum;
+      for (int i = 0; i < Dof; ++i) sum[i] = -Scalar(0);
+      add(sum);
+      for (int i = 0; i < Dof; ++i) out[i] = sum[i];
+    } else {
+      out.setZero();
+      add(out);
+    }
+  }
+
+  std::tuple<Effects...> effects_;
+};
+
+}  // namespace semiexplicit

@@ -1,0 +1,18 @@
+# cmake -D README=... -D SOURCE=... -P readme_shows_part.cmake: the README quotes what stands in SOURCE between two lines
+# "// [README]", word for word.
+file(READ "${README}" readme)
+file(READ "${SOURCE}" source)
+set(mark "// [README]\n")
+string(LENGTH "${mark}" mark_length)
+string(FIND "${source}" "${mark}" begin)
+string(FIND "${source}" "${mark}" end REVERSE)
+math(EXPR begin "${begin} + ${mark_length}")
+math(EXPR length "${end} - ${begin}")
+if(length LESS 1)
+  message(FATAL_ERROR "${SOURCE} has no part between two lines // [README].")
+endif()
+string(SUBSTRING "${source}" ${begin} ${length} part)
+string(FIND "${readme}" "```cpp\n${part}```" found)
+if(found EQUAL -1)
+  message(FATAL_ERROR "${README} does not show the part of ${SOURCE} as it is. Copy it whole into its ```cpp block.")
+endif()

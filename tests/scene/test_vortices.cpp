@@ -1,0 +1,118 @@
+#include "catch.hpp"
+#include "refusal.hpp"
+
+#include <cmath>
+#include <initializer_list>
+#include <string>
+
+#include <semiexplicit/semiexplicit.hpp>
+
+// Vortices in flows and between walls, against closed forms.
+
+namespace {
+
+using namespace semiexplicit;
+using Circulations = vortices::Circulations<double>;
+using Chosen = RuntimeScene<double, Eigen::Dynamic>;  // one stepper for all tests: it compiles faster
+using Eigen::VectorXd;
+
+const double pi = std::acos(-1.0);
+
+VectorXd list(std::initializer_list<double> numbers) {
+  return Eigen::Map<const VectorXd>(numbers.begin(), static_cast<Eigen::Index>(numbers.size()));
+}
+
+struct Places {
+  VectorXd x, y;
+};
+
+/// Where vortices from (x, y) are after `steps` steps.
+Places run(const Chosen& scene, const Circulations& gamma, const VectorXd& x, const VectorXd& y, double dt,
+           int steps) {
+  PhasePoint<double, Eigen::Dynamic> z(x.cwiseQuotient(gamma.x_per_q), y.cwiseQuotient(gamma.y_per_p));
+  with_stepper_for(scene, [&](auto& stepper) { integrate(stepper, z, {.dt = dt, .steps = steps}); });
+  return {z.q().cwiseProduct(gamma.x_per_q), z.p().cwiseProduct(gamma.y_per_p)};
+}
+
+}  // namespace
+
+TEST_CASE("Two vortices turn at the known rate, a turning flow adds its own", "[scene]") {
+  const Circulations gamma(list({1.5, 0.5}));
+  const double rate = 0.2, distance = 0.9, t = 2;
+  const double angle = (2 / (2 * pi * distance * distance) + rate) * t;
+  const VectorXd x = list({0.25 * distance, -0.75 * distance}), y = list({0, 0});
+  const Chosen scene{vortices::Pairs{gamma}, vortices::Rotation(gamma, rate)};
+  CHECK(!scene.is_separable());
+  const auto end = run(scene, gamma, x, y, 0.02, 100);
+  for (int i = 0; i < 2; ++i) {
+    CHECK(end.x[i] == Approx(x[i] * std::cos(angle)).margin(1e-10));
+    CHECK(end.y[i] == Approx(x[i] * std::sin(angle)).margin(1e-10));
+  }
+}
+
+TEST_CASE("Vortices along a wall: the image moves one, and two are half of a four", "[scene]") {
+  const double height = 0.7;
+  const Circulations one(list({-1.3}));
+  const auto end = run(Chosen{vortices::HalfPlane{one}}, one, list({0.2}), list({height}), 0.05, 40);
+  CHECK(end.x[0] == Approx(0.2 - 1.3 / (4 * pi * height) * 2).epsilon(1e-12));
+  CHECK(end.y[0] == Approx(height).epsilon(1e-12));
+
+  // Two above the wall move as the upper two of four without it.
+  const Circulations two(list({1.1, -0.6}));
+  const Circulations four(list({1.1, -0.6, -1.1, 0.6}));
+  const VectorXd x = list({0.1, -0.5}), y = list({0.8, 1.3});
+  const auto walled = run(Chosen{vortices::Pairs{two}, vortices::HalfPlane{two}}, two, x, y, 0.02, 100);
+  const auto free = run(Chosen{vortices::Pairs{four}}, four, list({x[0], x[1], x[0], x[1]}),
+                        list({y[0], y[1], -y[0], -y[1]}), 0.02, 100);
+  CHECK((walled.x - free.x.head<2>()).norm() <= 1e-10);
+  CHECK((walled.y - free.y.head<2>()).norm() <= 1e-10);
+  CHECK((walled.x - x).norm() > 0.1);
+}
+
+TEST_CASE("A vortex in a disk turns at the known rate, two feel each other's images", "[scene]") {
+  const double radius = 2, r = 0.8, strength = 1.7, t = 3;
+  const Circulations one(list({strength}));
+  const auto end = run(Chosen{vortices::Disk(one, radius)}, one, list({r}), list({0.0}), 0.03, 100);
+  const double angle = strength / (2 * pi * (radius * radius - r * r)) * t;
+  CHECK(end.x[0] == Approx(r * std::cos(angle)).margin(1e-12));
+  CHECK(end.y[0] == Approx(r * std::sin(angle)).margin(1e-12));
+
+  // Two equal ones opposite to each other: the velocity of the other, and of both images at R²/r.
+  const Circulations two(list({strength, strength}));
+  const auto both = run(Chosen{vortices::Pairs{two}, vortices::Disk(two, radius)}, two, list({r, -r}),
+                        list({0, 0}), 0.01, 300);
+  const double image = radius * radius / r;
+  const double rate = strength / (2 * pi * r) * (1 / (2 * r) + 1 / (image - r) - 1 / (image + r));
+  CHECK(both.x[0] == Approx(r * std::cos(rate * t)).margin(1e-10));
+  CHECK(both.y[1] == Approx(-r * std::sin(rate * t)).margin(1e-10));
+}
+
+TEST_CASE("A strained vortex of strength one moves as the flow does", "[scene]") {
+  const Circulations one(list({2.0}));
+  const auto end = run(Chosen{vortices::Strain(one, 0.5)}, one, list({0.3}), list({0.9}), 0.02, 100);
+  CHECK(end.x[0] == Approx(0.3 * std::exp(1.0)).epsilon(1e-10));
+  CHECK(end.y[0] == Approx(0.9 * std::exp(-1.0)).epsilon(1e-10));
+}
+
+TEST_CASE("Circulations refuse what makes no sense", "[scene]") {
+  CHECK(refuses([&] { Circulations{VectorXd()}; }, "no circulation given"));
+  CHECK(refuses([&] { Circulations(list({1, 0})); }, "circulation 1 is zero"));
+}
+
+TEST_CASE("Linear waves on a lattice: hopping and disorder", "[scene]") {
+  // A standing wave of the open chain, ψᵢ = sin(k(i + 1)), k = π/(n + 1), turns at -2J cos k; equal energies add theirs.
+  const int n = 20;
+  const double j = 0.7, energy = 0.4, k = pi / (n + 1), t = 5, angle = -(energy - 2 * j * std::cos(k)) * t;
+  const Chosen scene{lattice::Hopping<>{.sites = n, .rate = j},
+                     lattice::Disorder<>(VectorXd::Constant(n, energy))};
+  CHECK(scene.is_separable());
+  PhasePoint<double, Eigen::Dynamic> z(n);
+  VectorXd wave(n);
+  for (int i = 0; i < n; ++i) z.q()[i] = wave[i] = std::sin(k * (i + 1));
+  with_stepper_for(scene, [&](auto& stepper) { integrate(stepper, z, {.dt = 0.1, .steps = 50}); });
+  CHECK((z.q() - std::cos(angle) * wave).norm() <= 1e-7);
+  CHECK((z.p() - std::sin(angle) * wave).norm() <= 1e-7);
+
+  CHECK(refuses([&] { Scene(lattice::Hopping<>{.sites = 4}, lattice::OnSite<>{.sites = 5}); },
+                "on_site has 5 degrees of freedom, and hopping has 4"));
+}

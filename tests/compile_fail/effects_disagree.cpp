@@ -2,5 +2,6 @@
 #include <semiexplicit/semiexplicit.hpp>
 
 using namespace semiexplicit;
+using namespace semiexplicit::effects;
 
 int main() { Scene scene(orbits::Kinetic<2>{}, orbits::Attraction<3>{}); }

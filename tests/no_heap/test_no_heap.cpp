@@ -65,6 +65,7 @@ void* realloc(void* memory, std::size_t size) {
 namespace {
 
 using namespace semiexplicit;
+using namespace semiexplicit::effects;
 
 /// How often action() allocates; throws where Eigen does.
 template <class Action>

@@ -10,6 +10,7 @@
 namespace {
 
 using namespace semiexplicit;
+using namespace semiexplicit::effects;
 const double pi = std::acos(-1.0);
 
 }  // namespace

@@ -10,6 +10,7 @@
 namespace {
 
 using namespace semiexplicit;
+using namespace semiexplicit::effects;
 using Point = PhasePoint<double, 3>;
 using Chosen = RuntimeScene<double, 3>;  // one stepper for all tests: it compiles faster
 

@@ -11,6 +11,7 @@
 namespace {
 
 using namespace semiexplicit;
+using namespace semiexplicit::effects;
 
 /// Numbers without a pattern in (-1, 1).
 double number(int n) { return std::fmod((n + 1) * 0.6180339887498949, 1.0) * 2 - 1; }

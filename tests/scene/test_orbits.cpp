@@ -9,7 +9,7 @@
 namespace {
 
 using namespace semiexplicit;
-using namespace semiexplicit::orbits;
+using namespace semiexplicit::effects::orbits;
 
 template <int Dim>
 using Chosen = RuntimeScene<double, Dim>;  // few steppers for all tests: it compiles faster

@@ -5,6 +5,7 @@
 #include <semiexplicit/semiexplicit.hpp>
 
 using namespace semiexplicit;
+using namespace semiexplicit::effects;
 
 // [README]
 struct Trap {  // k|q|²/2

@@ -16,7 +16,8 @@
 namespace {
 
 using namespace semiexplicit;
-using namespace semiexplicit::orbits;
+using namespace semiexplicit::effects;
+using namespace semiexplicit::effects::orbits;
 using Point = PhasePoint<double, 2>;
 
 /// Effects that count how often they are asked.

@@ -12,6 +12,7 @@
 namespace {
 
 using namespace semiexplicit;
+using namespace semiexplicit::effects;
 using Circulations = vortices::Circulations<double>;
 using Chosen = RuntimeScene<double, Eigen::Dynamic>;  // one stepper for all tests: it compiles faster
 using Eigen::VectorXd;

@@ -4,6 +4,7 @@
 #include <semiexplicit/semiexplicit.hpp>
 
 using namespace semiexplicit;
+using namespace semiexplicit::effects;
 using Read = const ConstRef<double, 2>&;
 using Write = Ref<double, 2>;
 

@@ -10,7 +10,7 @@
 /// integration is proper time (for light an affine parameter). E, the axial angular momentum L and Carter's constant are
 /// kept. Each is a whole Hamiltonian: a scene of one effect, to which weak perturbations may be added. Outside of the
 /// horizon, and off the axis θ = 0, π.
-namespace semiexplicit::black_hole {
+namespace semiexplicit::effects::black_hole {
 
 /// A black hole of mass M and spin aM, |a| < M.
 ///
@@ -141,4 +141,4 @@ struct Schwarzschild {
   }
 };
 
-}  // namespace semiexplicit::black_hole
+}  // namespace semiexplicit::effects::black_hole

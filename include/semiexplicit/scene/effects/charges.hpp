@@ -12,7 +12,7 @@
 /// B in units of the gyrofrequency. Velocities far below that of light.
 ///
 /// Source: J. D. Jackson, Classical Electrodynamics, 3rd ed., sections 5.6 and 12.1 to 12.5.
-namespace semiexplicit::charges {
+namespace semiexplicit::effects::charges {
 
 namespace detail {
 
@@ -132,4 +132,4 @@ class MagneticKinetic {
   std::tuple<Fields...> fields_;
 };
 
-}  // namespace semiexplicit::charges
+}  // namespace semiexplicit::effects::charges

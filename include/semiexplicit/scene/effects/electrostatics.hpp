@@ -5,7 +5,7 @@
 #include <semiexplicit/scene/effect.hpp>
 
 /// Electrostatic fields on one charge e in space; see charges.hpp for units.
-namespace semiexplicit::charges {
+namespace semiexplicit::effects::charges {
 
 /// p²/(2m): a charge without magnetic fields, which keeps the scene separable.
 template <class Scalar = double>
@@ -78,4 +78,4 @@ struct Quadrupole {
   }
 };
 
-}  // namespace semiexplicit::charges
+}  // namespace semiexplicit::effects::charges

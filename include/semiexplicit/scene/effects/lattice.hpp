@@ -7,7 +7,7 @@
 /// Effects on a chain of N sites with open ends, ψ = q + ip at each; time in units of 1/energy. H moves it by ψ' = -2i
 /// ∂H/∂ψ̄. N is the size, or Eigen::Dynamic with the size in `sites`. Scene(OnSite{}, PairExchange{}) is
 /// systems::NlsLattice. All keep the mass Σ|ψᵢ|².
-namespace semiexplicit::lattice {
+namespace semiexplicit::effects::lattice {
 
 namespace detail {
 
@@ -139,4 +139,4 @@ class Disorder {
   Vector<Scalar, N> energies_;
 };
 
-}  // namespace semiexplicit::lattice
+}  // namespace semiexplicit::effects::lattice

@@ -8,7 +8,7 @@
 /// (Dim 3): q is the position and p the momentum per mass, in the inertial frame the velocity in Newton's limit. Any
 /// consistent units: au, year and GM = 4π², say, or km, s and GM = 398600.4418. A body at the centre itself has no gradient
 /// (NaN). The relativistic effects are in post_newtonian.hpp.
-namespace semiexplicit::orbits {
+namespace semiexplicit::effects::orbits {
 
 namespace detail {
 
@@ -146,4 +146,4 @@ struct RotatingFrame {
   }
 };
 
-}  // namespace semiexplicit::orbits
+}  // namespace semiexplicit::effects::orbits

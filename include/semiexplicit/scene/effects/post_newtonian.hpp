@@ -8,7 +8,7 @@
 /// Relativistic corrections to orbits::Kinetic + orbits::Attraction, for the relative motion of two bodies of total mass M
 /// and symmetric mass ratio ν = m₁m₂/M² (0 for a test particle, 1/4 for equal masses), in ADM coordinates of the centre of
 /// mass; p is the relative momentum per reduced mass. Valid for GM/(c²r) and (p/c)² much below one.
-namespace semiexplicit::orbits {
+namespace semiexplicit::effects::orbits {
 
 namespace detail {
 
@@ -146,4 +146,4 @@ struct SpinOrbit {
   }
 };
 
-}  // namespace semiexplicit::orbits
+}  // namespace semiexplicit::effects::orbits

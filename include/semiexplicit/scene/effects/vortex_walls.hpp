@@ -9,7 +9,7 @@
 /// themselves, which are vortices::Pairs. All vortices must start on the wet side of the wall; it is not looked after.
 ///
 /// Source: P. Newton, The N-Vortex Problem (2001), section 3.2; P. Saffman, Vortex Dynamics (1992), section 7.
-namespace semiexplicit::vortices {
+namespace semiexplicit::effects::vortices {
 
 namespace detail {
 
@@ -110,4 +110,4 @@ struct Disk : detail::Images<detail::RoundWall<Scalar>, Scalar, N> {
 template <class Scalar, int N, class Number>
 Disk(Circulations<Scalar, N>, Number) -> Disk<Scalar, N>;
 
-}  // namespace semiexplicit::vortices
+}  // namespace semiexplicit::effects::vortices

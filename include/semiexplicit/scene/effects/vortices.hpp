@@ -12,7 +12,7 @@
 /// (∂ψ/∂y, -∂ψ/∂x), adds Σ Γᵢ ψ(xᵢ, yᵢ) to H. N is the number, or Eigen::Dynamic.
 ///
 /// Source: P. Newton, The N-Vortex Problem (2001), chapters 2 and 3.
-namespace semiexplicit::vortices {
+namespace semiexplicit::effects::vortices {
 
 /// The circulations, and what they make of canonical coordinates. Effects take one each:
 ///
@@ -180,4 +180,4 @@ class Rotation {
 template <class Scalar, int N, class Number>
 Rotation(Circulations<Scalar, N>, Number) -> Rotation<Scalar, N>;
 
-}  // namespace semiexplicit::vortices
+}  // namespace semiexplicit::effects::vortices

@@ -24,6 +24,10 @@ struct IntegrationOptions {
   Scalar dt = Scalar(0);   ///< the step; negative goes back in time
   std::int64_t steps = 0;  ///< how many
   OnFailure on_failure = OnFailure::raise;
+  /// A step that does not converge or is not finite is tried again as 2, 4, ... up to 2^subdivide equal ones before it counts as
+  /// failed; IntegrationReport::subdivided says how often. The energy then may drift: a step that depends on the state is
+  /// a symplectic map no more. 0: never.
+  int subdivide = 0;
   Scalar t0 = Scalar(0);  ///< time of the state that is handed in
 };
 
@@ -55,6 +59,38 @@ bool notify(Observer& observer, const Scalar& t, const State& state, const StepR
 
 }  // namespace detail
 
+namespace detail {
+
+/// The failed step from `state` as 2, 4, ... equal ones, the first number that succeeds; adds to the report what they cost.
+template <class S>
+bool step_in_parts(S& stepper, typename S::State& state,
+                   const IntegrationOptions<typename S::Scalar>& options, IntegrationReport& report) {
+  using Scalar = typename S::Scalar;
+  Scalar part = options.dt;
+  std::int64_t parts = 1;
+  for (int level = 0; level < options.subdivide; ++level) {
+    if (report.last.status != Status::no_convergence && report.last.status != Status::not_finite)
+      return false;
+    parts *= 2;
+    part /= 2;
+    typename S::State trial = state;
+    for (std::int64_t i = 0; i < parts; ++i) {
+      report.last = stepper.step(trial, part);
+      report.evaluations += report.last.evaluations;
+      report.gradients += report.last.gradients;
+      if (!report.last.ok()) break;
+    }
+    if (report.last.ok()) {
+      state = trial;
+      ++report.subdivided;
+      return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace detail
+
 /// Takes `steps` steps of size dt and calls every observer, in order, at the start and after each step. An observer is any
 /// callable (t, state), or (t, state, StepReport); one that returns the bool false ends the run there (status `stopped`).
 ///
@@ -63,11 +99,15 @@ bool notify(Observer& observer, const Scalar& t, const State& state, const StepR
 ///
 /// Times are t0 + n dt, without accumulated rounding. A step that fails leaves `state` at the last good one and throws
 /// IntegrationError, or ends the run (OnFailure::stop). An exception of a gradient or an observer passes through, with the
-/// state likewise. Throws std::invalid_argument for a negative number of steps.
+/// state likewise. Throws std::invalid_argument for a negative number of steps
+/// and a senseless `subdivide`.
 template <Stepper S, class... Observers>
 IntegrationReport integrate(S& stepper, typename S::State& state,
                             const IntegrationOptions<typename S::Scalar>& options, Observers&&... observers) {
   using Scalar = typename S::Scalar;
+  if (!(options.subdivide >= 0 && options.subdivide <= 30))
+    throw std::invalid_argument(
+        "integrate: subdivide is not between 0 and 30; 10 makes a thousandth of a step");
   if (options.steps < 0)
     throw std::invalid_argument("integrate: steps is negative; to go back in time give a negative dt");
   const auto start = std::chrono::steady_clock::now();
@@ -91,7 +131,7 @@ IntegrationReport integrate(S& stepper, typename S::State& state,
     report.last = stepper.step(state, options.dt);
     report.evaluations += report.last.evaluations;
     report.gradients += report.last.gradients;
-    if (!report.last.ok()) {
+    if (!report.last.ok() && !detail::step_in_parts(stepper, state, options, report)) {
       finish(report.last.status);
       if (options.on_failure == OnFailure::raise)
         throw IntegrationError(report, static_cast<double>(options.dt));

@@ -30,6 +30,8 @@
 #include <semiexplicit/scene/scene.hpp>
 #include <semiexplicit/scene/stepper_for.hpp>
 #include <semiexplicit/solver/broyden.hpp>
+#include <semiexplicit/solver/newton_krylov.hpp>
+#include <semiexplicit/solver/robust.hpp>
 #include <semiexplicit/solver/simplified_newton.hpp>
 #include <semiexplicit/splitting/pihajoki.hpp>
 #include <semiexplicit/splitting/schemes.hpp>

@@ -41,6 +41,8 @@ void for_each_of_phase_space(const H& h, const Choice& choice, Test test) {
          Semiexplicit(h, s, SimplifiedNewton{.stop = choice.stop}));
     test(Claim{"semiexplicit, Broyden, " + name, s.order, true, true},
          Semiexplicit(h, s, Broyden{.stop = choice.stop}));
+    test(Claim{"semiexplicit, Newton-Krylov, " + name, s.order, true, true},
+         Semiexplicit(h, s, NewtonKrylov{.stop = choice.stop}));
     test(Claim{"midpoint projection, " + name, s.order, false, false}, MidpointProjection(h, s));
   }
   for (int stages = 1; stages <= choice.most_stages; ++stages) {

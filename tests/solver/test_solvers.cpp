@@ -3,8 +3,10 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <type_traits>
 
 #include <semiexplicit/solver/broyden.hpp>
+#include <semiexplicit/solver/newton_krylov.hpp>
 #include <semiexplicit/solver/simplified_newton.hpp>
 
 // The solvers by themselves, on small systems f(m) = 0 whose solutions are known.
@@ -45,17 +47,18 @@ bool accepted(const SolverReport<double>& report) {
   return report.status == Status::success || report.status == Status::rounding_limited;
 }
 
-/// Puts a test on both solvers.
+/// Puts a test on all solvers.
 template <class Test>
-void with_both(const Test& test) {
+void with_each(const Test& test) {
   test(SimplifiedNewton{});
   test(Broyden{});
+  test(NewtonKrylov{});
 }
 
 }  // namespace
 
 TEST_CASE("The solvers find a root and report how", "[solver]") {
-  with_both([](auto solver) {
+  with_each([](auto solver) {
     for (const double strength : {0.1, -0.5, 1.5}) {
       CAPTURE(strength);
       solver.stop = StoppingRule::paper(1e-12);
@@ -83,7 +86,7 @@ TEST_CASE("The simplified Newton iteration contracts at the rate it reports", "[
 }
 
 TEST_CASE("An accepted first evaluation counts one, and has no rate", "[solver]") {
-  with_both([](auto solver) {
+  with_each([](auto solver) {
     for (const double value : {0.0, 1e-9}) {
       Residual residual{[value](const Vec&) { return Vec(value, 0); }};
       const auto report = solve(solver, residual);
@@ -111,7 +114,7 @@ TEST_CASE("A diverging iteration ends after max_iterations, with a rate above on
 }
 
 TEST_CASE("max_iterations is exact: the last evaluation may still be accepted", "[solver]") {
-  with_both([](auto solver) {
+  with_each([](auto solver) {
     solver.stop = StoppingRule::paper(1e-12);
     Residual residual{mild(0.5)};
     const auto needed = static_cast<int>(solve(solver, residual).evaluations);
@@ -131,7 +134,7 @@ TEST_CASE("max_iterations is exact: the last evaluation may still be accepted", 
 
 TEST_CASE("Corrections that no longer shrink are accepted at the level of rounding, and only there",
           "[solver]") {
-  with_both([](auto solver) {
+  with_each([](auto solver) {
     solver.stop = StoppingRule::paper(1e-15);
     // Noise of 1e-9 on top of a solvable system.
     int calls = 0;
@@ -151,7 +154,7 @@ TEST_CASE("Corrections that no longer shrink are accepted at the level of roundi
 }
 
 TEST_CASE("A tolerance below all rounding is met by what rounding allows", "[solver]") {
-  with_both([](auto solver) {
+  with_each([](auto solver) {
     for (const auto& rule : {StoppingRule::paper(0), StoppingRule::paper(1e-300), StoppingRule::product(0),
                              StoppingRule::product(1e-300)}) {
       solver.stop = rule;
@@ -166,7 +169,7 @@ TEST_CASE("A tolerance below all rounding is met by what rounding allows", "[sol
 }
 
 TEST_CASE("NaN and Inf are failures, wherever they stand", "[solver]") {
-  with_both([](auto solver) {
+  with_each([](auto solver) {
     for (const double bad :
          {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
           -std::numeric_limits<double>::infinity()})
@@ -183,14 +186,16 @@ TEST_CASE("NaN and Inf are failures, wherever they stand", "[solver]") {
             }};
             const auto report = solve(solver, residual);
             CHECK(report.status == Status::not_finite);
-            CHECK(report.evaluations == from);
+            CHECK(report.evaluations >= from);
+            // Newton-Krylov tries shorter steps before it believes that.
+            if (!std::is_same_v<decltype(solver), NewtonKrylov>) CHECK(report.evaluations == from);
           }
         }
   });
 }
 
 TEST_CASE("Systems of tiny and of huge size are solved to the same relative accuracy", "[solver]") {
-  with_both([](auto solver) {
+  with_each([](auto solver) {
     for (const double size : {1e-200, 1e-150, 1e150, 1e200}) {
       CAPTURE(size);
       Residual residual{[size](const Vec& m) { return Vec(size * mild(0.5)(m / size)); }, size};
@@ -202,7 +207,7 @@ TEST_CASE("Systems of tiny and of huge size are solved to the same relative accu
 }
 
 TEST_CASE("A state of size zero needs an exact root", "[solver]") {
-  with_both([](auto solver) {
+  with_each([](auto solver) {
     Residual residual{[](const Vec& m) { return Vec(4 * m - Vec(1, 2)); }, 0};
     const auto report = solve(solver, residual);
     CHECK(report.status == Status::success);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <sstream>
 #include <stdexcept>
@@ -54,6 +56,17 @@ struct StepReport {
       0;  ///< size of the solver's next correction, ‖f‖/4 at the accepted point for the projection
   double rate =
       0;  ///< last observed contraction of the correction; above 1 the step is too large; 0: not seen
+  int escalations = 0;  ///< with Robust: 0 simplified Newton made the step, 1 Broyden, 2 Newton-Krylov
+
+  /// The step at which the simplified Newton method would contract by a half, judged from `rate`, seen at dt: an oscillation
+  /// of frequency λ contracts by |sin(λ dt/2)|, a motion that grows as e^{λt} by (e^{λ dt} - 1)/2, and the smaller of the
+  /// two answers is given. Has the sign of dt; dt itself where no rate was seen or it is below a half.
+  double advised_step(double dt) const {
+    if (!(rate > 0.5)) return dt;
+    const double oscillating = (std::acos(-1.0) / 3) / (2 * std::asin(std::min(rate, 1.0)));
+    const double growing = std::log(2.0) / std::log1p(2 * rate);
+    return dt * std::min(oscillating, growing);
+  }
 
   bool ok() const { return status == Status::success || status == Status::rounding_limited; }
 };
@@ -65,6 +78,7 @@ struct IntegrationReport {
   std::int64_t steps = 0;           ///< completed
   std::int64_t evaluations = 0;     ///< sum over the steps, a failed one included
   std::int64_t gradients = 0;       ///< likewise
+  std::int64_t subdivided = 0;      ///< steps that had to be cut into parts; see IntegrationOptions
   double max_correction = 0;        ///< largest accepted correction
   double seconds = 0;               ///< wall clock, observers included
   StepReport last{};                ///< the last step's own report: where the run failed, what the solver saw
@@ -91,6 +105,8 @@ class IntegrationError : public std::runtime_error {
       out << " (last correction " << r.last.correction << " after " << r.last.evaluations << " evaluations";
       if (r.last.rate > 0) out << ", changing by a factor " << r.last.rate << " each";
       out << ")";
+      if (r.status == Status::no_convergence && r.last.rate > 0.5)
+        out << "; dt = " << r.last.advised_step(dt) << " should converge";
     }
     return out.str();
   }

@@ -44,6 +44,7 @@ class Semiexplicit {
     report.gradients = solved.evaluations * doubled_.chain().gradients();
     report.correction = static_cast<double>(solved.correction);
     report.rate = static_cast<double>(solved.rate);
+    report.escalations = solved.escalations;
     if (report.ok() && !doubled_.finish(z)) report.status = Status::not_finite;
     if (report.status == Status::not_finite) report.status = doubled_.diagnose(z);
     return report;

@@ -38,6 +38,9 @@ struct SolverReport {
   std::int64_t evaluations = 0;  ///< of the residual
   Scalar correction = 0;         ///< size e of the next correction
   Scalar rate = 0;               ///< e over the one before it; 0 after a single evaluation
+  int escalations = 0;           ///< solvers that failed before the one that made this report; see Robust
+
+  bool ok() const { return status == Status::success || status == Status::rounding_limited; }
 };
 
 namespace detail {
@@ -52,28 +55,38 @@ class Convergence {
   template <class Residual>
   bool done(const Scalar& e, const Scalar& size_m, const Residual& residual) {
     using std::isfinite;
+    using std::sqrt;
     ++report_.evaluations;
+    const bool first = ++judged_ == 1;
     const Scalar previous = report_.correction;
     report_.correction = e;
-    if (report_.evaluations > 1) report_.rate = e / previous;
+    if (!first) report_.rate = e / previous;
     if (!isfinite(e))
       report_.status = Status::not_finite;
     else if (rule_.accepts(e, size_m, residual.state_size()))
       report_.status = Status::success;
     else if (e <= Eigen::NumTraits<Scalar>::epsilon() / 100 * residual.state_size())
       report_.status = Status::rounding_limited;  // m moves no digit of the copies: e would halve for ever
-    else if (report_.evaluations > 1 && e >= previous && e <= residual.rounding_level())
+    else if (!first && e >= previous && e <= accurate_ && e <= residual.rounding_level())
       report_.status = Status::rounding_limited;
-    else
-      return report_.evaluations >= max_iterations_;
+    else {
+      // Copies that diverge have a rounding level above the state itself; the first sweep's is believed.
+      if (first) accurate_ = residual.rounding_level() / (100 * sqrt(Eigen::NumTraits<Scalar>::epsilon()));
+      return exhausted();
+    }
     return true;
   }
+
+  /// One more evaluation, which is not judged.
+  void count() { ++report_.evaluations; }
+  bool exhausted() const { return report_.evaluations >= max_iterations_; }
 
   const SolverReport<Scalar>& report() const { return report_; }
 
  private:
   StoppingRule rule_;
-  int max_iterations_;
+  int max_iterations_, judged_ = 0;
+  Scalar accurate_ = 0;  ///< nothing larger passes for rounding
   SolverReport<Scalar> report_;
 };
 

@@ -1,10 +1,9 @@
-// Point vortices in the plane, from a preset or a CSV file, by any method.
-#include <algorithm>
+// Point vortices in the plane, from a preset or a CSV file, by any method; in background flows and between walls.
 #include <cmath>
 #include <filesystem>
 #include <iostream>
-#include <limits>
-#include <sstream>
+#include <map>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -13,48 +12,146 @@
 
 #include "common/arguments.hpp"
 #include "common/cost.hpp"
-#include "common/error_panels.hpp"
-#include "common/gnuplot.hpp"
 #include "common/run.hpp"
+#include "common/scene_program.hpp"
 #include "common/series_csv.hpp"
 #include "common/table.hpp"
 #include "common/vortex_file.hpp"
+#include "common/vortex_measurements.hpp"
+#include "common/vortex_picture.hpp"
 
 namespace {
 
 using namespace examples;
 using System = systems::PointVortices<>;
 using Column = System::Column;
+constexpr int any = Eigen::Dynamic;
+using State = PhasePoint<double, any>;
 
 Column column(std::initializer_list<double> values) {
   return Eigen::Map<const Column>(values.begin(), static_cast<Eigen::Index>(values.size()));
 }
 
-struct Preset {
-  std::string name;
-  Vortices vortices;
-  double dt, time;
-};
-
 /// "paper" is the set of Jayawardana and Ohsawa; in "disparate" circulations and distances differ much more.
-std::vector<Preset> presets() {
-  return {{.name = "paper",
-           .vortices = {.x = column({3, -10, 6, 9, 0, 7, -8, 5, 9, 7}),
-                        .y = column({-5, -6, 0, -2, 0, 10, 2, 9, 0, -1}),
-                        .circulation = column({-.5, .3, .6, .7, -.2, -.8, -.9, -.3, .7, -.6})},
-           .dt = 0.1,
-           .time = 1000},
-          {.name = "disparate",
-           .vortices = {.x = column({.5, 3.5, -1.5, -.5, -4.5, -3.5, 1.5, -2, 4, -4}),
-                        .y = column({5, .5, 2, 5, -2, -1, -.5, 3, 3.5, -4}),
-                        .circulation = column({-14.8, -18.8, 17.6, -8, -8.2, -6.8, -1.4, 6, -11, 13.8})},
-           .dt = 0.01,
-           .time = 100}};
+const std::map<std::string, Vortices>& vortex_sets() {
+  static const std::map<std::string, Vortices> sets{
+      {"paper",
+       {.x = column({3, -10, 6, 9, 0, 7, -8, 5, 9, 7}),
+        .y = column({-5, -6, 0, -2, 0, 10, 2, 9, 0, -1}),
+        .circulation = column({-.5, .3, .6, .7, -.2, -.8, -.9, -.3, .7, -.6})}},
+      {"disparate",
+       {.x = column({.5, 3.5, -1.5, -.5, -4.5, -3.5, 1.5, -2, 4, -4}),
+        .y = column({5, .5, 2, 5, -2, -1, -.5, 3, 3.5, -4}),
+        .circulation = column({-14.8, -18.8, 17.6, -8, -8.2, -6.8, -1.4, 6, -11, 13.8})}},
+      {"wall", {.x = column({-1, 1}), .y = column({5, 5}), .circulation = column({-1, 1})}},
+      {"disk", {.x = column({.5}), .y = column({0}), .circulation = column({1})}}};
+  return sets;
+}
+
+State start(const Vortices& v) { return System(v.circulation).phase_point(v.x, v.y); }
+
+std::vector<ScenePreset<any>> presets() {
+  struct Row {
+    std::string name, about;
+    std::vector<std::string> effects, also;
+    std::map<std::string, std::string> values;
+    std::string dt, time;
+    std::function<Measurement<any>(const Choice&)> measure;
+  };
+  const std::vector<Row> rows{
+      {"paper",
+       "the ten vortices of Jayawardana and Ohsawa",
+       {"pairs"},
+       {"strain", "rotation"},
+       {{"strain_rate", "1e-3"}, {"strain_angle", "0"}, {"rotation_rate", "1e-3"}, {"radius", "20"}},
+       "0.1",
+       "1000",
+       {}},
+      {"disparate",
+       "ten vortices whose circulations and distances differ much",
+       {"pairs"},
+       {"strain", "rotation"},
+       {{"strain_rate", "1e-3"}, {"strain_angle", "0"}, {"rotation_rate", "1e-3"}, {"radius", "100"}},
+       "0.01",
+       "100",
+       {}},
+      {"wall",
+       "a vortex pair that comes to a wall and goes along it",
+       {"pairs", "half_plane"},
+       {"strain"},
+       {{"strain_rate", "1e-4"}, {"strain_angle", "0"}},
+       "0.1",
+       "200",
+       along_the_wall},
+      {"disk",
+       "a vortex in a disk",
+       {"pairs", "disk"},
+       {"rotation"},
+       {{"radius", "1"}, {"rotation_rate", "1e-3"}},
+       "0.1",
+       "100",
+       about_the_centre}};
+  std::vector<ScenePreset<any>> list;
+  for (const Row& row : rows)
+    list.push_back({.name = row.name,
+                    .about = row.about,
+                    .units = {"numbers"},
+                    .effects = row.effects,
+                    .also = row.also,
+                    .values = row.values,
+                    .dt = row.dt,
+                    .time = row.time,
+                    .start = [name = row.name](const Choice&) { return start(vortex_sets().at(name)); },
+                    .measure = row.measure});
+  return list;
+}
+
+/// `wet` says whether a vortex is on the right side of the wall of that name.
+template <class Wet>
+void refuse_dry(const Vortices& v, const std::string& name, const Wet& wet) {
+  for (Eigen::Index i = 0; i < v.x.size(); ++i)
+    if (!wet(v.x[i], v.y[i]))
+      throw std::invalid_argument("--effects: vortex " + std::to_string(i) + " is on the dry side of " +
+                                  name);
+}
+
+/// The effects on `v`, which has its vortices when an effect is made.
+std::vector<EffectEntry<any>> all_effects(const Vortices& v) {
+  const auto gamma = [&v] { return vortices::Circulations<>(v.circulation); };
+  const char* const newton = "Newton, The N-Vortex Problem (2001), chapters 2 and 3";
+  const char* const images = "Newton (2001), section 3.2; Saffman, Vortex Dynamics (1992), section 7";
+  return {{{}, newton, [=](const Choice&) { return vortices::Pairs<>(gamma()); }},
+          {{"strain_rate", "strain_angle"},
+           newton,
+           [=](const Choice& c) { return vortices::Strain<>(gamma(), c["strain_rate"], c["strain_angle"]); }},
+          {{"rotation_rate"},
+           newton,
+           [=](const Choice& c) { return vortices::Rotation<>(gamma(), c["rotation_rate"]); }},
+          {{},
+           images,
+           [=, &v](const Choice& c) {
+             if (c.on("disk"))
+               throw std::invalid_argument("--effects: half_plane and disk are two flows; take one");
+             if (c.on("rotation") || (c.on("strain") && std::sin(2 * c["strain_angle"]) != 0))
+               throw std::invalid_argument(
+                   "--effects: only strain with --strain_angle 0 flows along half_plane, not through it");
+             refuse_dry(v, "half_plane", [](double, double y) { return y > 0; });
+             return vortices::HalfPlane<>(gamma());
+           }},
+          {{"radius"}, images, [=, &v](const Choice& c) {
+             if (c.on("strain"))
+               throw std::invalid_argument("--effects: strain flows through the wall of disk; take one");
+             const double radius = c["radius"];
+             refuse_dry(v, "disk", [=](double x, double y) { return std::hypot(x, y) < radius; });
+             return vortices::Disk<>(gamma(), radius);
+           }}};
 }
 
 /// What the flow keeps. An impulse that cancels but for rounding counts as zero, so that its error is absolute.
-Invariants<double, Eigen::Dynamic> invariants_of(const System& system, const Vortices& v) {
-  Invariants invariants(system);
+template <class H>
+Invariants<double, any> invariants_of(const H& hamiltonian, const System& system, const Vortices& v,
+                                      const Choice& c) {
+  Invariants<double, any> invariants(hamiltonian);
   const auto z = system.phase_point(v.x, v.y);
   const auto add = [&](const char* name, auto impulse, double size) {
     const double initial = (system.*impulse)(z.q(), z.p());
@@ -62,142 +159,91 @@ Invariants<double, Eigen::Dynamic> invariants_of(const System& system, const Vor
     invariants.add(name, [=](const auto& q, const auto& p) { return (system.*impulse)(q, p) - offset; });
   };
   const Column weight = v.circulation.cwiseAbs();
-  add("impulse_x", &System::linear_impulse_x, weight.dot(v.x.cwiseAbs()));
-  add("impulse_y", &System::linear_impulse_y, weight.dot(v.y.cwiseAbs()));
-  add("angular_impulse", &System::angular_impulse, weight.dot(v.x.cwiseAbs2() + v.y.cwiseAbs2()));
+  const bool still = !c.on("strain") && !c.on("rotation") && !c.on("disk");
+  if (still && !c.on("half_plane")) add("impulse_x", &System::linear_impulse_x, weight.dot(v.x.cwiseAbs()));
+  if (still) add("impulse_y", &System::linear_impulse_y, weight.dot(v.y.cwiseAbs()));
+  if (!c.on("strain") && !c.on("half_plane"))
+    add("angular_impulse", &System::angular_impulse, weight.dot(v.x.cwiseAbs2() + v.y.cwiseAbs2()));
   return invariants;
-}
-
-/// An observer that writes the places: t, x0, y0, x1, y1, ..., and knows the square around them.
-class PlacesCsv {
- public:
-  struct Square {
-    double x, y, half_width;
-  };
-
-  PlacesCsv(const std::filesystem::path& path, const System& system)
-      : system_(system), writer_(path, names(system.dof())) {}
-
-  template <class State>
-  void operator()(double t, const State& state) {
-    const Column x = system_.x(state.q()), y = system_.y(state.p());
-    row_.assign(1, t);
-    for (Eigen::Index i = 0; i < x.size(); ++i) row_.insert(row_.end(), {x[i], y[i]});
-    writer_.row(row_);
-    left_ = std::min(left_, x.minCoeff());
-    right_ = std::max(right_, x.maxCoeff());
-    low_ = std::min(low_, y.minCoeff());
-    high_ = std::max(high_, y.maxCoeff());
-  }
-  void commit() { writer_.commit(); }
-
-  Square square() const {
-    const double width = std::max(right_ - left_, high_ - low_);
-    return {(left_ + right_) / 2, (low_ + high_) / 2, width > 0 ? width / 2 : 1};
-  }
-
- private:
-  static std::vector<std::string> names(Eigen::Index count) {
-    std::vector<std::string> list{"t"};
-    for (Eigen::Index i = 0; i < count; ++i)
-      list.insert(list.end(), {"x" + std::to_string(i), "y" + std::to_string(i)});
-    return list;
-  }
-
-  System system_;
-  CsvWriter writer_;
-  std::vector<double> row_;
-  double left_ = std::numeric_limits<double>::infinity(), right_ = -left_, low_ = left_, high_ = -left_;
-};
-
-/// The plane above, the errors below.
-std::string script(const std::filesystem::path& png, const std::filesystem::path& places,
-                   const std::filesystem::path& csv, const Vortices& v, const Run& run,
-                   const std::string& headline, double time, const PlacesCsv::Square& square) {
-  // gnuplot reads the file anew for every path.
-  const Eigen::Index drawn = std::min<Eigen::Index>(v.x.size(), 100);
-  const double strongest = v.circulation.cwiseAbs().maxCoeff();
-  const auto range = [&](double middle) {
-    const double reach = 1.04 * square.half_width;
-    return "[" + formatted("%.9g", middle - reach) + ":" + formatted("%.9g", middle + reach) + "]";
-  };
-  std::ostringstream out;
-  out << gnuplot_prologue(png, 1200, 1600) << "$start << END\n";
-  for (Eigen::Index i = 0; i < drawn; ++i) out << v.x[i] << ',' << v.y[i] << ',' << v.circulation[i] << '\n';
-  out << "END\nset multiplot title " << quoted(headline) << " noenhanced font ',20'\n"
-      << "set lmargin at screen 0.11\nset rmargin at screen 0.86\nset bmargin at screen 0.36\nset tmargin at "
-         "screen 0.945\n"
-      << "set size ratio -1\nset key off\nset grid linetype 1 linewidth 0.5 linecolor rgb '#d8d8d8'\nset "
-         "xlabel 'x'\nset ylabel 'y'\n"
-      << "set xrange " << range(square.x) << "\nset yrange " << range(square.y) << '\n'
-      << "set palette defined (-1 '#08519c', -0.1 '#6baed6', 0 '#999999', 0.1 '#fc9272', 1 '#a50f15')\n"
-      << "set cbrange [" << -strongest << ':' << strongest << "]\nset cblabel 'circulation Γ'\nplot ";
-  for (Eigen::Index i = 0; i < drawn; ++i)
-    out << quoted(places.string()) << " skip 1 using " << 2 + 2 * i << ':' << 3 + 2 * i
-        << " with lines linewidth 0.9 linecolor palette cb " << v.circulation[i] << ", \\\n  ";
-  out << "$start using 1:2 with points pointtype 7 pointsize 1.8 linecolor rgb 'black', \\\n"
-      << "  $start using 1:2:3 with points pointtype 7 pointsize 1.2 linecolor palette\n"
-      << "set bmargin at screen 0.055\nset tmargin at screen 0.27\nset rmargin at screen 0.96\nset size "
-         "noratio\n"
-      << "set key at screen 0.535,0.295 center center horizontal maxrows 1 samplen 3 width -2\n"
-      << "set autoscale y\nset logscale y\nset format y '10^{%T}'\nset xlabel 'time'\nset xrange [0:" << time
-      << "]\n";
-  const std::vector<std::pair<std::string, std::string>> curves{{"energy", "#0072B2"},
-                                                                {"linear impulse, x", "#009E73"},
-                                                                {"linear impulse, y", "#E69F00"},
-                                                                {"angular impulse", "#D55E00"}};
-  std::vector<Curve> all;
-  for (std::size_t i = 0; i < curves.size(); ++i)
-    all.push_back(
-        {&run, i, i + 2, curves[i].first, "linewidth 1.5 linecolor rgb " + quoted(curves[i].second)});
-  out << panel(csv, "relative error", all) << "unset multiplot\n";
-  return out.str();
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   CLI::App app{"Point vortices in the plane, from a preset or a file."};
-  std::vector<std::string> preset_names;
-  for (const Preset& preset : presets()) preset_names.push_back(preset.name);
-  std::string preset_name = preset_names.front(), input;
-  Settings settings;
-  Method method;
-  auto* const preset_option =
-      app.add_option("--preset", preset_name, "ten vortices ready made: " + joined(preset_names))
-          ->check(one_of(preset_names))
-          ->type_name("NAME")
-          ->capture_default_str();
+  Vortices vortices;
+  SceneProgram<any> program{.name = "vortices", .about = app.get_description()};
+  program.parameters = {{"strain_rate", "1/s", "of the strain"},
+                        {"strain_angle", "rad", "of the axis along which it stretches"},
+                        {"rotation_rate", "rad/s", "of the rotation, counterclockwise"},
+                        {"radius", "m", "of the disk"}};
+  program.effects = all_effects(vortices);
+  program.presets = presets();
+  SceneRequest<any> request(program);
+  request.add_to(app);
+  for (const char* name : {"--dt", "--time"}) app.get_option(name)->check(positive());
+  std::string input;
   app.add_option("--input", input, "CSV file with the columns x,y,gamma: a line a vortex, # begins a comment")
       ->type_name("FILE")
-      ->excludes(preset_option);
-  add_method(app, method);
-  add_settings(app, settings);
-  app.get_option("--dt")->default_str("paper: 0.1, others: 0.01");
-  app.get_option("--time")->default_str("paper: 1000, others: 100");
-  CostRequest request;
-  add_cost(app, request);
+      ->excludes("--preset");
+  Settings settings;
+  Method method;
+  std::vector<std::string> methods = Method::names();
+  methods.push_back("splitting");
+  add_method(app, method, methods);
+  add_output(app, settings);
+  CostRequest cost;
+  add_cost(app, cost);
+  app.get_option("--audit")->excludes("--cost")->excludes("--accuracy");
 
   return run_program(app, argc, argv, [&] {
-    if (!request.wanted(app)) refuse_idle_options(app, {method.name});
-    Preset chosen{.name = input, .vortices = {}, .dt = settings.dt, .time = settings.time};
-    if (!input.empty()) chosen.vortices = read_vortices(input);
-    for (const Preset& preset : presets())
-      if (input.empty() && preset.name == preset_name) chosen = preset;
-    if (app.count("--dt") == 0) settings.dt = chosen.dt;
-    if (app.count("--time") == 0) settings.time = chosen.time;
-    const Vortices& vortices = chosen.vortices;
+    if (request.list_presets) request.print_presets(std::cout);
+    if (request.list_effects) request.print_effects(std::cout);
+    if (request.list_presets || request.list_effects) return 0;
+    if (!input.empty()) {
+      vortices = read_vortices(input);
+      program.presets.push_back({.name = input,
+                                 .about = "vortices of a file",
+                                 .units = program.presets.front().units,
+                                 .effects = {"pairs"},
+                                 .dt = "0.01",
+                                 .time = "100",
+                                 .start = [&](const Choice&) { return start(vortices); }});
+      request.preset_name = input;
+    }
+    const auto& preset = request.preset();
+    if (input.empty()) vortices = vortex_sets().at(preset.name);
+    const Choice choice = request.choice();
+    const RuntimeScene<double, any> scene = request.scene(choice);
+    // Nothing but pairs is worth a type of its own, which runs several times faster.
     const System system(vortices.circulation);
-    if (request.wanted(app)) {
+    const bool only_pairs = choice.effects == std::vector<std::string>{"pairs"};
+    const auto with_hamiltonian = [&](const auto& use) { return only_pairs ? use(system) : use(scene); };
+    if (request.audit)
+      refuse_options(app, "--audit",
+                     {"--method", "--solver", "--rule", "--tolerance", "--omega", "--stages"});
+    if (app.count("--method") == 0 && scene.is_separable()) method.name = "splitting";
+    if (!cost.wanted(app)) refuse_idle_options(app, {method.name});
+    request.put_times_into(settings);
+    request.print_idle_parameters(std::cout, choice);
+    const State z0 = start(vortices);
+    const auto invariants =
+        with_hamiltonian([&](const auto& h) { return invariants_of(h, system, vortices, choice); });
+    if (request.audit) {
+      show_audit(scene, z0, invariants, settings, method, Compare::state);
+      return 0;
+    }
+    if (cost.wanted(app)) {
       settings.make_output_folder();
-      const CostOfAccuracy cost = cost_of_accuracy(system, system.phase_point(vortices.x, vortices.y),
-                                                   settings.time, request.options());
-      if (request.curve) {
-        show_cost(cost, settings, "vortices_cost", std::to_string(vortices.x.size()) + " vortices");
+      const CostOfAccuracy found = with_hamiltonian(
+          [&](const auto& h) { return cost_of_accuracy(h, z0, settings.time, cost.options()); });
+      if (cost.curve) {
+        show_cost(found, settings, "vortices_cost", std::to_string(vortices.x.size()) + " vortices");
         return 0;
       }
-      request.choose(cost, method, settings);
+      cost.choose(found, method, settings);
     }
+    settle_method(scene, method);
     const std::int64_t steps = settings.steps();
     settings.make_output_folder();
 
@@ -206,20 +252,30 @@ int main(int argc, char** argv) {
                                 png = settings.output / "vortices.png";
     PlacesCsv places(places_csv, system);
     auto some_places = every(stride(steps, settings.samples), places);
-    const Run run = run_method(method, system, system.phase_point(vortices.x, vortices.y),
-                               invariants_of(system, vortices), settings.dt,
-                               evenly_spaced(steps, settings.samples), steps, some_places);
+    const Measurement<any> measurement = preset.measure ? preset.measure(choice) : Measurement<any>{};
+    auto observe = [&](double t, const auto& z) {
+      if (measurement.observe) measurement.observe(t, z.q(), z.p());
+    };
+    const auto go = [&](const auto& hamiltonian) {
+      return run_method(method, hamiltonian, z0, invariants, settings.dt,
+                        evenly_spaced(steps, settings.samples), steps, some_places, observe);
+    };
+    const Run run =
+        method.name == "splitting" ? go(SeparableRuntimeScene<double, any>(scene)) : with_hamiltonian(go);
 
     print_table(std::cout, {run}, settings.dt);
-    request.compare_with(run);
+    cost.compare_with(run);
+    if (measurement.report) measurement.report(std::cout);
     places.commit();
     write_series(csv, {run});
     std::cout << "data: " << csv.string() << ", " << places_csv.string() << '\n';
-    const std::string headline = std::to_string(vortices.x.size()) + " vortices (" +
-                                 std::filesystem::path(chosen.name).filename().string() + "), " +
-                                 method.name + ", dt = " + formatted("%g", settings.dt);
+    const std::string headline =
+        std::to_string(vortices.x.size()) + (vortices.x.size() == 1 ? " vortex (" : " vortices (") +
+        std::filesystem::path(preset.name).filename().string() + "): " + joined(scene.names()) + "; " +
+        method.name + ", dt = " + formatted("%g", settings.dt);
     if (!settings.no_plot)
-      draw(png, script(png, places_csv, csv, vortices, run, headline, settings.time, places.square()));
+      draw(png, vortex_script(png, places_csv, csv, vortices, run, headline, settings.time, places.square(),
+                              choice));
 
     if (!run.failure.empty()) std::cerr << method.name << ": " << run.failure << '\n';
     return run.failure.empty() ? 0 : 1;

@@ -107,12 +107,11 @@ inline CLI::Validator one_of(const std::vector<std::string>& words) {
           "", "known name"};
 }
 
-inline void add_settings(CLI::App& app, Settings& settings) {
+/// What becomes of the results.
+inline void add_output(CLI::App& app, Settings& settings) {
   const auto add = [&](const char* name, auto& value, const char* about) {
     return app.add_option(name, value, about)->capture_default_str();
   };
-  add("--dt", settings.dt, "step size")->check(positive())->type_name("X");
-  add("--time", settings.time, "time to integrate to")->check(positive())->type_name("X");
   add("--samples", settings.samples, "rows of the CSV file at most")
       ->check(whole_number(1, 1'000'000'000))
       ->type_name("N");
@@ -120,7 +119,17 @@ inline void add_settings(CLI::App& app, Settings& settings) {
   app.add_flag("--no-plot", settings.no_plot, "leave the picture out");
 }
 
-inline void add_method(CLI::App& app, Method& method) {
+inline void add_settings(CLI::App& app, Settings& settings) {
+  const auto add = [&](const char* name, auto& value, const char* about) {
+    return app.add_option(name, value, about)->check(positive())->type_name("X")->capture_default_str();
+  };
+  add("--dt", settings.dt, "step size");
+  add("--time", settings.time, "time to integrate to");
+  add_output(app, settings);
+}
+
+inline void add_method(CLI::App& app, Method& method,
+                       const std::vector<std::string>& methods = Method::names()) {
   const auto choice = [&](const char* name, auto& value, const std::vector<std::string>& words,
                           const std::string& about) {
     app.add_option(name, value, about + ": " + joined(words))
@@ -128,7 +137,7 @@ inline void add_method(CLI::App& app, Method& method) {
         ->type_name("NAME")
         ->capture_default_str();
   };
-  choice("--method", method.name, Method::names(), "the integrator");
+  choice("--method", method.name, methods, "the integrator");
   app.add_option("--scheme", method.scheme, "its coefficients (not of gauss), by a name from the list below")
       ->check(one_of(schemes::names()))
       ->type_name("NAME")
@@ -157,7 +166,7 @@ inline void refuse_idle_options(const CLI::App& app, const std::vector<std::stri
     const char* option;
     std::vector<std::string> methods;
   };
-  const std::vector<Listeners> all{{"--scheme", {"semiexplicit", "midpoint", "pihajoki", "tao"}},
+  const std::vector<Listeners> all{{"--scheme", {"semiexplicit", "midpoint", "pihajoki", "tao", "splitting"}},
                                    {"--solver", {"semiexplicit"}},
                                    {"--rule", {"semiexplicit"}},
                                    {"--tolerance", {"semiexplicit"}},
@@ -170,6 +179,23 @@ inline void refuse_idle_options(const CLI::App& app, const std::vector<std::stri
       throw std::invalid_argument(std::string(option) + " means nothing to " + joined(methods) +
                                   "; it is for " + joined(listeners));
   }
+}
+
+/// The same for options that do not go with another one.
+inline void refuse_options(const CLI::App& app, const std::string& with,
+                           const std::vector<std::string>& idle) {
+  for (const std::string& option : idle)
+    if (app.count(option) > 0)
+      throw std::invalid_argument(option + " means nothing to " + with + "; leave it out");
+}
+
+/// What CLI11 says of an unknown name in a configuration file, with the names that the user may have meant.
+inline std::string unknown_in_file(const CLI::App& app, const std::string& text) {
+  const std::string beginning = "INI was not able to parse ";
+  if (!text.starts_with(beginning)) return text;
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options()) names.push_back(option->get_single_name());
+  return "--config: " + unknown_name("option", text.substr(beginning.size()), names);
 }
 
 /// Parses the arguments and runs `body`, which gives the exit code. Bad arguments (std::invalid_argument, too) end in
@@ -187,6 +213,8 @@ int run_program(CLI::App& app, int argc, char** argv, const Body& body) {
     return body();
   } catch (const CLI::Success& help) {
     return app.exit(help);
+  } catch (const CLI::ConfigError& error) {
+    return complain(unknown_in_file(app, error.what()), "", 2);
   } catch (const CLI::ParseError& error) {
     return complain(error.what(), hint.c_str(), 2);
   } catch (const std::invalid_argument& error) {

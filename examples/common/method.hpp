@@ -9,6 +9,7 @@
 namespace examples {
 
 using namespace semiexplicit;
+using namespace semiexplicit::effects;
 
 /// A method chosen by name, and its settings.
 struct Method {
@@ -23,8 +24,13 @@ struct Method {
 
   static std::vector<std::string> names() { return {"semiexplicit", "midpoint", "pihajoki", "tao", "gauss"}; }
 
-  /// Tao's map takes compositions of Strang only, so it has a default of its own.
-  std::string scheme_name() const { return scheme.value_or(name == "tao" ? "yoshida6" : "low_defect6_s13"); }
+  /// Tao's map takes compositions of Strang only, and low_defect6_s13 needs the projection, so these two have defaults of
+  /// their own.
+  std::string scheme_name() const {
+    return scheme.value_or(name == "tao"         ? "yoshida6"
+                           : name == "splitting" ? "blanes_moan6"
+                                                 : "low_defect6_s13");
+  }
 
   /// What the table and the legend call the coefficients.
   std::string coefficients() const {
@@ -32,7 +38,7 @@ struct Method {
   }
 
   /// Does it work with two copies of the phase space?
-  bool doubles() const { return name != "gauss"; }
+  bool doubles() const { return name != "gauss" && name != "splitting"; }
 
   StoppingRule stopping_rule() const {
     return rule == "paper" ? StoppingRule::paper(tolerance.value_or(1e-13))
@@ -40,10 +46,9 @@ struct Method {
   }
 };
 
-/// Makes the stepper that `method` names and hands it to `use`. Throws std::invalid_argument where the settings do
-/// not fit together.
+/// with_stepper() for a Hamiltonian that is not known to be separable.
 template <class H, class Use>
-void with_stepper(const Method& method, const H& hamiltonian, const Use& use) {
+void with_general_stepper(const Method& method, const H& hamiltonian, const Use& use) {
 #ifdef SEMIEXPLICIT_HAS_PACKS
   if constexpr (HasPackGradient<H>) {
     if (method.name == "gauss" && method.lanes) {
@@ -72,6 +77,19 @@ void with_stepper(const Method& method, const H& hamiltonian, const Use& use) {
   } else {
     Semiexplicit stepper(hamiltonian, scheme, SimplifiedNewton{.stop = method.stopping_rule()});
     use(stepper);
+  }
+}
+
+/// Makes the stepper that `method` names and hands it to `use`. Throws std::invalid_argument where the settings do
+/// not fit together.
+template <class H, class Use>
+void with_stepper(const Method& method, const H& hamiltonian, const Use& use) {
+  // What is separable by its type gets the plain splitting, which no other Hamiltonian can have.
+  if constexpr (SeparableHamiltonian<H>) {
+    ExplicitSplitting stepper(hamiltonian, schemes::by_name<typename H::Scalar>(method.scheme_name()));
+    return use(stepper);
+  } else {
+    with_general_stepper(method, hamiltonian, use);
   }
 }
 

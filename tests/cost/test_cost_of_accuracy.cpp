@@ -87,7 +87,7 @@ bool contains(const std::string& text, const std::string& part) {
 
 }  // namespace
 
-TEST_CASE("the advised setting meets the target and is near the cheapest there is") {
+TEST_CASE("the advised setting meets the target and is near the cheapest there is", "[long]") {
   check_advice(systems::Product<double>(), PhasePoint<double, 1>(-3, 0), 300, 1e-4, 0.6);
   check_advice(systems::Product<double>(), PhasePoint<double, 1>(-3, 0), 300, 1e-8, 0.6);
   check_advice(Lattice(), lattice_start(), 30, 1e-6, 0.12);

@@ -64,7 +64,7 @@ TEST_CASE("Every symplectic method keeps the linear and the quadratic invariants
   });
 }
 
-TEST_CASE("The mass error of a long run is that of rounding", "[invariants]") {
+TEST_CASE("The mass error of a long run is that of rounding", "[invariants][long]") {
   const auto tight = StoppingRule::paper(0);
   CHECK(errors_on_lattice(Semiexplicit(lattice, schemes::strang(), SimplifiedNewton{.stop = tight}), 0.01,
                           50'000)["mass"]

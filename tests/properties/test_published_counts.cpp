@@ -22,7 +22,7 @@ double evaluations_per_step(const std::string& scheme, const Solver& solver) {
 
 }  // namespace
 
-TEST_CASE("The published numbers of evaluations per step come out", "[published]") {
+TEST_CASE("The published numbers of evaluations per step come out", "[published][long]") {
   struct Row {
     const char* scheme;
     double simplified, broyden;

@@ -228,7 +228,7 @@ TEST_CASE("An effect that is off is not called, an unknown one is refused with t
   CHECK(nearest_names("au", {"km", "AU", "m"}, 1) == std::vector<std::string>{"AU"});
 }
 
-TEST_CASE("Mercury over a century: what the scene calls for depends on the accuracy", "[scene]") {
+TEST_CASE("Mercury over a century: what the scene calls for depends on the accuracy", "[scene][long]") {
   const double gm = 39.47841760435743, a = 0.38709893, e = 0.20563069;
   const Point z({a * (1 - e), 0}, {0, std::sqrt(gm / a * (1 + e) / (1 - e))});
   const Audit report = audit(mercury(), z, 100, {.dt = 0.0015});

@@ -85,7 +85,7 @@ TEST_CASE("Solved exactly, the linear oscillator stays on the unit circle at ste
   for (const Quadratic& h : {Quadratic{1, 0, 1}, Quadratic{3, 1, 1}, Quadratic{100, -2, 0.5}})
     for (const char* name : {"strang", "triple_jump4", "suzuki4", "blanes_moan4", "blanes_moan6"})
       for (const double angle : {0.5, 1.7, 2.5, 4.0, 7.0, 12.0}) {  // radians a step
-        if (angle > 7 && name != std::string("strang")) continue;  // kicks so large that rounding decides
+        if (angle > 7 && name != std::string("strang")) continue;   // kicks so large that rounding decides
         CAPTURE(h.qq, name, angle);
         const double dt = angle / h.frequency();
         const NewtonKrylov solver{.stop = StoppingRule::paper(1e-10)};

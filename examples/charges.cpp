@@ -1,0 +1,210 @@
+// A charge in magnetic and electric fields: gyration, a magnetic bottle, a proton in the Earth's dipole field.
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <semiexplicit/semiexplicit.hpp>
+
+#include "common/charge_measurements.hpp"
+#include "common/magnetic_fields.hpp"
+#include "common/scene_program.hpp"
+
+namespace {
+
+using namespace examples;
+using State = PhasePoint<double, 3>;
+
+// The fields, and the effects that they are. A field counts those before it in this order as there already.
+const std::vector<std::string> field_names{"uniform_field", "dipole_field", "magnetic_bottle"};
+
+FieldSum fields_before(const Choice& c, const std::string& end) {
+  FieldSum sum;
+  for (const std::string& name : field_names) {
+    if (name == end) break;
+    if (!c.on(name)) continue;
+    if (name == "uniform_field") sum.fields.emplace_back(charges::UniformField(c["b"]));
+    if (name == "dipole_field") sum.fields.emplace_back(charges::DipoleField(c["moment"]));
+    if (name == "magnetic_bottle") sum.fields.emplace_back(charges::BottleField(c["b0"], c["length"]));
+  }
+  return sum;
+}
+
+template <class Field>
+auto field_effect(const Choice& c, const std::string& name, const Field& field) {
+  const FieldSum others = fields_before(c, name);
+  return FieldEffect<Field>(name, c["charge"], c["mass"], field, others,
+                            !c.on("kinetic") && others.fields.empty());
+}
+
+/// Not a charge's own, but of the same form as Coulomb's.
+struct Gravity : charges::Coulomb<> {
+  static constexpr const char* name = "gravity";
+  static constexpr const char* about = "a point mass at the origin, -GMm/r";
+};
+
+std::vector<EffectEntry<3>> all_effects() {
+  const char* const jackson = "Jackson, Classical Electrodynamics (1999), sections 5.6, 12.1 to 12.5";
+  return {
+      {{"mass"}, jackson, [](const Choice& c) { return charges::Kinetic<>{.mass = c["mass"]}; }},
+      {"uniform_field",
+       "uniform magnetic field along z, A = B/2 (-y, x, 0)",
+       {"b", "charge", "mass"},
+       jackson,
+       [](const Choice& c) { return field_effect(c, "uniform_field", charges::UniformField(c["b"])); }},
+      {"dipole_field",
+       "magnetic dipole along z at the origin, A = M (-y, x, 0)/r³",
+       {"moment", "charge", "mass"},
+       jackson,
+       [](const Choice& c) { return field_effect(c, "dipole_field", charges::DipoleField(c["moment"])); }},
+      {"magnetic_bottle",
+       "magnetic bottle along z, B_z = B0 (1 + (z² - ρ²/2)/L²)",
+       {"b0", "length", "charge", "mass"},
+       jackson,
+       [](const Choice& c) {
+         return field_effect(c, "magnetic_bottle", charges::BottleField(c["b0"], c["length"]));
+       }},
+      {{"ex", "ey", "ez", "charge"},
+       jackson,
+       [](const Choice& c) {
+         return charges::UniformElectric<>{.charge = c["charge"], .x = c["ex"], .y = c["ey"], .z = c["ez"]};
+       }},
+      {{"centre", "charge"},
+       jackson,
+       [](const Choice& c) { return charges::Coulomb<>{.k = c["charge"] * c["centre"]}; }},
+      {{"quadrupole", "charge"},
+       "Brown and Gabrielse, Rev. Mod. Phys. 58 (1986) 233",
+       [](const Choice& c) { return charges::Quadrupole<>{.k = c["charge"] * c["quadrupole"]}; }},
+      {{"gm", "mass"}, "", [](const Choice& c) { return Gravity{{.k = -c["gm"] * c["mass"]}}; }}};
+}
+
+State at(const Choice& c, const Eigen::Vector3d& q, const Eigen::Vector3d& v) {
+  const FieldSum fields = fields_before(c, "");
+  if (fields.fields.empty() && !c.on("kinetic"))
+    throw std::invalid_argument("--effects: nothing moves without kinetic or a magnetic field; add one");
+  return {q, c["mass"] * v + c["charge"] * fields.potential(q)};
+}
+
+/// Turning about the third axis in the field b.
+State about_the_axis(const Choice& c, double b) {
+  const Velocity v(c);
+  return at(c, {v.across * c["mass"] / (c["charge"] * b), 0, 0}, {0, -v.across, v.along});
+}
+
+std::vector<ScenePreset<3>> presets() {
+  const double proton = known_units().at("mp").size, e = known_units().at("e").size;
+  const UnitSystem metres{"m, s, proton mass, e", 1, 1, proton, e};
+  const UnitSystem radii{"Earth radius, s, proton mass, e", known_units().at("Rearth").size, 1, proton, e};
+  return {{.name = "gyration",
+           .about = "a proton of 1 keV in a uniform field of 0.1 T",
+           .units = metres,
+           .effects = {"kinetic", "uniform_field"},
+           .also = {"electric"},
+           .values = {{"charge", "1 e"},
+                      {"mass", "1 mp"},
+                      {"energy", "1 keV"},
+                      {"pitch", "80 deg"},
+                      {"b", "0.1 T"},
+                      {"ex", "10 V/m"},
+                      {"ey", "0"},
+                      {"ez", "0"}},
+           .dt = "1e-8 s",
+           .time = "1e-5 s",
+           .start = [](const Choice& c) { return about_the_axis(c, c["b"]); },
+           .measure = gyration},
+          {.name = "bottle",
+           .about = "a proton of 1 keV between magnetic mirrors, 1 T in the middle",
+           .units = metres,
+           .effects = {"kinetic", "magnetic_bottle"},
+           .also = {"electric", "coulomb"},
+           .values = {{"charge", "1 e"},
+                      {"mass", "1 mp"},
+                      {"energy", "1 keV"},
+                      {"pitch", "60 deg"},
+                      {"b0", "1 T"},
+                      {"length", "1 m"},
+                      {"ex", "10 V/m"},
+                      {"ey", "0"},
+                      {"ez", "0"},
+                      {"centre", "1e-3 V m"}},
+           .dt = "2e-9 s",
+           .time = "1e-4 s",
+           .samples = 10'000,
+           .start = [](const Choice& c) { return about_the_axis(c, c["b0"]); },
+           .measure = mirrors},
+          {.name = "dipole",
+           .about = "a proton of 10 MeV trapped in the Earth's field, at four radii",
+           .units = radii,
+           .effects = {"kinetic", "dipole_field"},
+           .also = {"electric", "gravity"},
+           .values = {{"charge", "1 e"},
+                      {"mass", "1 mp"},
+                      {"energy", "10 MeV"},
+                      {"pitch", "30 deg"},
+                      {"r", "4 Rearth"},
+                      {"moment", "-3.12e-5 T Rearth^3"},
+                      {"b", "5e-9 T"},
+                      {"ex", "0"},
+                      {"ey", "2e-4 V/m"},
+                      {"ez", "0"},
+                      {"gm", "1 GMearth"}},
+           .dt = "2e-3 s",
+           .time = "80 s",
+           .samples = 20'000,
+           // The drift is along y, and is not to be part of the gyration: so that starts along x.
+           .start =
+               [](const Choice& c) {
+                 const Velocity v(c);
+                 const double r = c["r"], b = -c["moment"] / (r * r * r);
+                 return at(c, {r, v.across * c["mass"] / (c["charge"] * b), 0}, {v.across, 0, v.along});
+               },
+           .measure = bounce_and_drift}};
+}
+
+/// From above, and along the axis.
+View<3> view(const Choice& c) {
+  View<3> view = path_view<3>({"x", "y", "z", "px", "py", "pz"}, "x", "y");
+  const std::string earth =
+      c.preset == "dipole" ? "set object 1 circle at 0,0 size 1 fillstyle solid fillcolor rgb '#999999'\n"
+                           : "";
+  view.plot = [=, from_above = view.plot](const std::filesystem::path& csv) {
+    return earth +
+           "set xtics rotate by -40\nset rmargin at screen 0.6\nset bmargin at screen 0.47\n"
+           "set tmargin at screen 0.85\n" +
+           from_above(csv) +
+           "unset object\nset size noratio\nset lmargin at screen 0.72\nset rmargin at screen 0.95\n"
+           "set xtics rotate by -90\nset xrange [0:*]\nset yrange [*:*]\nset offsets 0, graph 0.1, 0, 0\nset "
+           "xlabel 'distance from the axis'\n"
+           "set ylabel 'z'\nplot " +
+           quoted(csv.string()) +
+           " skip 1 using (sqrt($2**2 + $3**2)):4 with lines linewidth 1 linecolor rgb '#0072B2'\n"
+           "set xtics norotate\nset offsets 0, 0, 0, 0\n";
+  };
+  return view;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  SceneProgram<3> program{.name = "charges", .about = "A charge in magnetic and electric fields."};
+  program.parameters = {{"charge", "C", "the charge"},
+                        {"mass", "kg", "its mass"},
+                        {"energy", "J", "kinetic energy at the start"},
+                        {"pitch", "rad", "angle of the velocity to the field at the start"},
+                        {"r", "m", "distance of the start from the dipole"},
+                        {"b", "T", "uniform magnetic field"},
+                        {"moment", "T m3", "magnetic moment times μ₀/(4π); the Earth's points down"},
+                        {"b0", "T", "field in the middle of the bottle"},
+                        {"length", "m", "where on its axis the bottle's field is doubled"},
+                        {"ex", "V/m", "uniform electric field, x"},
+                        {"ey", "V/m", "uniform electric field, y"},
+                        {"ez", "V/m", "uniform electric field, z"},
+                        {"centre", "V m", "the point charge, Q/(4πε₀); 1.44e-9 V m for a proton"},
+                        {"quadrupole", "V/m2", "strength of the electric quadrupole"},
+                        {"gm", "m3/s2", "GM of the point mass"}};
+  program.effects = all_effects();
+  program.presets = presets();
+  program.view = view;
+  return run_scene_program(program, argc, argv);
+}

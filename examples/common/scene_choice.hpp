@@ -1,0 +1,132 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <ostream>
+#include <stdexcept>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <semiexplicit/semiexplicit.hpp>
+
+#include "scene_picture.hpp"
+#include "units.hpp"
+
+namespace examples {
+
+/// A number that the user may set: the option --name. `unit` is any unit of its kind ("m/s" for a velocity), or "" for a
+/// number; users may write one behind the value.
+struct Parameter {
+  std::string name, unit, about;
+};
+
+/// What the user chose, in the units of the preset.
+class Choice {
+ public:
+  std::string preset;
+  std::vector<std::string> effects;
+  std::map<std::string, double> values;
+
+  bool on(const std::string& effect) const {
+    return std::find(effects.begin(), effects.end(), effect) != effects.end();
+  }
+  bool has(const std::string& parameter) const { return values.count(parameter) > 0; }
+  /// The value of a parameter. Throws std::invalid_argument where neither preset nor user gives one.
+  double operator[](const std::string& parameter) const {
+    const auto found = values.find(parameter);
+    if (found == values.end())
+      throw std::invalid_argument("the preset " + preset + " has no value for --" + parameter + "; give one");
+    return found->second;
+  }
+};
+
+/// An effect that can be chosen: the parameters that it takes, where it comes from, and how it is made. Name and description
+/// are those of the effect, unless given. An entry that makes nothing (an empty function, with name and about) only tells
+/// others by Choice::on().
+template <int Dof>
+struct EffectEntry {
+  std::vector<std::string> parameters;
+  std::string source;
+  std::function<AnyEffect<double, Dof>(const Choice&)> make;
+  std::string name, about;
+  std::string acts;
+
+  template <class Make>
+  EffectEntry(std::vector<std::string> takes, std::string from, Make maker)
+      : parameters(std::move(takes)), source(std::move(from)), make(maker) {
+    using E = std::invoke_result_t<Make, const Choice&>;
+    name = E::name;
+    about = E::about;
+    acts = acts_of<E>();
+  }
+  template <class Make>
+  EffectEntry(std::string called, std::string does, std::vector<std::string> takes, std::string from,
+              Make maker)
+      : parameters(std::move(takes)),
+        source(std::move(from)),
+        make(maker),
+        name(std::move(called)),
+        about(std::move(does)) {
+    using E = std::invoke_result_t<Make, const Choice&>;
+    acts = acts_of<E>();
+  }
+  /// A modifier.
+  EffectEntry(std::string called, std::string does, std::vector<std::string> takes, std::string from)
+      : parameters(std::move(takes)),
+        source(std::move(from)),
+        name(std::move(called)),
+        about(std::move(does)) {}
+
+ private:
+  template <class E>
+  static std::string acts_of() {
+    if constexpr (CoupledEffect<E>) return "couples q and p";
+    if constexpr (PositionEffect<E>) return "acts on q";
+    if constexpr (MomentumEffect<E>) return "acts on p";
+    return "acts on q and on p";
+  }
+};
+
+template <int Dof>
+using HalfRef = ConstRef<double, Dof>;
+
+/// Looks on at a run and says something about it at the end.
+template <int Dof>
+struct Measurement {
+  std::function<void(double t, const HalfRef<Dof>& q, const HalfRef<Dof>& p)> observe;
+  std::function<void(std::ostream&)> report;
+};
+
+/// A set-up ready made. Numbers may have units behind them, as on the command line: "1 GMsun", "2 day", "0.1".
+template <int Dof>
+struct ScenePreset {
+  std::string name, about;
+  UnitSystem units;
+  std::vector<std::string> effects;  ///< that are on
+  std::vector<std::string> also{};   ///< that it has values for, too, and that --audit looks at
+  std::map<std::string, std::string> values{};
+  std::string dt, time;
+  std::int64_t samples = 2000;  ///< rows of the files
+  std::function<PhasePoint<double, Dof>(const Choice&)> start;
+  std::function<Measurement<Dof>(const Choice&)> measure{};  ///< optional
+};
+
+template <int Dof>
+struct SceneProgram {
+  std::string name, about;
+  std::vector<Parameter> parameters{};
+  std::vector<EffectEntry<Dof>> effects{};
+  std::vector<ScenePreset<Dof>> presets{};  ///< the first one is taken where none is named
+  std::function<View<Dof>(const Choice&)> view{};
+  /// Adds what is kept beside the energy.
+  std::function<void(Invariants<double, Dof>&, const Choice&)> add_invariants{};
+  std::function<void(CLI::App&)> add_options{};
+  Compare compare = Compare::positions;  ///< orbits in an audit
+};
+
+}  // namespace examples

@@ -1,0 +1,163 @@
+#pragma once
+
+#include <algorithm>
+#include <map>
+#include <ostream>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <semiexplicit/semiexplicit.hpp>
+
+#include "arguments.hpp"
+#include "scene_choice.hpp"
+#include "units.hpp"
+
+namespace examples {
+
+/// The options that the user gave, and what they mean for a program.
+template <int Dof>
+class SceneRequest {
+ public:
+  explicit SceneRequest(const SceneProgram<Dof>& program) : program_(program) {}
+
+  std::string preset_name;
+  std::vector<std::string> effects;
+  std::string dt, time;
+  bool list_presets = false, list_effects = false, audit = false;
+
+  void add_to(CLI::App& app) {
+    preset_name = program_.presets.front().name;
+    app.add_option("--preset", preset_name, "a set-up ready made; see --list-presets")
+        ->type_name("NAME")
+        ->capture_default_str();
+    app.add_option("--effects", effects, "the effects that are on, as a,b,c; see --list-effects")
+        ->delimiter(',')
+        ->type_name("NAMES")
+        ->default_str("the preset's");
+    app.add_flag("--list-presets", list_presets, "list them, with their effects, and stop");
+    app.add_flag("--list-effects", list_effects, "list them, with their parameters, and stop");
+    app.add_flag("--audit", audit,
+                 "print what each effect is worth and which are called for, instead of a long run");
+    app.add_option("--dt", dt, "step size; made a little smaller where the time is no multiple")
+        ->type_name("X")
+        ->default_str("the preset's");
+    app.add_option("--time", time, "time to integrate to")->type_name("X")->default_str("the preset's");
+    for (const Parameter& parameter : program_.parameters)
+      app.add_option("--" + parameter.name, texts_[parameter.name], parameter.about)
+          ->type_name(parameter.unit.empty() ? "X" : "X[ UNIT]")
+          ->group("Parameters; the defaults are the preset's");
+    app.set_config("--config", "", "file of such options, as name = value lines")->type_name("FILE");
+    app.allow_config_extras(false);
+  }
+
+  const ScenePreset<Dof>& preset() const {
+    std::vector<std::string> names;
+    for (const auto& preset : program_.presets) {
+      if (preset.name == preset_name) return preset;
+      names.push_back(preset.name);
+    }
+    throw std::invalid_argument("--preset: " + unknown_name("preset", preset_name, names));
+  }
+
+  /// Throws std::invalid_argument, in one line, for unknown names and units.
+  Choice choice() const {
+    const auto& chosen = preset();
+    Choice choice{.preset = chosen.name, .effects = effects, .values = {}};
+    if (effects.empty()) {
+      choice.effects = chosen.effects;
+      if (audit) choice.effects.insert(choice.effects.end(), chosen.also.begin(), chosen.also.end());
+    }
+    std::vector<std::string> names;
+    for (const auto& entry : program_.effects) names.push_back(entry.name);
+    for (const std::string& effect : choice.effects)
+      if (std::find(names.begin(), names.end(), effect) == names.end())
+        throw std::invalid_argument("--effects: " + unknown_name("effect", effect, names));
+    for (const auto& [name, unit, about] : program_.parameters) {
+      const auto given = chosen.values.find(name);
+      const std::string& text = texts_.at(name);
+      if (!text.empty())
+        choice.values[name] = quantity(name, text, unit);
+      else if (given != chosen.values.end())
+        choice.values[name] = quantity(name, given->second, unit);
+    }
+    return choice;
+  }
+
+  /// The step and the time, such that steps end at it.
+  void put_times_into(Settings& settings) const {
+    settings.dt = quantity("dt", dt.empty() ? preset().dt : dt, "s", true);
+    settings.time = quantity("time", time.empty() ? preset().time : time, "s", true);
+    settings.dt = settings.time / static_cast<double>(settings.steps());
+  }
+
+  /// The effects that are on, in the program's order.
+  RuntimeScene<double, Dof> scene(const Choice& choice) const {
+    std::vector<AnyEffect<double, Dof>> list;
+    for (const auto& entry : program_.effects)
+      if (entry.make && choice.on(entry.name)) list.push_back(entry.make(choice));
+    if (list.empty()) throw std::invalid_argument("--effects: nothing that moves anything is on");
+    return RuntimeScene<double, Dof>(std::move(list));
+  }
+
+  void print_presets(std::ostream& out) const {
+    for (const auto& preset : program_.presets) {
+      out << preset.name << ": " << preset.about << "\n  effects: " << joined(preset.effects);
+      if (!preset.also.empty()) out << " (values also for " << joined(preset.also) << ')';
+      out << "\n  units: " << preset.units.about << "\n  dt = " << preset.dt << ", time = " << preset.time;
+      for (const auto& [name, value] : preset.values) out << ", " << name << " = " << value;
+      out << '\n';
+    }
+  }
+
+  void print_effects(std::ostream& out) const {
+    for (const auto& entry : program_.effects) {
+      out << entry.name << ": " << entry.about << (entry.acts.empty() ? "" : "; " + entry.acts) << '\n';
+      for (const std::string& name : entry.parameters)
+        for (const Parameter& parameter : program_.parameters)
+          if (parameter.name == name)
+            out << "  --" << name << ": " << parameter.about << " [" << dimension(read_unit(parameter.unit))
+                << "]\n";
+      if (!entry.source.empty()) out << "  source: " << entry.source << '\n';
+    }
+    std::vector<std::string> units;
+    for (const auto& [name, unit] : known_units()) units.push_back(name);
+    out << "Parameters are in the units of the preset, or have one behind them: --c \"299792.458 km/s\". "
+           "Units: "
+        << joined(units) << ".\n";
+  }
+
+  /// A parameter whose effects are off is named, so that nobody takes it for active. One that no effect has is the start's:
+  /// throws std::invalid_argument where the preset does not have it either.
+  void print_idle_parameters(std::ostream& out, const Choice& choice) const {
+    for (const auto& [name, text] : texts_) {
+      if (text.empty()) continue;
+      std::vector<std::string> listeners;
+      for (const auto& entry : program_.effects)
+        if (std::find(entry.parameters.begin(), entry.parameters.end(), name) != entry.parameters.end())
+          listeners.push_back(entry.name);
+      if (listeners.empty() && preset().values.count(name) == 0)
+        throw std::invalid_argument("--" + name + " means nothing to the preset " + preset().name);
+      if (!listeners.empty() &&
+          std::none_of(listeners.begin(), listeners.end(), [&](const auto& e) { return choice.on(e); }))
+        out << "--" << name << " goes with an effect that is off: " << joined(listeners) << '\n';
+    }
+  }
+
+ private:
+  double quantity(const std::string& option, const std::string& text, const std::string& unit,
+                  bool positive = false) const {
+    try {
+      return read_quantity(text, unit, preset().units, positive);
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument("--" + option + ": " + error.what());
+    }
+  }
+
+  const SceneProgram<Dof>& program_;
+  std::map<std::string, std::string> texts_;
+};
+
+}  // namespace examples

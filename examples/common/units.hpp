@@ -1,0 +1,159 @@
+#pragma once
+
+#include <array>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <cstddef>
+#include <map>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include <semiexplicit/scene/nearest_names.hpp>
+
+namespace examples {
+
+/// A product of units: its size in SI units, and the powers of metre, second, kilogram and coulomb in it.
+struct Unit {
+  double size = 1;
+  std::array<int, 4> powers{};
+};
+
+/// The units that users may write behind a number. Angles are numbers, in radians. The masses of celestial bodies come as
+/// GM, which is what is known of them.
+inline const std::map<std::string, Unit>& known_units() {
+  static const double degree = std::acos(-1.0) / 180;
+  static const std::map<std::string, Unit> units{
+      {"m", {1, {1}}},
+      {"mm", {1e-3, {1}}},
+      {"cm", {1e-2, {1}}},
+      {"km", {1e3, {1}}},
+      {"AU", {149597870700.0, {1}}},
+      {"Rearth", {6378137, {1}}},
+      {"Rsun", {6.957e8, {1}}},
+      {"s", {1, {0, 1}}},
+      {"ns", {1e-9, {0, 1}}},
+      {"us", {1e-6, {0, 1}}},
+      {"ms", {1e-3, {0, 1}}},
+      {"min", {60, {0, 1}}},
+      {"h", {3600, {0, 1}}},
+      {"day", {86400, {0, 1}}},
+      {"year", {365.25 * 86400, {0, 1}}},
+      {"century", {36525.0 * 86400, {0, 1}}},
+      {"kg", {1, {0, 0, 1}}},
+      {"me", {9.1093837015e-31, {0, 0, 1}}},
+      {"mp", {1.67262192369e-27, {0, 0, 1}}},
+      {"C", {1, {0, 0, 0, 1}}},
+      {"e", {1.602176634e-19, {0, 0, 0, 1}}},
+      {"c", {299792458, {1, -1}}},
+      {"GMsun", {1.32712440041e20, {3, -2}}},
+      {"GMearth", {3.986004418e14, {3, -2}}},
+      {"GMmoon", {4.9028e12, {3, -2}}},
+      {"T", {1, {0, -1, 1, -1}}},
+      {"G", {1e-4, {0, -1, 1, -1}}},
+      {"V", {1, {2, -2, 1, -1}}},
+      {"kV", {1e3, {2, -2, 1, -1}}},
+      {"J", {1, {2, -2, 1}}},
+      {"eV", {1.602176634e-19, {2, -2, 1}}},
+      {"keV", {1.602176634e-16, {2, -2, 1}}},
+      {"MeV", {1.602176634e-13, {2, -2, 1}}},
+      {"Hz", {1, {0, -1}}},
+      {"rad", {1, {}}},
+      {"deg", {degree, {}}},
+      {"arcsec", {degree / 3600, {}}},
+  };
+  return units;
+}
+
+/// Reads "km/s", "AU^3/year^2", "m3/s2", "1/s": units with powers, joined by blanks, * or /, each / for the one unit behind
+/// it. Throws std::invalid_argument, with the nearest names, for an unknown one.
+inline Unit read_unit(const std::string& text) {
+  Unit product;
+  int sign = 1;
+  for (std::size_t i = 0; i < text.size();) {
+    const auto is = [&](auto what) { return i < text.size() && what(static_cast<unsigned char>(text[i])); };
+    if (text[i] == '/' || text[i] == '*' || is([](int c) { return std::isspace(c); })) {
+      if (text[i] == '/') sign = -1;
+      ++i;
+      continue;
+    }
+    std::string name, power;
+    while (is([](int c) { return std::isalpha(c) != 0; })) name += text[i++];
+    if (is([](int c) { return c == '^'; })) ++i;
+    while (is([](int c) { return c == '-' || std::isdigit(c); })) power += text[i++];
+    if (name.empty() && power == "1") continue;  // 1/s
+    if (name.empty())
+      throw std::invalid_argument("'" + text + "' is no unit; write one as km, km/s or AU^3/year^2");
+    const auto found = known_units().find(name);
+    if (found == known_units().end()) {
+      std::vector<std::string> valid;
+      for (const auto& [known, unit] : known_units()) valid.push_back(known);
+      throw std::invalid_argument(semiexplicit::unknown_name("unit", name, valid));
+    }
+    int exponent = 1;
+    if (!power.empty() &&
+        std::from_chars(power.data(), power.data() + power.size(), exponent).ec != std::errc())
+      throw std::invalid_argument("'" + power + "' is no power of a unit");
+    exponent *= sign;
+    product.size *= std::pow(found->second.size, exponent);
+    for (std::size_t k = 0; k < 4; ++k) product.powers[k] += exponent * found->second.powers[k];
+    sign = 1;
+  }
+  return product;
+}
+
+/// "length^3/time^2", "number".
+inline std::string dimension(const Unit& unit) {
+  static const char* const names[] = {"length", "time", "mass", "charge"};
+  std::string above, below;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const int power = unit.powers[k];
+    if (power == 0) continue;
+    std::string& side = power > 0 ? above : below;
+    side += (side.empty() ? "" : " ") + std::string(names[k]);
+    if (std::abs(power) > 1) side += "^" + std::to_string(std::abs(power));
+  }
+  if (above.empty() && below.empty()) return "number";
+  return (above.empty() ? "1" : above) + (below.empty() ? "" : "/" + below);
+}
+
+/// The units that a preset counts in, by what they are in SI units. One that is NaN is not fixed: numbers only.
+struct UnitSystem {
+  std::string about;  ///< "AU, year"
+  double length = NAN, time = NAN, mass = NAN, charge = NAN;
+
+  /// What such a unit is in this system.
+  double size_of(const Unit& unit) const {
+    const double base[] = {length, time, mass, charge};
+    double size = unit.size;
+    for (std::size_t k = 0; k < 4; ++k)
+      if (unit.powers[k] != 0) size /= std::pow(base[k], unit.powers[k]);
+    return size;
+  }
+};
+
+/// Reads "0.3", in units of the system, or "0.3 km/s", and gives the number in those units. `wanted` is any unit of the kind
+/// that is meant. Throws std::invalid_argument for anything else, and for zero and less where it has to be positive.
+inline double read_quantity(const std::string& text, const std::string& wanted, const UnitSystem& system,
+                            bool positive = false) {
+  double value = 0;
+  const char *const begin = text.data(), *const end = begin + text.size();
+  const auto [rest, failure] = std::from_chars(begin, end, value);
+  if (failure != std::errc() || !std::isfinite(value) || (positive && !(value > 0)))
+    throw std::invalid_argument("'" + text + "' is not a " + (positive ? "positive" : "finite") + " number");
+  const std::string behind(rest, end);
+  if (behind.find_first_not_of(" \t") == std::string::npos) return value;
+  const Unit unit = read_unit(behind), meant = read_unit(wanted);
+  if (unit.powers != meant.powers)
+    throw std::invalid_argument("'" + text + "' is a " + dimension(unit) + ", and a " + dimension(meant) +
+                                " is wanted");
+  const double size = system.size_of(unit);
+  if (!std::isfinite(size))
+    throw std::invalid_argument("'" + text + "' has a unit, and this preset counts in " + system.about +
+                                "; give a plain number");
+  return value * size;
+}
+
+}  // namespace examples

@@ -1,0 +1,120 @@
+// A chain of sites: nonlinearity, hopping, disorder, as the user chooses.
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <semiexplicit/semiexplicit.hpp>
+
+#include "common/lattice_chain.hpp"
+#include "common/scene_program.hpp"
+
+namespace {
+
+using namespace examples;
+constexpr int any = Eigen::Dynamic;
+using State = PhasePoint<double, any>;
+using Half = HalfRef<any>;
+
+std::vector<EffectEntry<any>> all_effects() {
+  const char* const resonant = "Colliander, Keel, Staffilani, Takaoka, Tao, Invent. Math. 181 (2010) 39";
+  return {{{"g"},
+           resonant,
+           [](const Choice& c) { return lattice::OnSite<>{.sites = sites(c), .strength = c["g"]}; }},
+          {{"k"},
+           resonant,
+           [](const Choice& c) { return lattice::PairExchange<>{.sites = sites(c), .strength = c["k"]}; }},
+          {{"j"},
+           "the tight-binding model; Kittel, Introduction to Solid State Physics, chapter 9",
+           [](const Choice& c) { return lattice::Hopping<>{.sites = sites(c), .rate = c["j"]}; }},
+          {{"width", "seed"}, "Anderson, Phys. Rev. 109 (1958) 1492", [](const Choice& c) {
+             return lattice::Disorder<>(energies(c));
+           }}};
+}
+
+/// The start of Jayawardana and Ohsawa (2023), and of the program nls.
+State paper_start(const Choice& c) {
+  State z(sites(c));
+  z.q().setConstant(0.01);
+  z.q()[0] = 3;
+  z.p()[0] = 1;
+  return z;
+}
+
+std::vector<ScenePreset<any>> presets() {
+  return {
+      {.name = "nls",
+       .about = "the lattice of the resonant Schrödinger equation, as in the program nls",
+       .units = {"1/g"},
+       .effects = {"on_site", "pair_exchange"},
+       .also = {"hopping", "disorder"},
+       .values = {{"sites", "5"}, {"g", "1"}, {"k", "1"}, {"j", "0.01"}, {"width", "1e-4"}, {"seed", "1"}},
+       .dt = "0.0125",
+       .time = "1000",
+       .start = paper_start},
+      {.name = "anderson",
+       .about = "one site in a disordered chain: Anderson localisation",
+       .units = {"1/J"},
+       .effects = {"hopping", "disorder"},
+       .also = {"on_site"},
+       .values = {{"sites", "128"}, {"mass", "1"}, {"j", "1"}, {"width", "4"}, {"seed", "1"}, {"g", "0.1"}},
+       .dt = "0.1",
+       .time = "200",
+       .samples = 1000,
+       .start = one_site,
+       .measure = localisation},
+      {.name = "dnls",
+       .about = "one site of a nonlinear chain: self-trapping, a discrete breather is left",
+       .units = {"1/J"},
+       .effects = {"on_site", "hopping"},
+       .also = {"disorder"},
+       .values =
+           {{"sites", "101"}, {"mass", "1"}, {"j", "1"}, {"g", "4.5"}, {"width", "0.01"}, {"seed", "1"}},
+       .dt = "0.05",
+       .time = "50",
+       .samples = 1000,
+       .start = one_site,
+       .measure = trapping}};
+}
+
+/// |ψ|² of each site over time.
+View<any> view(const Choice& c) {
+  View<any> view;
+  for (Eigen::Index i = 0; i < sites(c); ++i) view.columns.push_back("density" + std::to_string(i));
+  view.append = [](const Half& q, const Half& p, std::vector<double>& row) {
+    for (Eigen::Index i = 0; i < q.size(); ++i) row.push_back(q[i] * q[i] + p[i] * p[i]);
+  };
+  view.plot = [n = sites(c)](const std::filesystem::path& csv) {
+    // Rows are evenly spaced, but for the last one.
+    return "stats " + quoted(csv.string()) + " skip 1 using 1 every ::::1 nooutput\nspacing = STATS_max\n" +
+           "set key off\nset xlabel 'time'\nset ylabel 'site'\nset cblabel '|ψ|²'\nset rmargin at screen "
+           "0.86\n"
+           "set logscale cb\nset format cb '10^{%T}'\nset cbrange [1e-6:*]\n"
+           "set palette defined (0 '#000020', 1 '#08519c', 2 '#6baed6', 3 '#fee391', 4 '#ffffe5')\n"
+           "set yrange [-0.5:" +
+           std::to_string(n) + " - 0.5]\nset autoscale xfix\nplot " + quoted(csv.string()) +
+           " skip 1 matrix every 1:1:1:0 using ($2 * spacing):($1 - 1):3 with image\n"
+           "unset colorbox\nset autoscale\n";
+  };
+  return view;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  SceneProgram<any> program{.name = "lattice", .about = "A chain of sites with the effects that you choose."};
+  program.parameters = {{"sites", "", "how many"},
+                        {"mass", "", "Σ|ψ|² at the start, on the middle site"},
+                        {"g", "", "strength of the nonlinearity"},
+                        {"k", "", "strength of the quartic coupling"},
+                        {"j", "", "rate of hopping, J"},
+                        {"width", "", "of the range of the random energies, W"},
+                        {"seed", "", "of the random energies"}};
+  program.effects = all_effects();
+  program.presets = presets();
+  program.view = view;
+  program.compare = Compare::state;
+  program.add_invariants = [](Invariants<double, any>& invariants, const Choice&) {
+    invariants.add("mass", [](const Half& q, const Half& p) { return systems::NlsLattice<>::mass(q, p); });
+  };
+  return run_scene_program(program, argc, argv);
+}

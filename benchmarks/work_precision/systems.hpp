@@ -12,6 +12,7 @@ namespace work_precision {
 /// angular momentum x p_y - y p_x.
 struct MagneticBottle {
   using Scalar = double;
+  using PackGradientOf = MagneticBottle;
   static constexpr int Dof = 3;
   double length = 3;
 
@@ -46,6 +47,7 @@ struct MagneticBottle {
 /// Source: B. Carter, Phys. Rev. 174 (1968) 1559.
 struct KerrGeodesic {
   using Scalar = double;
+  using PackGradientOf = KerrGeodesic;
   static constexpr int Dof = 2;
   double a = 0.9, energy_at_infinity = 0.95, angular_momentum = 2.5;
 

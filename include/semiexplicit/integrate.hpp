@@ -66,26 +66,34 @@ template <class S>
 bool step_in_parts(S& stepper, typename S::State& state,
                    const IntegrationOptions<typename S::Scalar>& options, IntegrationReport& report) {
   using Scalar = typename S::Scalar;
+  const StepReport whole = report.last;
   Scalar part = options.dt;
   std::int64_t parts = 1;
   for (int level = 0; level < options.subdivide; ++level) {
-    if (report.last.status != Status::no_convergence && report.last.status != Status::not_finite)
-      return false;
+    if (report.last.status != Status::no_convergence && report.last.status != Status::not_finite) break;
     parts *= 2;
     part /= 2;
     typename S::State trial = state;
-    for (std::int64_t i = 0; i < parts; ++i) {
-      report.last = stepper.step(trial, part);
-      report.evaluations += report.last.evaluations;
-      report.gradients += report.last.gradients;
-      if (!report.last.ok()) break;
+    StepReport together;
+    for (std::int64_t i = 0; i < parts && together.ok(); ++i) {
+      const StepReport one = stepper.step(trial, part);
+      report.evaluations += one.evaluations;
+      report.gradients += one.gradients;
+      together = {.status = one.status,
+                  .evaluations = together.evaluations + one.evaluations,
+                  .gradients = together.gradients + one.gradients,
+                  .correction = std::max(together.correction, one.correction),
+                  .rate = std::max(together.rate, one.rate),
+                  .escalations = std::max(together.escalations, one.escalations)};
     }
-    if (report.last.ok()) {
+    report.last = together;
+    if (together.ok()) {
       state = trial;
       ++report.subdivided;
       return true;
     }
   }
+  report.last = whole;  // what is said of a failure is said of the step that was asked for
   return false;
 }
 

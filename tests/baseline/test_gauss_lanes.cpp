@@ -17,6 +17,7 @@ const PhasePoint<double, 3> start({1, 0.5, -0.3}, {0.4, -0.7, 0.2});
 /// A gradient as HasPackGradient's example has it: one text for numbers and for packs, with a root.
 struct Kepler {
   using Scalar = double;
+  using PackGradientOf = Kepler;
   static constexpr int Dof = 2;
   template <class Q, class D>
   void gradient(const Q& q, const Q& p, D&& dHdq, D&& dHdp) const {

@@ -180,3 +180,13 @@ TEST_CASE("bad requests are refused by name") {
   CHECK(contains(refusal([&] { (void)nothing.cheapest(0); }), "target is not"));
   CHECK(contains(refusal([&] { (void)nothing.cheapest(nan); }), "target is not"));
 }
+
+TEST_CASE("a gradient that does not belong to the energy is refused") {
+  const auto wrong = make_hamiltonian<double, 1>(
+      [](const auto& q, const auto& p) { return (q[0] * q[0] + 1) * (p[0] * p[0] + 1) / 2; },
+      [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+        dHdq[0] = q[0] * (p[0] * p[0] + 1);
+        dHdp[0] = -p[0] * (q[0] * q[0] + 1);
+      });
+  CHECK_THROWS_AS(cost_of_accuracy(wrong, PhasePoint<double, 1>(-3, 0.5), 100), std::invalid_argument);
+}

@@ -1,5 +1,9 @@
 #pragma once
 
+#include <cmath>
+#include <stdexcept>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include <semiexplicit/baseline/gauss_legendre.hpp>

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <limits>
+
 #include <semiexplicit/core/phase_point.hpp>
 
 namespace semiexplicit {

@@ -83,9 +83,11 @@ concept HasHessian = Hamiltonian<H> &&
 };
 
 /// Optional: H(q, p) = V(q) + T(p), and each half of the gradient can be had alone. H says so by `static constexpr bool
-/// separable = true;`. ExplicitSplitting then needs no second copy of the phase point.
+/// separable = true;` and `using SeparableGradientOf = H;`, which does not hold for a type that derives from H and changes
+/// gradient(). ExplicitSplitting then needs no second copy of the phase point.
 template <class H>
-concept SeparableHamiltonian = Hamiltonian<H> && requires {
+concept SeparableHamiltonian =
+    Hamiltonian<H> && std::same_as<typename H::SeparableGradientOf, H> && requires {
   requires bool(H::separable);
 } && requires(const H& h, ConstRef<typename H::Scalar, H::Dof> at, Ref<typename H::Scalar, H::Dof> half) {
   h.position_gradient(at, half);  // ∂V/∂q at q

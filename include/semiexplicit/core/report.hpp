@@ -62,7 +62,7 @@ struct StepReport {
   /// of frequency λ contracts by |sin(λ dt/2)|, a motion that grows as e^{λt} by (e^{λ dt} - 1)/2, and the smaller of the
   /// two answers is given. Has the sign of dt; dt itself where no rate was seen or it is below a half.
   double advised_step(double dt) const {
-    if (!(rate > 0.5)) return dt;
+    if (!(rate > 0.5 && std::isfinite(rate))) return dt;
     const double oscillating = (std::acos(-1.0) / 3) / (2 * std::asin(std::min(rate, 1.0)));
     const double growing = std::log(2.0) / std::log1p(2 * rate);
     return dt * std::min(oscillating, growing);
@@ -106,7 +106,7 @@ class IntegrationError : public std::runtime_error {
       if (r.last.rate > 0) out << ", changing by a factor " << r.last.rate << " each";
       out << ")";
       if (r.status == Status::no_convergence && r.last.rate > 0.5)
-        out << "; dt = " << r.last.advised_step(dt) << " should converge";
+        out << "; dt = " << r.last.advised_step(dt) << " may converge";
     }
     return out.str();
   }

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <optional>
 #include <ostream>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -91,6 +92,7 @@ struct CostOfAccuracy {
     row.seconds = mean(a.seconds, b.seconds);
     row.drifts = a.drifts || b.drifts;
     row.interpolated = true;
+    row.confirmed = false;
     return row;
   }
 };

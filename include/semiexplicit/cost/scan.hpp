@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <ctime>
+#include <functional>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <stdexcept>
@@ -107,11 +110,29 @@ class Scan {
     cost_.time_scale = std::min(cost_.time, size > 0 ? size / speed : cost_.time);
     using std::abs;
     energy_unit_ = abs(hamiltonian_.energy(z0_.q(), z0_.p()));
-    if (energy_unit_ == Scalar(0)) energy_unit_ = Scalar(1);
+    // Zero but for rounding, as of a light ray: errors are absolute then.
+    const Scalar rounding = 100 * Eigen::NumTraits<Scalar>::epsilon() * norm(z0_.vector()) * Scalar(speed);
+    if (energy_unit_ <= rounding) energy_unit_ = Scalar(1);
     using std::isfinite;
     if (!isfinite(energy_unit_))
       throw std::invalid_argument(
           "cost_of_accuracy: the energy at z0 is NaN or Inf; give another initial state");
+
+    // The flow of a true gradient keeps the energy. With a wrong sign no step ever would, and the scan not end.
+    const Scalar short_time = Scalar(1e-5 * cost_.time_scale);
+    State ahead = z0_, behind = z0_;
+    ahead.q() += short_time * gp, ahead.p() -= short_time * gq;
+    behind.q() -= short_time * gp, behind.p() += short_time * gq;
+    const Scalar change =
+        abs(hamiltonian_.energy(ahead.q(), ahead.p()) - hamiltonian_.energy(behind.q(), behind.p())) /
+        (2 * short_time);
+    Scalar terms(0);
+    for (Eigen::Index i = 0; i < gq.size(); ++i) terms += 2 * abs(gq[i] * gp[i]);
+    if (change > terms / 10 + 100 * Eigen::NumTraits<Scalar>::epsilon() * energy_unit_ / short_time)
+      throw std::invalid_argument(
+          "cost_of_accuracy: the energy changes along the flow of the gradient; check the gradient, its "
+          "signs first, "
+          "against differences of the energy");
   }
 
   /// Runs a cheap setting as far as its part of the budget goes, and keeps where its energy varied most.
@@ -150,7 +171,7 @@ class Scan {
     double calls_left = 2 * pilot_share * budget_;
     State z = z0_;
     segment_time_ = std::max({length / 2000, 4 * coarse.dt, window_time_ / window_count});
-    while (cost_.pilot_time < length && calls_left > 0) {
+    while (cost_.pilot_time < length && calls_left > 0 && segment_time_ / coarse.dt < 1e9) {
       typename HardPlaces<State>::Segment segment{z, 0};
       const auto steps = static_cast<std::int64_t>(std::ceil(segment_time_ / coarse.dt));
       EnergyRange<H> energies(hamiltonian_, energy_unit_);
@@ -392,7 +413,11 @@ class Scan {
       for (std::int64_t n = 0; calls < enough || n < 20; ++n) {
         if (n == 10) calls = 0, begin = cpu_seconds();  // warm now
         const StepReport report = stepper.step(z, Scalar(setting.dt));
-        if (!report.ok()) break;
+        if (!report.ok()) {
+          if (calls > 0 || n == 0) break;
+          z = z0_;  // the warm part ran into something: time the first steps again
+          continue;
+        }
         calls += static_cast<double>(report.gradients);
         cost_.spent_gradients += static_cast<double>(report.gradients);
       }

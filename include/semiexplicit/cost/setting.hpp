@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <stdexcept>
@@ -84,8 +85,8 @@ IntegrationReport run(const H& hamiltonian, PhasePoint<typename H::Scalar, H::Do
     throw std::invalid_argument("run: T is not a finite positive time; give how long to integrate");
   if (!(setting.dt > 0 && std::isfinite(setting.dt)))
     throw std::invalid_argument("run: setting.dt is not a finite positive step; set it");
-  const double steps =
-      std::ceil(T / setting.dt * (1 - 1e-12));  // T = 10 dt is ten steps, whatever rounding says
+  const double steps = std::max(
+      1.0, std::ceil(T / setting.dt * (1 - 1e-12)));  // T = 10 dt is ten steps, whatever rounding says
   if (!(steps < 9e18)) throw std::invalid_argument("run: T / setting.dt is too large; give a larger step");
   using Scalar = typename H::Scalar;
   return with_stepper(hamiltonian, setting, [&](auto& stepper) {

@@ -187,7 +187,11 @@ class Auditor {
     using std::abs;
     const Scalar first = value(z0_.q(), z0_.p());
     Scalar worst(0);
-    for (const State& z : orbit) worst = std::max(worst, Scalar(abs(value(z.q(), z.p()) - first)));
+    for (const State& z : orbit) {
+      const Scalar shift = abs(value(z.q(), z.p()) - first);
+      if (!(shift <= worst)) worst = shift;
+      if (worst != worst) break;  // NaN stays
+    }
     return static_cast<double>(first != Scalar(0) ? worst / abs(first) : worst);
   }
 

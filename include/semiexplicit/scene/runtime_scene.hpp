@@ -121,6 +121,7 @@ class SeparableRuntimeScene : public RuntimeScene<ScalarType, DofValue> {
   using typename Base::Any, typename Base::Read, typename Base::Scalar;
   static constexpr int Dof = DofValue;
   static constexpr bool separable = true;
+  using SeparableGradientOf = SeparableRuntimeScene;
 
   /// Throws std::invalid_argument, naming it, if an effect is coupled.
   explicit SeparableRuntimeScene(Base scene) : Base(std::move(scene)) {

@@ -35,9 +35,13 @@ class Scene {
 
   /// Whether H(q, p) = V(q) + T(p): no effect is coupled.
   static constexpr bool separable = (!CoupledEffect<Effects> && ...);
+  using SeparableGradientOf = Scene;
 
-  /// Throws std::invalid_argument where effects of dynamic size have different sizes.
+  /// Throws std::invalid_argument where effects of dynamic size have different sizes, or none.
   explicit Scene(Effects... effects) : effects_(std::move(effects)...) {
+    if (dof() < 1)
+      throw std::invalid_argument("Scene: the effect " + effect_name(std::get<0>(effects_)) +
+                                  " has no degree of freedom; give its size (sites, circulations)");
     for_each([&](const auto& effect) {
       if constexpr (Dof == Eigen::Dynamic)
         if (effect.dof() != dof())

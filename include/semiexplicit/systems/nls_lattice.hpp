@@ -48,7 +48,7 @@ class NlsLattice {
 
   /// Σ (q² + p²), the total mass: a quadratic invariant.
   static Scalar mass(const ConstRef<Scalar, N>& q, const ConstRef<Scalar, N>& p) {
-    return detail::dot(q, q) + detail::dot(p, p);
+    return semiexplicit::detail::dot(q, q) + semiexplicit::detail::dot(p, p);
   }
 
   void gradient(const ConstRef<Scalar, N>& q, const ConstRef<Scalar, N>& p, Ref<Scalar, N> dHdq,
@@ -56,6 +56,7 @@ class NlsLattice {
     gradient(q.data(), p.data(), dHdq.data(), dHdp.data());
   }
 
+  using PackGradientOf = NlsLattice;
   /// The same with any numbers in arrays, packs above all; see HasPackGradient.
   template <class T>
   void gradient(const T* q, const T* p, T* dHdq, T* dHdp) const {

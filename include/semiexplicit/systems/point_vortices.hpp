@@ -85,6 +85,7 @@ class PointVortices {
   void gradient(const Read& q, const Read& p, Ref<Scalar, N> dHdq, Ref<Scalar, N> dHdp) const {
     gradient(q.data(), p.data(), dHdq.data(), dHdp.data());
   }
+  using PackGradientOf = PointVortices;
   /// The same with any numbers in arrays, packs above all; see HasPackGradient.
   template <class T>
   void gradient(const T* q, const T* p, T* dHdq, T* dHdp) const {

@@ -21,6 +21,7 @@ struct Product {
     dHdq[0] = q[0] * (p[0] * p[0] + 1);
     dHdp[0] = p[0] * (q[0] * q[0] + 1);
   }
+  using PackGradientOf = Product;
   /// The same with any numbers in arrays, packs above all; see HasPackGradient.
   template <class T>
   void gradient(const T* q, const T* p, T* dHdq, T* dHdp) const {

@@ -87,6 +87,8 @@ struct Kerr {
     using std::cbrt;
     using std::sqrt;
     const Scalar a = spin / mass;
+    if (abs(a) < Scalar(1e-5))  // where 3 - z1 would cancel
+      return mass * (6 - 4 * sqrt(Scalar(2) / 3) * a - Scalar(7) / 18 * a * a);
     const Scalar z1 = 1 + cbrt(1 - a * a) * (cbrt(1 + a) + cbrt(1 - a)), z2 = sqrt(3 * a * a + z1 * z1);
     const Scalar way = sqrt((3 - z1) * (3 + z1 + 2 * z2));
     return mass * (3 + z2 + (a > Scalar(0) ? -way : way));

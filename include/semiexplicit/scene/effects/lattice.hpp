@@ -5,7 +5,7 @@
 #include <semiexplicit/scene/effect.hpp>
 
 /// Effects on a chain of N sites with open ends, ψ = q + ip at each; time in units of 1/energy. H moves it by ψ' = -2i
-/// ∂H/∂ψ̄. N is the size, or Eigen::Dynamic with the size in `sites`. Scene(OnSite{}, PairExchange{}) is
+/// ∂H/∂ψ̄. N is the size, or Eigen::Dynamic with the size in `sites`. Scene(OnSite{.sites = n}, PairExchange{.sites = n}) is
 /// systems::NlsLattice. All keep the mass Σ|ψᵢ|².
 namespace semiexplicit::effects::lattice {
 

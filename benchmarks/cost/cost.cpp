@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "common/whole_file.hpp"
 #include "systems.hpp"
 
 namespace {
@@ -88,15 +89,12 @@ std::vector<Point> reference(const std::filesystem::path& file, const H& hamilto
     return points;
   }
   points = exhaustive(hamiltonian, z0, T, tightest);
-  const std::filesystem::path part = file.string() + ".part";
-  std::ofstream out(part);
-  out.precision(17);
-  out << "method;dt;error;gradients\n";
-  for (const Point& p : points)
-    out << p.method << ';' << p.dt << ';' << p.error << ';' << p.gradients << '\n';
-  out.close();
-  if (!out) throw std::runtime_error(part.string() + ": cannot be written");
-  std::filesystem::rename(part, file);
+  examples::write_whole(file, [&](std::ostream& out) {
+    out.precision(17);
+    out << "method;dt;error;gradients\n";
+    for (const Point& p : points)
+      out << p.method << ';' << p.dt << ';' << p.error << ';' << p.gradients << '\n';
+  });
   return points;
 }
 

@@ -1,8 +1,7 @@
 #include <charconv>
-#include <fstream>
-#include <stdexcept>
-#include <system_error>
+#include <ostream>
 
+#include "common/whole_file.hpp"
 #include "report.hpp"
 
 namespace work_precision {
@@ -21,28 +20,25 @@ std::string text(const std::string& value) { return '"' + value + '"'; }
 }  // namespace
 
 void write_csv(const std::filesystem::path& folder, const Result& result) {
-  const std::filesystem::path path = folder / (result.name + ".csv"), part = path.string() + ".part";
-  std::ofstream out(part);
-  out << "problem,family,method,options,order,dt,tolerance,status,t,steps,gradients,seconds,timings,energy_"
-         "error,energy_error_first_half,energy_error_second_half,drift";
-  for (const std::string& name : result.invariants) out << ',' << name << "_error";
-  out << ",trajectory_error,line_end\n";
-  for (const Row& row : result.rows) {
-    out << result.name << ',' << text(row.method.family) << ',' << text(row.method.name) << ','
-        << text(row.method.options) << ',' << row.method.order << ',' << digits(row.dt) << ','
-        << digits(row.tolerance) << ',' << text(row.outcome.status) << ',' << digits(row.outcome.t) << ','
-        << row.outcome.steps << ',' << row.outcome.gradients << ',' << digits(row.seconds) << ','
-        << row.timings << ',' << digits(row.errors.energy) << ',' << digits(row.errors.first_half) << ','
-        << digits(row.errors.second_half) << ','
-        << (!row.ok()             ? "failed"
-            : row.errors.drifts() ? "drifting"
-                                  : "bounded");
-    for (const double error : row.errors.invariants) out << ',' << digits(error);
-    out << ',' << digits(row.errors.trajectory) << ',' << row.line_end << '\n';
-  }
-  out.close();
-  if (!out) throw std::runtime_error(part.string() + ": cannot be written; is the disk full?");
-  std::filesystem::rename(part, path);
+  examples::write_whole(folder / (result.name + ".csv"), [&](std::ostream& out) {
+    out << "problem,family,method,options,order,dt,tolerance,status,t,steps,gradients,seconds,timings,energy_"
+           "error,energy_error_first_half,energy_error_second_half,drift";
+    for (const std::string& name : result.invariants) out << ',' << name << "_error";
+    out << ",trajectory_error,line_end\n";
+    for (const Row& row : result.rows) {
+      out << result.name << ',' << text(row.method.family) << ',' << text(row.method.name) << ','
+          << text(row.method.options) << ',' << row.method.order << ',' << digits(row.dt) << ','
+          << digits(row.tolerance) << ',' << text(row.outcome.status) << ',' << digits(row.outcome.t) << ','
+          << row.outcome.steps << ',' << row.outcome.gradients << ',' << digits(row.seconds) << ','
+          << row.timings << ',' << digits(row.errors.energy) << ',' << digits(row.errors.first_half) << ','
+          << digits(row.errors.second_half) << ','
+          << (!row.ok()             ? "failed"
+              : row.errors.drifts() ? "drifting"
+                                    : "bounded");
+      for (const double error : row.errors.invariants) out << ',' << digits(error);
+      out << ',' << digits(row.errors.trajectory) << ',' << row.line_end << '\n';
+    }
+  });
 }
 
 }  // namespace work_precision

@@ -3,10 +3,10 @@
 #include <fstream>
 #include <functional>
 #include <limits>
-#include <sstream>
-#include <stdexcept>
+#include <ostream>
 
 #include "common/table.hpp"
+#include "common/whole_file.hpp"
 #include "report.hpp"
 
 namespace work_precision {
@@ -113,16 +113,6 @@ void write_settings(std::ostream& out, const Result& result) {
   }
 }
 
-/// Writes a file whole or not at all.
-void write_file(const std::filesystem::path& path, const std::string& content) {
-  const std::filesystem::path part = path.string() + ".part";
-  std::ofstream out(part);
-  out << content;
-  out.close();
-  if (!out) throw std::runtime_error(part.string() + ": cannot be written; is the disk full?");
-  std::filesystem::rename(part, path);
-}
-
 /// A goal: on these problems, at these targets, ours is so many times cheaper than the best of these rivals.
 struct Goal {
   std::string text;
@@ -192,43 +182,43 @@ std::string processor_name() {
 }
 
 void write_tables(const std::filesystem::path& folder, const Result& result) {
-  std::ostringstream out;
-  out << "# " << result.title << ", t = 0 to " << formatted("%g", result.end) << "\n\n"
-      << "Cheapest measured setting of each family whose largest relative energy error is within the "
-         "target.\n"
-         "Processor: "
-      << processor_name() << ", one core.\n\n## CPU time, milliseconds\n\n";
-  write_costs(out, result, Cost::seconds);
-  out << "\n## Gradient calls\n\n";
-  write_costs(out, result, Cost::gradients);
-  out << "\n## The settings that were fastest\n\n";
-  write_settings(out, result);
-  write_file(folder / (result.name + ".md"), out.str());
+  examples::write_whole(folder / (result.name + ".md"), [&](std::ostream& out) {
+    out << "# " << result.title << ", t = 0 to " << formatted("%g", result.end) << "\n\n"
+        << "Cheapest measured setting of each family whose largest relative energy error is within the "
+           "target.\n"
+           "Processor: "
+        << processor_name() << ", one core.\n\n## CPU time, milliseconds\n\n";
+    write_costs(out, result, Cost::seconds);
+    out << "\n## Gradient calls\n\n";
+    write_costs(out, result, Cost::gradients);
+    out << "\n## The settings that were fastest\n\n";
+    write_settings(out, result);
+  });
 }
 
 void write_summary(const std::filesystem::path& folder, const std::vector<Result>& results) {
-  std::ostringstream out;
-  out << "Processor: " << processor_name()
-      << ", one core. CPU time in milliseconds, ours / best rival: who that is, and (time of the best\n"
-         "rival) / (ours).\n\n| problem |";
-  const std::vector<double> levels{1e-4, 1e-6, 1e-8, 1e-10, 1e-12};
-  for (const double level : levels) out << formatted(" %.0e |", level);
-  out << "\n|--|--|--|--|--|--|\n";
-  for (const Result& result : results) {
-    out << "| " << result.title << " |";
-    for (const double level : levels) {
-      const Row* own = cheapest(result.rows, family_names(true), Cost::seconds, level);
-      const Row* rival = cheapest(result.rows, family_names(false), Cost::seconds, level);
-      const double factor = advantage(result.rows, Cost::seconds, level, family_names(false));
-      out << ' ' << cost_text(own, Cost::seconds) << " / " << cost_text(rival, Cost::seconds)
-          << (rival == nullptr ? "" : " " + rival->method.family) << ": " << (factor >= 1 ? "**" : "")
-          << factor_text(factor) << (factor >= 1 ? "**" : "") << " |";
+  examples::write_whole(folder / "summary.md", [&](std::ostream& out) {
+    out << "Processor: " << processor_name()
+        << ", one core. CPU time in milliseconds, ours / best rival: who that is, and (time of the best\n"
+           "rival) / (ours).\n\n| problem |";
+    const std::vector<double> levels{1e-4, 1e-6, 1e-8, 1e-10, 1e-12};
+    for (const double level : levels) out << formatted(" %.0e |", level);
+    out << "\n|--|--|--|--|--|--|\n";
+    for (const Result& result : results) {
+      out << "| " << result.title << " |";
+      for (const double level : levels) {
+        const Row* own = cheapest(result.rows, family_names(true), Cost::seconds, level);
+        const Row* rival = cheapest(result.rows, family_names(false), Cost::seconds, level);
+        const double factor = advantage(result.rows, Cost::seconds, level, family_names(false));
+        out << ' ' << cost_text(own, Cost::seconds) << " / " << cost_text(rival, Cost::seconds)
+            << (rival == nullptr ? "" : " " + rival->method.family) << ": " << (factor >= 1 ? "**" : "")
+            << factor_text(factor) << (factor >= 1 ? "**" : "") << " |";
+      }
+      out << '\n';
     }
-    out << '\n';
-  }
-  out << "\nGoals, as factors best rival / ours, with the wanted ones in brackets; bold: missed.\n\n";
-  write_goals(out, results);
-  write_file(folder / "summary.md", out.str());
+    out << "\nGoals, as factors best rival / ours, with the wanted ones in brackets; bold: missed.\n\n";
+    write_goals(out, results);
+  });
 }
 
 }  // namespace work_precision

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <optional>
 #include <sstream>
@@ -15,6 +14,7 @@
 #include "gnuplot.hpp"
 #include "run.hpp"
 #include "table.hpp"
+#include "whole_file.hpp"
 
 namespace examples {
 
@@ -95,18 +95,15 @@ inline void add_cost(CLI::App& app, CostRequest& request) {
       ->capture_default_str();
 }
 
-/// The rows as a file. It gets its name when it is whole.
+/// The rows as a file.
 inline void write_cost(const std::filesystem::path& path, const CostOfAccuracy& cost) {
-  const std::filesystem::path part = path.string() + ".part";
-  std::ofstream out(part);
-  out.precision(9);
-  out << "method,solver,dt,error,gradients,seconds,drifts,works\n";
-  for (const CostRow& row : cost.rows)
-    out << row.setting.name() << ',' << row.setting.solver() << ',' << row.setting.dt << ',' << row.error
-        << ',' << row.gradients << ',' << row.seconds << ',' << row.drifts << ',' << row.works() << '\n';
-  out.close();
-  if (!out) throw std::runtime_error(part.string() + ": cannot be written; is the disk full?");
-  std::filesystem::rename(part, path);
+  write_whole(path, [&](std::ostream& out) {
+    out.precision(9);
+    out << "method,solver,dt,error,gradients,seconds,drifts,works\n";
+    for (const CostRow& row : cost.rows)
+      out << row.setting.name() << ',' << row.setting.solver() << ',' << row.setting.dt << ',' << row.error
+          << ',' << row.gradients << ',' << row.seconds << ',' << row.drifts << ',' << row.works() << '\n';
+  });
 }
 
 /// The table on the screen, the rows in <name>.csv, and error against cost in <name>.png, a curve a method.

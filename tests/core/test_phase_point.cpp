@@ -8,22 +8,13 @@
 
 #include <semiexplicit/core/phase_point.hpp>
 
+#include "refusal.hpp"
+
 namespace {
 
 using namespace semiexplicit;
 using Fixed = PhasePoint<double, 2>;
 using Dynamic = PhasePoint<double, Eigen::Dynamic>;
-
-template <class Action>
-std::string refusal(const Action& action) {
-  try {
-    action();
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "nothing was refused";
-}
-bool says(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 }  // namespace
 

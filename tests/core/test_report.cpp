@@ -5,9 +5,10 @@
 
 #include <semiexplicit/core/report.hpp>
 
+#include "refusal.hpp"
+
 namespace {
 using namespace semiexplicit;
-bool says(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 }  // namespace
 
 TEST_CASE("Every status has words of its own, and failures a remedy", "[report]") {

@@ -9,6 +9,8 @@
 
 #include <semiexplicit/semiexplicit.hpp>
 
+#include "refusal.hpp"
+
 namespace {
 
 using namespace semiexplicit;
@@ -18,7 +20,6 @@ Semiexplicit<systems::Product<double>> product_stepper() {
   return {systems::Product<double>{}, schemes::blanes_moan4()};
 }
 const Point start(-1, 0.5);
-bool says(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 /// Two thirds of the way to infinity: H = q p², with q' = 2qp, p' = -p², so that p = 1/(1/p₀ + t) for any q.
 auto blowing_up() {

@@ -18,13 +18,13 @@
 
 #include <semiexplicit/semiexplicit.hpp>
 
+#include "refusal.hpp"
+
 namespace {
 
 using namespace semiexplicit;
 namespace fs = std::filesystem;
 using Point = PhasePoint<double, 1>;
-
-bool says(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 /// A folder of its own that goes away with the test.
 struct Folder {

@@ -11,6 +11,7 @@
 
 #include "../properties/methods.hpp"
 #include "faulty.hpp"
+#include "refusal.hpp"
 
 // What a step does that cannot be done: it says so, leaves the state alone to the last bit, and the stepper goes on as if
 // nothing had been.
@@ -42,17 +43,6 @@ bool same_bits(const ExtendedPoint<Scalar, Dof>& x, const ExtendedPoint<Scalar, 
 
 const double not_a_number = std::numeric_limits<double>::quiet_NaN();
 const double infinite = std::numeric_limits<double>::infinity();
-
-template <class Action>
-std::string refusal(const Action& action) {
-  try {
-    action();
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "nothing was refused";
-}
-bool says(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 }  // namespace
 

@@ -18,6 +18,8 @@
 #include <semiexplicit/splitting/scheme.hpp>
 #include <semiexplicit/splitting/schemes.hpp>
 
+#include "refusal.hpp"
+
 namespace {
 
 using namespace semiexplicit;
@@ -83,18 +85,9 @@ bool agrees(double value, double printed, int digits) {
   return std::abs(value - printed) <= 0.51 * unit;
 }
 
-std::string refusal(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const std::invalid_argument& e) {
-    return e.what();
-  }
-  return "nothing was refused";
-}
-
-bool says(const std::string& message, const std::vector<std::string>& parts) {
+bool says_all(const std::string& message, const std::vector<std::string>& parts) {
   bool all = true;
-  for (const std::string& part : parts) all = all && message.find(part) != std::string::npos;
+  for (const std::string& part : parts) all = all && says(message, part);
   if (!all) UNSCOPED_INFO("the message is: " << message);
   return all;
 }
@@ -274,10 +267,11 @@ TEST_CASE("Orders and numbers of kicks", "[scheme]") {
   CHECK(schemes::triple_jump<float>(10).order == 10);
   CHECK(schemes::triple_jump<Wide>(10).order == 10);
   for (const int order : {-2, 0, 1, 3, 5, 12})
-    CHECK(says(refusal([&] { schemes::triple_jump(order); }),
-               {"triple_jump", std::to_string(order), "from 2 to 10"}));
+    CHECK(says_all(refusal([&] { schemes::triple_jump(order); }),
+                   {"triple_jump", std::to_string(order), "from 2 to 10"}));
   for (const int order : {0, 7, 10})
-    CHECK(says(refusal([&] { schemes::suzuki(order); }), {"suzuki", std::to_string(order), "from 2 to 8"}));
+    CHECK(
+        says_all(refusal([&] { schemes::suzuki(order); }), {"suzuki", std::to_string(order), "from 2 to 8"}));
 }
 
 TEST_CASE("A defect of degree r limits the projected order to 2r", "[scheme]") {
@@ -309,7 +303,7 @@ TEST_CASE("compose() makes the known compositions and finds their order", "[sche
   const Scheme<double> six = compose(schemes::blanes_moan4(), {g, 1 - 2 * g, g});
   CHECK(six.order == 6);
   CHECK(six.kicks() == 3 * 12 + 1);
-  CHECK(says(six.name, {"3 stages of blanes_moan4"}));
+  CHECK(says_all(six.name, {"3 stages of blanes_moan4"}));
   CHECK_FALSE(six.source.empty());
 
   CHECK(compose(schemes::strang(), schemes::sofroniou_spaletta10().b).order == 10);
@@ -322,14 +316,14 @@ TEST_CASE("compose() makes the known compositions and finds their order", "[sche
   const auto composed = [](const std::vector<double>& weights) {
     return refusal([&] { compose(schemes::strang(), weights, "w"); });
   };
-  CHECK(says(composed({}), {"\"w\"", "weights is empty"}));
-  CHECK(
-      says(composed({0.25, 0.75}), {"weights is not palindromic", "weights[0] = 0.25", "weights[1] = 0.75"}));
-  CHECK(says(composed({0.5, 0.25, 0.5}), {"weights sums to 1.25", "0.25"}));
-  CHECK(says(composed({NAN, 1, NAN}), {"weights[0] is NaN or Inf"}));
+  CHECK(says_all(composed({}), {"\"w\"", "weights is empty"}));
+  CHECK(says_all(composed({0.25, 0.75}),
+                 {"weights is not palindromic", "weights[0] = 0.25", "weights[1] = 0.75"}));
+  CHECK(says_all(composed({0.5, 0.25, 0.5}), {"weights sums to 1.25", "0.25"}));
+  CHECK(says_all(composed({NAN, 1, NAN}), {"weights[0] is NaN or Inf"}));
   Scheme<double> edited = schemes::strang();
   edited.b[0] = 0.9;
-  CHECK(says(refusal([&] { compose(edited, {1.0}); }), {"\"strang\"", "b sums to 0.9"}));
+  CHECK(says_all(refusal([&] { compose(edited, {1.0}); }), {"\"strang\"", "b sums to 0.9"}));
 }
 
 TEST_CASE("Every kind of wrong list is refused, with its name and the remedy", "[scheme]") {
@@ -338,36 +332,37 @@ TEST_CASE("Every kind of wrong list is refused, with its name and the remedy", "
     return refusal([&] { Scheme<double>("mine", order, a, b); });
   };
   CHECK(good().order == 4);
-  CHECK(says(built(2, {0.5, 0.5}, {0.5, 0.5}),
-             {"Scheme \"mine\"", "a has 2 entries", "b has 2", "one A more"}));
-  CHECK(says(built(2, {1}, {}), {"a has 1 entries", "b has 0"}));
-  CHECK(says(built(2, {}, {}), {"a has 0 entries", "b has 0"}));
-  CHECK(says(built(2, {NAN, 0.5}, {1}), {"a[0] is NaN or Inf", "give finite"}));
-  CHECK(says(built(2, {0.5, 0.5}, {INFINITY}), {"b[0] is NaN or Inf"}));
-  CHECK(says(built(2, {0.25, 0.75}, {1}),
-             {"a is not palindromic", "a[0] = 0.25", "a[1] = 0.75", "make the two equal"}));
-  CHECK(says(built(2, {0.25, 0.5, 0.25}, {0.4, 0.6}), {"b is not palindromic", "b[0] = 0.4", "b[1] = 0.6"}));
-  CHECK(
-      says(built(2, {0.5, 0.5}, {0.99}), {"b sums to 0.99", "not to one", "-0.01", "divide it by its sum"}));
-  CHECK(says(built(2, {0.5, 0.25, 0.5}, {0.5, 0.5}), {"a sums to 1.25", "0.25"}));
-  CHECK(
-      says(built(2, {1e200, 1 - 2e200, 1e200}, {0.5, 0.5}), {"hold only up to order 0", "check the digits"}));
-  CHECK(says(built(4, {0.5, 0.5}, {1}),
-             {"order 4 is claimed", "only up to order 2", "degree 3", "claim order 2"}));
-  CHECK(says(built(6, good().a, good().b),
-             {"order 6 is claimed", "only up to order 4", "degree 5", "claim order 4"}));
+  CHECK(says_all(built(2, {0.5, 0.5}, {0.5, 0.5}),
+                 {"Scheme \"mine\"", "a has 2 entries", "b has 2", "one A more"}));
+  CHECK(says_all(built(2, {1}, {}), {"a has 1 entries", "b has 0"}));
+  CHECK(says_all(built(2, {}, {}), {"a has 0 entries", "b has 0"}));
+  CHECK(says_all(built(2, {NAN, 0.5}, {1}), {"a[0] is NaN or Inf", "give finite"}));
+  CHECK(says_all(built(2, {0.5, 0.5}, {INFINITY}), {"b[0] is NaN or Inf"}));
+  CHECK(says_all(built(2, {0.25, 0.75}, {1}),
+                 {"a is not palindromic", "a[0] = 0.25", "a[1] = 0.75", "make the two equal"}));
+  CHECK(says_all(built(2, {0.25, 0.5, 0.25}, {0.4, 0.6}),
+                 {"b is not palindromic", "b[0] = 0.4", "b[1] = 0.6"}));
+  CHECK(says_all(built(2, {0.5, 0.5}, {0.99}),
+                 {"b sums to 0.99", "not to one", "-0.01", "divide it by its sum"}));
+  CHECK(says_all(built(2, {0.5, 0.25, 0.5}, {0.5, 0.5}), {"a sums to 1.25", "0.25"}));
+  CHECK(says_all(built(2, {1e200, 1 - 2e200, 1e200}, {0.5, 0.5}),
+                 {"hold only up to order 0", "check the digits"}));
+  CHECK(says_all(built(4, {0.5, 0.5}, {1}),
+                 {"order 4 is claimed", "only up to order 2", "degree 3", "claim order 2"}));
+  CHECK(says_all(built(6, good().a, good().b),
+                 {"order 6 is claimed", "only up to order 4", "degree 5", "claim order 4"}));
   for (const int order : {-2, 0, 1, 3, 14, 1000, std::numeric_limits<int>::max()})
-    CHECK(says(built(order, {0.5, 0.5}, {1}),
-               {"cannot claim order " + std::to_string(order), "2, 4, ..., 12"}));
-  CHECK(says(built(12, schemes::sofroniou_spaletta10().a, schemes::sofroniou_spaletta10().b),
-             {"only up to order 10"}));
+    CHECK(says_all(built(order, {0.5, 0.5}, {1}),
+                   {"cannot claim order " + std::to_string(order), "2, 4, ..., 12"}));
+  CHECK(says_all(built(12, schemes::sofroniou_spaletta10().a, schemes::sofroniou_spaletta10().b),
+                 {"only up to order 10"}));
 
   // Less than the true order may be claimed.
   CHECK(Scheme<double>("modest", 2, good().a, good().b).explicit_order == 2);
   CHECK(refusal([] {
           make_scheme<double>("x", {0.5, 0.4}, {1});
         }).find("not palindromic") != std::string::npos);
-  CHECK(says(refusal([] { Scheme<float>("f", 4, {0.5F, 0.5F}, {1.0F}); }), {"only up to order 2"}));
+  CHECK(says_all(refusal([] { Scheme<float>("f", 4, {0.5F, 0.5F}, {1.0F}); }), {"only up to order 2"}));
 }
 
 TEST_CASE("check() finds what was edited afterwards", "[scheme]") {
@@ -378,20 +373,20 @@ TEST_CASE("check() finds what was edited afterwards", "[scheme]") {
     return refusal([&] { s.check(); });
   };
   using S = Scheme<double>;
-  CHECK(says(edited([](S& s) { s.a.pop_back(); }), {"\"blanes_moan6\"", "a has 10 entries"}));
-  CHECK(says(edited([](S& s) { s.b[2] = NAN; }), {"b[2] is NaN"}));
-  CHECK(says(edited([](S& s) { s.a[0] += 1e-10; }), {"a is not palindromic"}));
-  CHECK(says(edited([](S& s) { s.b[0] = s.b.back() = 0.2; }), {"b sums to"}));
-  CHECK(says(edited([](S& s) { s.order = 8; }), {"order 8 is claimed", "only up to order 6"}));
-  CHECK(says(edited([](S& s) { s.order = 5; }), {"cannot claim order 5"}));
-  CHECK(says(edited([](S& s) { s.explicit_order = 8; }), {"explicit_order = 8"}));
-  CHECK(says(edited([](S& s) { s.explicit_order = 1 << 30; }), {"explicit_order = "}));
+  CHECK(says_all(edited([](S& s) { s.a.pop_back(); }), {"\"blanes_moan6\"", "a has 10 entries"}));
+  CHECK(says_all(edited([](S& s) { s.b[2] = NAN; }), {"b[2] is NaN"}));
+  CHECK(says_all(edited([](S& s) { s.a[0] += 1e-10; }), {"a is not palindromic"}));
+  CHECK(says_all(edited([](S& s) { s.b[0] = s.b.back() = 0.2; }), {"b sums to"}));
+  CHECK(says_all(edited([](S& s) { s.order = 8; }), {"order 8 is claimed", "only up to order 6"}));
+  CHECK(says_all(edited([](S& s) { s.order = 5; }), {"cannot claim order 5"}));
+  CHECK(says_all(edited([](S& s) { s.explicit_order = 8; }), {"explicit_order = 8"}));
+  CHECK(says_all(edited([](S& s) { s.explicit_order = 1 << 30; }), {"explicit_order = "}));
   CHECK(edited([](S& s) { s.order = 4; }) == "nothing was refused");
   CHECK(edited([](S& s) { s.name = "another"; }) == "nothing was refused");
 
   Scheme<double> s = schemes::low_defect6_s13();
   s.explicit_order = 6;
-  CHECK(says(refusal([&] { s.check(); }), {"explicit_order = 6"}));
+  CHECK(says_all(refusal([&] { s.check(); }), {"explicit_order = 6"}));
 }
 
 TEST_CASE("A coefficient that is off in the tenth digit is refused", "[scheme]") {
@@ -410,7 +405,7 @@ TEST_CASE("A coefficient that is off in the tenth digit is refused", "[scheme]")
         (in_a ? wrong.a : wrong.b) =
             shift(in_a ? right.a : right.b, 0, in_a ? 1 : right.b.size() / 2, change);
         CAPTURE(name, change, in_a);
-        CHECK(says(refusal([&] { wrong.check(); }), {name}));
+        CHECK(says_all(refusal([&] { wrong.check(); }), {name}));
         const Scheme<double> found = make_scheme("wrong", wrong.a, wrong.b);
         CHECK(found.order + found.explicit_order < right.order + right.explicit_order);
 
@@ -418,7 +413,7 @@ TEST_CASE("A coefficient that is off in the tenth digit is refused", "[scheme]")
         // projected method of order 4, one of 1e-10 is no error at all, and a new Scheme may say so.
         const bool harmless = in_a && change == -1e-10 && (name == "triple_jump4" || name == "suzuki4");
         const std::string claim = refusal([&] { Scheme<double>("again", right.order, wrong.a, wrong.b); });
-        CHECK(says(claim, {harmless ? "nothing was refused" : "is claimed"}));
+        CHECK(says_all(claim, {harmless ? "nothing was refused" : "is claimed"}));
       }
     }
   }
@@ -470,7 +465,7 @@ TEST_CASE("Coefficients do not depend on the locale of the program", "[scheme]")
   std::locale::global(old);
   CHECK(before.a == after.a);
   CHECK(before.b == after.b);
-  CHECK(says(message, {"b sums to 0.75"}));
+  CHECK(says_all(message, {"b sums to 0.75"}));
 }
 
 TEST_CASE("Schemes by name", "[scheme]") {
@@ -479,7 +474,7 @@ TEST_CASE("Schemes by name", "[scheme]") {
   for (const std::string& name : names) CHECK(schemes::by_name<float>(name).name == name);
   CHECK(schemes::by_name("low_defect6_s13").a == schemes::low_defect6_s13().a);
   const std::string message = refusal([] { schemes::by_name("rk4"); });
-  CHECK(says(message, {"\"rk4\"", "strang", "triple_jump8", "suzuki4", "sofroniou_spaletta10"}));
+  CHECK(says_all(message, {"\"rk4\"", "strang", "triple_jump8", "suzuki4", "sofroniou_spaletta10"}));
 }
 
 TEST_CASE("Decimal multiprecision works as well", "[scheme]") {
@@ -488,8 +483,8 @@ TEST_CASE("Decimal multiprecision works as well", "[scheme]") {
   CHECK(schemes::triple_jump<Decimal>(6).order == 6);
   const Decimal half("0.5"), third = Decimal(1) / 3;
   CHECK(Scheme<Decimal>("thirds", 2, {third, third, third}, {half, half}).order == 2);
-  CHECK(says(refusal([&] {
-               Scheme<Decimal>("d", 2, {half, half}, {Decimal("1") + Decimal("1e-30")});
-             }),
-             {"b sums to 1,", "off by 1e-30"}));
+  CHECK(says_all(refusal([&] {
+                   Scheme<Decimal>("d", 2, {half, half}, {Decimal("1") + Decimal("1e-30")});
+                 }),
+                 {"b sums to 1,", "off by 1e-30"}));
 }

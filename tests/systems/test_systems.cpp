@@ -7,6 +7,8 @@
 
 #include <semiexplicit/semiexplicit.hpp>
 
+#include "refusal.hpp"
+
 namespace {
 
 using namespace semiexplicit;
@@ -118,17 +120,6 @@ void vortices_agree() {
   CHECK(static_cast<double>(fixed.linear_impulse_y(z.q(), z.p()) - impulse_y) == Approx(0).margin(1e-15));
   CHECK(static_cast<double>(fixed.angular_impulse(z.q(), z.p()) - angular) == Approx(0).margin(1e-14));
 }
-
-template <class Action>
-std::string refusal(const Action& action) {
-  try {
-    action();
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "nothing was refused";
-}
-bool says(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 }  // namespace
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <semiexplicit/observers/csv.hpp>
+#include <semiexplicit/observers/dense_output.hpp>
 #include <semiexplicit/observers/every.hpp>
 #include <semiexplicit/observers/invariants.hpp>
 #include <semiexplicit/observers/progress.hpp>

@@ -1,0 +1,114 @@
+#include "catch.hpp"
+
+#include <cmath>
+#include <vector>
+
+#include <semiexplicit/semiexplicit.hpp>
+
+#include "refusal.hpp"
+
+namespace {
+
+using namespace semiexplicit;
+
+/// H = (q² + p²)²/4, a rotation at the rate 2H/r² = r²/2... with r = 1 at the rate 1: not separable, and known in closed form.
+const auto rotor = make_hamiltonian<double, 1>(
+    [](const auto& q, const auto& p) { return std::pow(q[0] * q[0] + p[0] * p[0], 2) / 4; },
+    [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+      const double rr = q[0] * q[0] + p[0] * p[0];
+      dHdq[0] = rr * q[0];
+      dHdp[0] = rr * p[0];
+    });
+PhasePoint<double, 1> exact(double t) { return {std::cos(t), -std::sin(t)}; }
+
+/// Largest error in the middle of the steps, of which each is h, from exact states.
+double interpolation_error(int nodes, double h) {
+  DenseOutput dense(rotor, nodes);
+  PhasePoint<double, 1> z;
+  double worst = 0;
+  for (int n = 0; n < 40; ++n) {
+    dense(n * h, exact(n * h));
+    if (!dense.ready()) continue;
+    dense.at((n - 0.5) * h, z);
+    worst = std::max(worst, (z.vector() - exact((n - 0.5) * h).vector()).norm());
+  }
+  return worst;
+}
+
+}  // namespace
+
+TEST_CASE("Dense output has the order of its nodes", "[dense output]") {
+  for (const int nodes : {2, 3, 4, 5}) {
+    CAPTURE(nodes);
+    const double order = std::log2(interpolation_error(nodes, 0.4) / interpolation_error(nodes, 0.2));
+    CHECK(order == Approx(2 * nodes).margin(0.3));
+  }
+  CHECK(interpolation_error(4, 0.05) < 1e-14);
+  CHECK(refuses([] { DenseOutput dense(rotor, 1); }, "1 nodes"));
+  CHECK(refuses([] { DenseOutput dense(rotor, 9); }, "9 nodes"));
+}
+
+TEST_CASE("Dense output starts anew where a run turns round", "[dense output]") {
+  DenseOutput dense(rotor, 3);
+  for (int n = 0; n < 5; ++n) dense(n * 0.1, exact(n * 0.1));
+  CHECK(dense.ready());
+  dense(0.4, exact(0.4));  // the start of the next run: the same state
+  CHECK(dense.size() == 3);
+  CHECK(dense.end() == 0.4);
+  dense(0.3, exact(0.3));
+  dense(0.2, exact(0.2));
+  CHECK(dense.size() == 2);
+  CHECK(dense.begin() == 0.3);
+}
+
+TEST_CASE("Output at times between the steps", "[dense output]") {
+  const std::vector<double> times{0, 0.013, 0.05, 0.777, 1.2, 1.99, 2.0};
+  for (const double direction : {1.0, -1.0}) {
+    std::vector<double> wanted;
+    for (const double t : times) wanted.push_back(direction * t);
+    Semiexplicit stepper(rotor, schemes::low_defect8_s20());
+    auto z = exact(0);
+    std::size_t calls = 0;
+    auto output = at_times(rotor, wanted, [&](double t, const auto& at) {
+      CHECK(t == wanted[calls]);
+      CHECK((at.vector() - exact(t).vector()).norm() < 1e-13);
+      ++calls;
+    });
+    integrate(stepper, z, {.dt = direction * 0.05, .steps = 40}, output);
+    CHECK(calls == times.size());
+    CHECK(output.served() == times.size());
+  }
+  // A run of two steps has fewer states than nodes.
+  Semiexplicit stepper(rotor, schemes::low_defect8_s20());
+  auto z = exact(0);
+  int calls = 0;
+  auto output = at_times(rotor, {0.03}, [&](double, const auto&) { ++calls; });
+  integrate(stepper, z, {.dt = 0.02, .steps = 2}, output);
+  CHECK(calls == 0);
+  output.finish();
+  output.finish();
+  CHECK(calls == 1);
+  const auto nothing = [](double, const auto&) {};
+  CHECK(refuses([&] { at_times(rotor, {0, 1, 0.5}, nothing); }, "sort them"));
+  auto early = at_times(rotor, {-1, 0.5}, nothing);
+  CHECK(refuses([&] { integrate(stepper, z, {.dt = 0.02, .steps = 9}, early); }, "before the start"));
+}
+
+TEST_CASE("A bracketed root is found to rounding", "[dense output]") {
+  int calls = 0;
+  const auto check = [&](auto f, double a, double b, double root) {
+    calls = 0;
+    const auto counted = [&](double x) {
+      ++calls;
+      return f(x);
+    };
+    CHECK(std::abs(detail::bracketed_root(counted, a, f(a), b, f(b)) - root) <= 4e-16 * std::abs(root));
+    CHECK(calls <= 60);
+    CHECK(std::abs(detail::bracketed_root(counted, b, f(b), a, f(a)) - root) <= 4e-16 * std::abs(root));
+  };
+  check([](double x) { return x * x - 2; }, 0, 2, std::sqrt(2.0));
+  check([](double x) { return std::exp(x) - 3; }, -20, 5, std::log(3.0));
+  check([](double x) { return x - 0.1; }, 0, 1, 0.1);
+  check([](double x) { return std::tanh(50 * (x - 0.3)); }, 0, 1, 0.3);
+  check([](double x) { return std::cos(x); }, 1, 2, std::acos(0.0));
+}

@@ -18,8 +18,8 @@ class MidpointProjection {
   using State = PhasePoint<Scalar, Dof>;
 
   /// Throws std::invalid_argument, saying what is wrong, unless the scheme passes its own check.
-  MidpointProjection(H hamiltonian, Scheme<Scalar> scheme)
-      : doubled_(std::move(hamiltonian), std::move(scheme)) {}
+  MidpointProjection(H hamiltonian, Scheme<Scalar> scheme, Summation summation = Summation::compensated)
+      : doubled_(std::move(hamiltonian), std::move(scheme), summation) {}
 
   /// One step of size dt, which may be negative; z is untouched unless the report is ok(). `correction` is a quarter of
   /// the distance between the copies before the mean is taken.

@@ -26,8 +26,9 @@ class Semiexplicit {
   using State = PhasePoint<Scalar, Dof>;
 
   /// Throws std::invalid_argument, saying what is wrong, unless the scheme passes its own check.
-  Semiexplicit(H hamiltonian, Scheme<Scalar> scheme, Solver solver = {})
-      : doubled_(std::move(hamiltonian), std::move(scheme)),
+  Semiexplicit(H hamiltonian, Scheme<Scalar> scheme, Solver solver = {},
+               Summation summation = Summation::compensated)
+      : doubled_(std::move(hamiltonian), std::move(scheme), summation),
         solver_(std::move(solver)),
         m_(State(dof()).vector()),
         work_(solver_, m_.size()) {}

@@ -15,4 +15,7 @@ void run_drift(const std::filesystem::path& folder);
 /// A step with compensated summation against one with plain, in alternating batches.
 void run_summation_cost(const std::filesystem::path& folder);
 
+/// Every solver on a stiff lattice at ever larger steps: evaluations a step.
+void run_solvers(const std::filesystem::path& folder);
+
 }  // namespace stability

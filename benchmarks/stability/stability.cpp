@@ -59,11 +59,12 @@ int main(int argc, char** argv) try {
   std::filesystem::path output = "out";
   double part = 1, steps = 1e8;
   std::string only;
-  bool battery = false, rounding = false, drift = false, cost = false, no_plot = false;
+  bool battery = false, rounding = false, drift = false, cost = false, solvers = false, no_plot = false;
   app.add_flag("--battery", battery, "the hard cases, every method");
   app.add_flag("--rounding", rounding, "rounding errors over --steps steps: the growth, fitted");
   app.add_flag("--drift", drift, "drift by the tolerance of the product rule");
   app.add_flag("--cost", cost, "what compensated summation costs");
+  app.add_flag("--solvers", solvers, "evaluations a step of every solver on a stiff lattice");
   app.add_option("--part", part, "part of the battery's long times to run")->check(CLI::Range(0.0, 1.0));
   app.add_option("--only", only, "the cases with this in their name");
   app.add_option("--steps", steps, "longest run of the small problem; a tenth for NLS")
@@ -73,11 +74,12 @@ int main(int argc, char** argv) try {
   CLI11_PARSE(app, argc, argv);
   std::filesystem::create_directories(output);
 
-  const bool all = !battery && !rounding && !drift && !cost;
+  const bool all = !battery && !rounding && !drift && !cost && !solvers;
   if (all || battery) write_battery(output, stability::run_battery(part, only));
   if (all || rounding) stability::run_rounding(static_cast<std::int64_t>(steps), output, !no_plot);
   if (all || drift) stability::run_drift(output);
   if (all || cost) stability::run_summation_cost(output);
+  if (all || solvers) stability::run_solvers(output);
   return 0;
 } catch (const std::exception& error) {
   std::cerr << "bench_stability: " << error.what() << '\n';

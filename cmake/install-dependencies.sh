@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# install-dependencies.sh run|test|check|benchmark...: installs what these tasks need and this machine lacks. Where all is there
+# install-dependencies.sh run|test|check|docs|benchmark...: installs what these tasks need and this machine lacks. Where all is there
 # it does nothing and needs no rights.
 set -euo pipefail
 
@@ -17,10 +17,13 @@ declare -A purpose=(
   [clang]="the second compiler that everything must pass"
   [libclang-rt-14-dev]="the run-time part of its sanitizers"
   [clang-format]="checks the formatting"
+  [doxygen]="makes the documentation, from examples/pages and the headers"
+  [libjs-mathjax]="MathJax, which draws the formulas of the documentation without a network"
 )
 # The program by which a package is recognised, wherever it comes from; libraries are asked of dpkg.
 declare -A program=(
   [g++]=g++ [cmake]=cmake [ninja-build]=ninja [gnuplot-nox]=gnuplot [clang]=clang++ [clang-format]=clang-format
+  [doxygen]=doxygen
 )
 
 packages=()
@@ -30,8 +33,9 @@ for task in "$@"; do
     test) packages+=(g++ cmake ninja-build libeigen3-dev libcli11-dev catch2 libboost-dev) ;;
     benchmark) packages+=(g++ cmake ninja-build libeigen3-dev libcli11-dev gnuplot-nox libboost-dev libgsl-dev) ;;
     check) packages+=(clang libclang-rt-14-dev clang-format) ;;
+    docs) packages+=(g++ cmake ninja-build libeigen3-dev doxygen libjs-mathjax) ;;
     *)
-      echo "install-dependencies.sh: unknown task '$task'; give run, test, check or benchmark" >&2
+      echo "install-dependencies.sh: unknown task '$task'; give run, test, check, docs or benchmark" >&2
       exit 2
       ;;
   esac

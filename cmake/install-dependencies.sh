@@ -12,6 +12,7 @@ declare -A purpose=(
   [libcli11-dev]="CLI11, the command lines of the example programs"
   [gnuplot-nox]="gnuplot, which the example programs call to draw their pictures"
   [catch2]="Catch2 2 or 3, the test framework"
+  [pkg-config]="asks for the flags that an installed library wants; its file is tested"
   [libboost-dev]="Boost headers: numbers and reference functions of the tests, integrators of the benchmark"
   [libgsl-dev]="the GNU Scientific Library, whose integrators the benchmark compares with"
   [clang]="the second compiler that everything must pass"
@@ -23,6 +24,7 @@ declare -A purpose=(
 # The program by which a package is recognised, wherever it comes from; libraries are asked of dpkg.
 declare -A program=(
   [g++]=g++ [cmake]=cmake [ninja-build]=ninja [gnuplot-nox]=gnuplot [clang]=clang++ [clang-format]=clang-format
+  [pkg-config]=pkg-config
   [doxygen]=doxygen
 )
 
@@ -30,7 +32,7 @@ packages=()
 for task in "$@"; do
   case $task in
     run) packages+=(g++ cmake ninja-build libeigen3-dev libcli11-dev gnuplot-nox) ;;
-    test) packages+=(g++ cmake ninja-build libeigen3-dev libcli11-dev catch2 libboost-dev) ;;
+    test) packages+=(g++ cmake ninja-build libeigen3-dev libcli11-dev catch2 libboost-dev pkg-config) ;;
     benchmark) packages+=(g++ cmake ninja-build libeigen3-dev libcli11-dev gnuplot-nox libboost-dev libgsl-dev) ;;
     check) packages+=(clang libclang-rt-14-dev clang-format) ;;
     docs) packages+=(g++ cmake ninja-build libeigen3-dev doxygen libjs-mathjax) ;;

@@ -2,7 +2,8 @@
 #
 # What find_package(semiexplicit COMPONENTS ...) gives and what it refuses, and the versions of Eigen that it takes.
 
-# looks(<settings>... [COMPLAINT <regex>]): find_package succeeds, or fails with what matches.
+# looks(<settings>... [COMPLAINT <regex>] [SAYS <regex>]): find_package succeeds and prints what matches SAYS, or fails with
+# what matches COMPLAINT.
 function(looks)
   cmake_parse_arguments(PARSE_ARGV 0 arg "" "COMPLAINT;SAYS" "")
   file(REMOVE_RECURSE ${BUILD})
@@ -22,6 +23,7 @@ function(looks)
 endfunction()
 
 looks(-D WANTED=boost)
+looks(-D VERSION=99.0 COMPLAINT "compatible with requested version \"99.0\"")
 looks(-D WANTED=boots COMPLAINT "no component 'boots'. the components are boost, openmp")
 looks(-D WANTED=boost -D CMAKE_DISABLE_FIND_PACKAGE_Boost=ON COMPLAINT "component boost needs the headers of Boost .*libboost-dev")
 looks(-D OPTIONAL=boost -D CMAKE_DISABLE_FIND_PACKAGE_Boost=ON SAYS "optional boost: (FALSE|0)?\n")

@@ -15,4 +15,12 @@ if grep --line-number '\\ilinebr\|\\include ' "$html"/page_*.html; then
   echo "docs.sh: in these lines Doxygen left its own commands in the page (a ' between backquotes does that)" >&2
   exit 1
 fi
+
+# A name of the library that stands in a text and leads nowhere is one that has changed.
+names=$(sed -e '/<div class="fragment">/,/<!-- fragment -->/d; /<pre/,/<\/pre>/d; /class="ttc"/d' \
+  -e 's|<a [^>]*>[^<]*</a>||g; s|<code>[^<]*</code>||g' "$html"/page_*.html | grep -o 'semiexplicit::[A-Za-z_:]*' || true)
+if [ -n "$names" ]; then
+  echo "docs.sh: pages speak of what is not there:" $names >&2
+  exit 1
+fi
 echo "The documentation: $PWD/$html/index.html"

@@ -20,7 +20,7 @@ fi
 names=$(sed -e '/<div class="fragment">/,/<!-- fragment -->/d; /<pre/,/<\/pre>/d; /class="ttc"/d' \
   -e 's|<a [^>]*>[^<]*</a>||g; s|<code>[^<]*</code>||g' "$html"/page_*.html | grep -o 'semiexplicit::[A-Za-z_:]*' || true)
 if [ -n "$names" ]; then
-  echo "docs.sh: pages speak of what is not there:" $names >&2
+  echo "docs.sh: pages speak of what is not there: ${names//$'\n'/, }" >&2
   exit 1
 fi
 echo "The documentation: $PWD/$html/index.html"

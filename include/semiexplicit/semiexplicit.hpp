@@ -5,6 +5,8 @@
 #include <semiexplicit/baseline/explicit_splitting.hpp>
 #include <semiexplicit/baseline/gauss_lanes.hpp>
 #include <semiexplicit/baseline/gauss_legendre.hpp>
+#include <semiexplicit/autodiff/from_energy.hpp>
+#include <semiexplicit/check_gradient.hpp>
 #include <semiexplicit/core/hamiltonian.hpp>
 #include <semiexplicit/core/phase_point.hpp>
 #include <semiexplicit/core/report.hpp>

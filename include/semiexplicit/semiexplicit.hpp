@@ -44,4 +44,6 @@
 #include <semiexplicit/systems/nls_lattice.hpp>
 #include <semiexplicit/systems/point_vortices.hpp>
 #include <semiexplicit/systems/product.hpp>
+#include <semiexplicit/tangent/lyapunov.hpp>
+#include <semiexplicit/tangent/tangent_map.hpp>
 #include <semiexplicit/version.hpp>

@@ -5,10 +5,13 @@
 #include <semiexplicit/baseline/explicit_splitting.hpp>
 #include <semiexplicit/baseline/gauss_lanes.hpp>
 #include <semiexplicit/baseline/gauss_legendre.hpp>
+#include <semiexplicit/autodiff/from_energy.hpp>
+#include <semiexplicit/check_gradient.hpp>
 #include <semiexplicit/core/hamiltonian.hpp>
 #include <semiexplicit/core/phase_point.hpp>
 #include <semiexplicit/core/report.hpp>
 #include <semiexplicit/cost/cost_of_accuracy.hpp>
+#include <semiexplicit/extended/autonomous.hpp>
 #include <semiexplicit/extended/monitors.hpp>
 #include <semiexplicit/extended/time_transformed.hpp>
 #include <semiexplicit/integrate.hpp>
@@ -41,4 +44,6 @@
 #include <semiexplicit/systems/nls_lattice.hpp>
 #include <semiexplicit/systems/point_vortices.hpp>
 #include <semiexplicit/systems/product.hpp>
+#include <semiexplicit/tangent/lyapunov.hpp>
+#include <semiexplicit/tangent/tangent_map.hpp>
 #include <semiexplicit/version.hpp>

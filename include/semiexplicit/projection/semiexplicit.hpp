@@ -64,7 +64,7 @@ class Semiexplicit {
     detail::DoubledStep<H>& doubled;
     const State& z;
     const Scalar& dt;
-    Scalar size = detail::norm(z.vector());
+    Scalar size = detail::state_size(doubled.chain().hamiltonian, z);
 
     /// f(0), where every solver starts.
     void operator()(Vec& f) {
@@ -76,12 +76,12 @@ class Semiexplicit {
       f = doubled.difference() + 2 * m;
     }
 
-    /// ‖z‖.
+    /// ‖z‖, without the time where that is a coordinate.
     const Scalar& state_size() const { return size; }
 
     /// A correction below this may be nothing but rounding: the copies' own, made larger by the kicks in between.
     Scalar rounding_level() const {
-      return 100 * Eigen::NumTraits<Scalar>::epsilon() * (size + doubled.distance(z));
+      return 100 * Eigen::NumTraits<Scalar>::epsilon() * (detail::norm(z.vector()) + doubled.distance(z));
     }
   };
 

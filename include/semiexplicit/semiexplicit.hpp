@@ -5,6 +5,7 @@
 #include <semiexplicit/baseline/explicit_splitting.hpp>
 #include <semiexplicit/baseline/gauss_lanes.hpp>
 #include <semiexplicit/baseline/gauss_legendre.hpp>
+#include <semiexplicit/checkpoint/checkpoints.hpp>
 #include <semiexplicit/core/hamiltonian.hpp>
 #include <semiexplicit/core/phase_point.hpp>
 #include <semiexplicit/core/report.hpp>

@@ -47,6 +47,7 @@ class GaussLegendre {
   using Scalar = typename H::Scalar;
   static constexpr int Dof = H::Dof;
   using State = PhasePoint<Scalar, Dof>;
+  static constexpr const char* name = "GaussLegendre";
 
   /// Throws std::invalid_argument unless 1 ≤ stages ≤ 8, max_iterations ≥ 1 and tolerance ≥ 0.
   GaussLegendre(H hamiltonian, GaussLegendreOptions options = {})
@@ -102,6 +103,14 @@ class GaussLegendre {
   const H& hamiltonian() const { return hamiltonian_; }
   const GaussLegendreOptions& options() const { return options_; }
   const GaussTableau<Scalar>& tableau() const { return tableau_; }
+
+  /// Hands visit() every number that goes on from step to step; see CheckpointMemory.
+  template <class Visitor>
+  void visit_memory(Visitor&& visit) {
+    update_.visit_memory(visit);
+    visit(gradients_);  // the next step's stages are extrapolated from them
+    visit(last_dt_);
+  }
 
  private:
   using Vec = typename State::Storage;

@@ -61,6 +61,11 @@ class DoubledStep {
 
   const KickChain<H>& chain() const { return chain_; }
 
+  template <class Visitor>
+  void visit_memory(Visitor&& visit) {
+    update_.visit_memory(visit);
+  }
+
  private:
   /// In vectors longer than this (bytes) a kick costs what it moves through memory, and keeping the sum up to date in each
   /// would be a third of that. What the copies moved is taken from them at the end then, with their rounding errors.

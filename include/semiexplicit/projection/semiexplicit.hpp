@@ -24,6 +24,7 @@ class Semiexplicit {
   using Scalar = typename H::Scalar;
   static constexpr int Dof = H::Dof;
   using State = PhasePoint<Scalar, Dof>;
+  static constexpr const char* name = "Semiexplicit";
 
   /// Throws std::invalid_argument, saying what is wrong, unless the scheme passes its own check.
   Semiexplicit(H hamiltonian, Scheme<Scalar> scheme, Solver solver = {})
@@ -54,6 +55,12 @@ class Semiexplicit {
   const H& hamiltonian() const { return doubled_.chain().hamiltonian; }
   const Scheme<Scalar>& scheme() const { return doubled_.chain().scheme; }
   const Solver& solver() const { return solver_; }
+
+  /// Hands visit() every number that goes on from step to step; see CheckpointMemory.
+  template <class Visitor>
+  void visit_memory(Visitor&& visit) {
+    doubled_.visit_memory(visit);
+  }
 
  private:
   using Vec = typename State::Storage;

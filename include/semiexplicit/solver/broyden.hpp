@@ -18,6 +18,7 @@ namespace semiexplicit {
 /// Sources: C. G. Broyden, Math. Comp. 19 (1965) 577; Jayawardana and Ohsawa (2023), eq. (Broyden); the storage of the
 /// corrections alone: C. T. Kelley, Iterative Methods for Linear and Nonlinear Equations (SIAM 1995), section 7.3.
 struct Broyden {
+  static constexpr const char* name = "Broyden";
   StoppingRule stop = StoppingRule::product();
   int max_iterations = 100;  ///< evaluations of f before it gives up; the step is refused then
   int memory = 20;  ///< corrections kept; when they are used up the method starts anew from the current m

@@ -19,6 +19,7 @@ namespace semiexplicit {
 /// Sources: C. T. Kelley, Iterative Methods for Linear and Nonlinear Equations (SIAM 1995), chapters 3, 6 and 8; Y. Saad, M. H.
 /// Schultz, SIAM J. Sci. Stat. Comput. 7 (1986) 856.
 struct NewtonKrylov {
+  static constexpr const char* name = "NewtonKrylov";
   StoppingRule stop = StoppingRule::product();
   int max_iterations = 500;  ///< evaluations of f before it gives up, those for products included
   int directions = 30;       ///< largest number of GMRES directions in a Newton iteration

@@ -11,6 +11,7 @@ namespace semiexplicit {
 ///
 /// Source: Jayawardana and Ohsawa, Math. Comp. 92 (2023) 251, eq. (simplified_Newton).
 struct SimplifiedNewton {
+  static constexpr const char* name = "SimplifiedNewton";
   StoppingRule stop = StoppingRule::product();
   int max_iterations = 100;  ///< evaluations of f before it gives up; the step is refused then
 

@@ -136,8 +136,11 @@ class Checkpoints {
       throw std::invalid_argument("the state handed in has " + std::to_string(z.dof()) +
                                   " degrees of freedom, and the stepper has " +
                                   std::to_string(stepper_.dof()));
-    for (auto* number : {&report.steps, &report.evaluations, &report.gradients, &report.subdivided})
-      memory(*number);
+    for (auto* count : {&report.steps, &report.evaluations, &report.gradients, &report.subdivided}) {
+      memory(*count);
+      if (*count < 0 || *count > std::int64_t{1} << 62)
+        throw std::invalid_argument("its counts cannot be; start anew without it");
+    }
     for (auto* number : {&report.max_correction, &report.seconds}) memory(*number);
     if constexpr (requires { z.a; }) {
       memory(z.a.vector());
@@ -145,6 +148,8 @@ class Checkpoints {
     } else {
       memory(z.vector());
     }
+    if (!z.q().allFinite() || !z.p().allFinite())
+      throw std::invalid_argument("its state is NaN or Inf; start anew without it");
     // Tells another H, to the rounding of another compiler.
     const Scalar here = size_of_gradient(z);
     Scalar there = here;

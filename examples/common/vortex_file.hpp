@@ -73,8 +73,7 @@ inline Vortices read_vortices(std::istream& in, const std::string& file) {
     if (!is_new) refuse("a vortex is in this place already, see line " + std::to_string(place->second));
   }
   if (in.bad()) throw std::invalid_argument(file + ": cannot be read");
-  if (columns[0].empty())
-    throw std::invalid_argument(file + ": no vortices in it; give lines x,y,gamma");
+  if (columns[0].empty()) throw std::invalid_argument(file + ": no vortices in it; give lines x,y,gamma");
 
   const auto column = [&](int i) {
     return Eigen::Map<const Eigen::VectorXd>(columns[i].data(), static_cast<Eigen::Index>(columns[i].size()))

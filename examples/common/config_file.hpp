@@ -27,7 +27,7 @@ class ConfigFile : public CLI::Config {
   }
 
   std::vector<CLI::ConfigItem> from_config(std::istream& in) const override {
-    std::vector<CLI::ConfigItem> items;
+    std::vector<CLI::ConfigItem> read;
     lines_.clear();
     in_ = &in;
     line_ = 0;
@@ -43,8 +43,8 @@ class ConfigFile : public CLI::Config {
       ++at_;
       check(name);
       lines_[name] = line_;
-      items.push_back({{}, name, values()});
-      const std::vector<std::string>& given = items.back().inputs;
+      read.push_back({{}, name, values()});
+      const std::vector<std::string>& given = read.back().inputs;
       if (app_.get_option("--" + name)->get_expected_max() == 0 &&
           given != std::vector<std::string>{"true"} && given != std::vector<std::string>{"false"})
         refuse("'" + name + "' is true or false");
@@ -52,7 +52,7 @@ class ConfigFile : public CLI::Config {
       if (!done())
         refuse("'" + text_.substr(at_) + "' is left over; a text with blanks, as \"5 km\", needs quotes");
     }
-    return items;
+    return read;
   }
 
   std::string to_config(const CLI::App*, bool, bool, std::string) const override {

@@ -65,11 +65,12 @@ class Checkpoints {
       throw std::invalid_argument("Checkpoints: seconds is not positive; give a time, 60 say");
   }
 
-  /// Puts stepper, observers and z back to where the file has them, and gives the report up to there, for
-  /// IntegrationOptions::done. Where there is no such file it changes nothing and gives an empty report. Throws
+  /// Puts stepper, observers and z, which comes as the run began, back to where the file has them, and gives the report up to
+  /// there, for IntegrationOptions::done. Where there is no such file it changes nothing and gives an empty report. Throws
   /// std::invalid_argument, naming file, reason and remedy, where the file is damaged or belongs to another run;
   /// z and the stepper are then untouched.
   IntegrationReport resume(State& z) {
+    start_state_ = checksum_of(z);
     last_time_ = Clock::now();
     IntegrationReport done;
     try {
@@ -94,6 +95,7 @@ class Checkpoints {
   }
 
   void operator()(const Scalar&, const State& z, const IntegrationReport& so_far) {
+    if (so_far.steps == 0) start_state_ = checksum_of(z);
     if (so_far.steps == last_) return;
     if (options_.every > 0 ? so_far.steps % options_.every != 0 : !time_has_come(so_far.steps)) return;
     save(z, so_far);
@@ -132,6 +134,11 @@ class Checkpoints {
     if (const std::string other = detail::Fingerprint::difference(fingerprint, fingerprint_); !other.empty())
       throw std::invalid_argument("it belongs to another run: " + other +
                                   "; give it the same settings, or another file");
+    std::uint64_t start_state = start_state_;
+    memory(start_state);
+    if (start_state != start_state_)
+      throw std::invalid_argument(
+          "it belongs to a run from another initial state; give it the same one, or another file");
     if (z.dof() != stepper_.dof())
       throw std::invalid_argument("the state handed in has " + std::to_string(z.dof()) +
                                   " degrees of freedom, and the stepper has " +
@@ -142,12 +149,7 @@ class Checkpoints {
         throw std::invalid_argument("its counts cannot be; start anew without it");
     }
     for (auto* number : {&report.max_correction, &report.seconds}) memory(*number);
-    if constexpr (requires { z.a; }) {
-      memory(z.a.vector());
-      memory(z.b.vector());
-    } else {
-      memory(z.vector());
-    }
+    visit_state(memory, z);
     if (!z.q().allFinite() || !z.p().allFinite())
       throw std::invalid_argument("its state is NaN or Inf; start anew without it");
     // Tells another H, to the rounding of another compiler.
@@ -159,6 +161,20 @@ class Checkpoints {
       throw std::invalid_argument("it belongs to another Hamiltonian: the norm of the gradient is " +
                                   detail::in_words(there, 9) + " there, " + detail::in_words(here, 9) +
                                   " here; give H the same parameters, or the run another file");
+  }
+
+  static void visit_state(CheckpointMemory& memory, State& z) {
+    if constexpr (requires { z.a; }) {  // an ExtendedPoint
+      memory(z.a.vector());
+      memory(z.b.vector());
+    } else {
+      memory(z.vector());
+    }
+  }
+  static std::uint64_t checksum_of(State z) {
+    CheckpointMemory memory;
+    visit_state(memory, z);
+    return detail::checksum(memory.bytes());
   }
 
   Scalar size_of_gradient(const State& z) const {
@@ -190,6 +206,7 @@ class Checkpoints {
   S& stepper_;
   std::string fingerprint_;
   std::tuple<Observers&...> observers_;
+  std::uint64_t start_state_ = 0;
   double done_seconds_ = 0;
   std::int64_t last_ = 0, next_look_ = 0, look_every_ = 1;
   Clock::time_point start_ = Clock::now(), last_time_ = start_, last_look_ = start_;

@@ -178,8 +178,8 @@ int main(int argc, char** argv) {
     if (!settings.no_plot) draw(png, script(png, csv, runs, headline, settings.time, settings.dt, compare));
 
     // A rival that fails is a result; the method that was asked for must not.
-    for (const Run& run : runs)
-      if (!run.failure.empty()) std::cerr << run.method.name << ": " << run.failure << '\n';
-    return runs.back().failure.empty() ? 0 : 1;
+    bool failed = false;
+    for (const Run& run : runs) failed = tell_failure(run);
+    return failed ? 1 : 0;
   });
 }

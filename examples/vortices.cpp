@@ -283,7 +283,6 @@ int main(int argc, char** argv) {
       draw(png, vortex_script(png, places_csv, csv, vortices, run, headline, settings.time, places.square(),
                               choice));
 
-    if (!run.failure.empty()) std::cerr << method.name << ": " << run.failure << '\n';
-    return run.failure.empty() ? 0 : 1;
+    return tell_failure(run) ? 1 : 0;
   });
 }

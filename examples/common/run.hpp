@@ -58,6 +58,7 @@ struct Run {
   Series series{};
   IntegrationReport report{};
   std::string failure{};  ///< empty if the run came to its end
+  std::string doubt{};    ///< not empty if the result means nothing although it did
 
   double attempted_steps() const { return static_cast<double>(report.steps + (failure.empty() ? 0 : 1)); }
 };
@@ -172,6 +173,11 @@ Run run_method(const Method& method, const H& hamiltonian, const PhasePoint<doub
       run.failure = error.what();
     }
     watch.finish();
+    for (const auto& row : invariants.rows())
+      if (row.name == "energy" && row.initial != 0 && !(row.worst <= 0.5))
+        run.doubt =
+            "the energy is off by more than half of itself, the result means nothing; give a smaller "
+            "--dt, or another method";
   });
   return run;
 }

@@ -178,8 +178,7 @@ int run_scene_program(const SceneProgram<Dof>& program, int argc, char** argv) {
                                  "), dt = " + formatted("%.4g", settings.dt) +
                                  "; units: " + preset.units.about;
     if (!settings.no_plot) draw(png, scene_script(png, path_csv, csv, view, run, headline, settings.time));
-    if (!run.failure.empty()) std::cerr << method.name << ": " << run.failure << '\n';
-    return run.failure.empty() ? 0 : 1;
+    return tell_failure(run) ? 1 : 0;
   });
 }
 

@@ -41,9 +41,9 @@ class GaussLegendreLanes {
         gradients_(at(size())),
         points_(gradients_),
         displacements_(gradients_) {
-    if (!(options.max_iterations >= 1 && options.tolerance >= 0))
+    if (!(options.max_iterations >= 1 && options.tolerance >= 0 && std::isfinite(options.tolerance)))
       throw std::invalid_argument(
-          "GaussLegendreLanes: max_iterations must be 1 or more, and tolerance 0 or more");
+          "GaussLegendreLanes: max_iterations must be 1 or more, and tolerance 0 or more and finite");
     if (options.solver != StageSolver::fixed_point)
       throw std::invalid_argument(
           "GaussLegendreLanes: only StageSolver::fixed_point; GaussLegendre has Newton's method");

@@ -64,8 +64,9 @@ class GaussLegendre {
         point_(State(dof()).vector()) {
     sign_.head(dof()).setOnes();
     sign_.segment(dof(), dof()).setConstant(Scalar(-1));
-    if (!(options.max_iterations >= 1 && options.tolerance >= 0))
-      throw std::invalid_argument("GaussLegendre: max_iterations must be 1 or more, and tolerance 0 or more");
+    if (!(options.max_iterations >= 1 && options.tolerance >= 0 && std::isfinite(options.tolerance)))
+      throw std::invalid_argument(
+          "GaussLegendre: max_iterations must be 1 or more, and tolerance 0 or more and finite");
     if (options.solver == StageSolver::newton) newton_.emplace(2 * dof(), options.stages);
   }
 

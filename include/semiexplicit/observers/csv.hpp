@@ -38,9 +38,10 @@ class CsvWriter {
   ~CsvWriter() {
     if (committed_) return;
     out_.close();
-    if (begun_ && std::uncaught_exceptions() > exceptions_) return;
     std::error_code ignored;
-    std::filesystem::remove(part_, ignored);
+    const bool own = begun_ ? std::uncaught_exceptions() <= exceptions_
+                            : std::filesystem::file_size(part_, ignored) == 0;  // not an earlier run's
+    if (own) std::filesystem::remove(part_, ignored);
   }
   CsvWriter(const CsvWriter&) = delete;
   CsvWriter& operator=(const CsvWriter&) = delete;

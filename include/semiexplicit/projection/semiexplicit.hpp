@@ -26,7 +26,8 @@ class Semiexplicit {
   using State = PhasePoint<Scalar, Dof>;
   static constexpr const char* name = "Semiexplicit";
 
-  /// Throws std::invalid_argument, saying what is wrong, unless the scheme passes its own check.
+  /// Throws std::invalid_argument, saying what is wrong, unless the scheme passes its own check and the solver's options make
+  /// sense.
   Semiexplicit(H hamiltonian, Scheme<Scalar> scheme, Solver solver = {})
       : doubled_(std::move(hamiltonian), std::move(scheme)),
         solver_(std::move(solver)),

@@ -27,11 +27,16 @@ struct Broyden {
   template <class Vec>
   struct Workspace {
     using Scalar = typename Vec::Scalar;
+    /// Throws std::invalid_argument for options that make no sense.
     Workspace(const Broyden& options, Eigen::Index size)
         : f(Vec::Zero(size)),
           u(f),
           directions(size, std::max(options.memory, 1)),
-          lengths(std::max(options.memory, 1)) {}
+          lengths(std::max(options.memory, 1)) {
+      detail::require_options(name, options.stop, options.max_iterations);
+      if (options.memory < 1)
+        throw std::invalid_argument("Broyden: memory is below 1; give how many corrections to keep");
+    }
     Vec f, u;
     Eigen::Matrix<Scalar, Vec::RowsAtCompileTime, Eigen::Dynamic> directions;  ///< s_k / ‖s_k‖
     Vector<Scalar, Eigen::Dynamic> lengths;                                    ///< ‖s_k‖

@@ -28,6 +28,7 @@ struct NewtonKrylov {
   template <class Vec>
   struct Workspace {
     using Scalar = typename Vec::Scalar;
+    /// Throws std::invalid_argument for options that make no sense.
     Workspace(const NewtonKrylov& options, Eigen::Index size)
         : f(Vec::Zero(size)),
           shifted(f),
@@ -37,7 +38,11 @@ struct NewtonKrylov {
           triangle(basis.cols(), basis.cols()),
           rotated(basis.cols()),
           cosine(basis.cols()),
-          sine(basis.cols()) {}
+          sine(basis.cols()) {
+      detail::require_options(name, options.stop, options.max_iterations);
+      if (options.directions < 1)
+        throw std::invalid_argument("NewtonKrylov: directions is below 1; give how many GMRES may take");
+    }
     Vec f, shifted, trial, step;
     Eigen::Matrix<Scalar, Vec::RowsAtCompileTime, Eigen::Dynamic> basis;  ///< orthonormal directions
     Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic> triangle;       ///< R of the Hessenberg matrix

@@ -19,6 +19,7 @@ struct Robust {
 
   template <class Vec>
   struct Workspace {
+    /// Throws std::invalid_argument for options that make no sense, as each of the three does.
     Workspace(const Robust& options, Eigen::Index size)
         : newton({.stop = options.stop, .max_iterations = options.newton_iterations}, size),
           broyden({.stop = options.stop, .max_iterations = options.broyden_iterations}, size),

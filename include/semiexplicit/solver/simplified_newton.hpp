@@ -18,7 +18,10 @@ struct SimplifiedNewton {
   /// The residual's value: one vector of length 2d.
   template <class Vec>
   struct Workspace {
-    Workspace(const SimplifiedNewton&, Eigen::Index size) : f(Vec::Zero(size)) {}
+    /// Throws std::invalid_argument for options that make no sense.
+    Workspace(const SimplifiedNewton& options, Eigen::Index size) : f(Vec::Zero(size)) {
+      detail::require_options(name, options.stop, options.max_iterations);
+    }
     Vec f;
   };
 

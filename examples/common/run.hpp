@@ -160,7 +160,8 @@ Run run_method(const Method& method, const H& hamiltonian, const PhasePoint<doub
                             observers...);
     if (request.wanted()) options.done = checkpoints.resume(state);
     if (options.done.steps > 0)
-      std::cout << "goes on from " << request.file.string() << ", step " << options.done.steps << '\n';
+      std::cout << "goes on from " << request.file.string() << ", step " << options.done.steps
+                << std::endl;  // also if it is killed
     const auto save = [&](double t, const auto& z, const IntegrationReport& so_far) {
       if (request.wanted()) checkpoints(t, z, so_far);
     };

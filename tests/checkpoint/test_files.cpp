@@ -250,8 +250,10 @@ TEST_CASE("integrate() goes on from an earlier part: times, counts, observers", 
   CHECK(report.steps == 12);
   REQUIRE(record.t.size() == 13);  // the state in the middle once
   for (std::size_t n = 0; n < 13; ++n) CHECK(record.t[n] == 7 + static_cast<double>(n) * 0.1);
-  options.steps = 4;
   options.done = report;
+  CHECK(integrate(stepper, z, options, record).t == 7 + 12 * 0.1);  // nothing is left to do
+  CHECK(record.t.size() == 13);
+  options.steps = 4;
   CHECK(refuses([&] { integrate(stepper, z, options); }, "12 steps are done, and not 0 to 4"));
 }
 

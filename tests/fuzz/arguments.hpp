@@ -27,10 +27,11 @@ inline const SceneProgram<1>& program() {
     ScenePreset<1> first{.name = "first",
                          .about = "in units",
                          .units = {"AU, year", 149597870700.0, 31557600.0},
-                         .effects = {"kinetic", "attraction"}};
-    first.values = {{"gm", "1 GMsun"}, {"v", "1 km/s"}};
-    first.dt = "2 day";
-    first.time = "1 century";
+                         .effects = {"kinetic", "attraction"},
+                         .values = {{"gm", "1 GMsun"}, {"v", "1 km/s"}},
+                         .dt = "2 day",
+                         .time = "1 century",
+                         .start = {}};
     ScenePreset<1> second = first;
     second.name = "second";
     second.units = {"numbers"};

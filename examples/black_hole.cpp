@@ -125,6 +125,7 @@ int main(int argc, char** argv) {
       row.insert(row.end(), {rho * std::cos(q[3]), rho * std::sin(q[3]), q[1] * std::cos(q[2])});
       square->hold(row[9], row[10]);
     };
+    view.memory = [=](CheckpointMemory& visit) { square->visit_memory(visit); };
     view.plot = [=](const std::filesystem::path& csv) {
       return square->ranges() + "set object 1 circle at 0,0 size " + formatted("%.9g", horizon) +
              " fillcolor rgb 'black' fillstyle solid\n" + path_plot(csv, 10, 11, "x", "y");

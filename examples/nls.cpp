@@ -37,11 +37,12 @@ auto with_lattice(Eigen::Index sites, const Use& use) {
   return sites == 5 ? with_lattice_of<5>(sites, use) : with_lattice_of<Eigen::Dynamic>(sites, use);
 }
 
-Run run_sites(const Method& method, Eigen::Index sites, double dt, const Rows& rows, std::int64_t steps) {
+Run run_sites(const Method& method, Eigen::Index sites, double dt, const Rows& rows, std::int64_t steps,
+              const CheckpointRequest& checkpoint) {
   return with_lattice(sites, [&](const auto& lattice, const auto& z) {
     Invariants invariants(lattice);
     invariants.add("mass", lattice.mass);
-    return run_method(method, lattice, z, invariants, dt, rows, steps);
+    return run_method(method, lattice, z, invariants, dt, rows, steps, checkpoint);
   });
 }
 
@@ -131,7 +132,9 @@ int main(int argc, char** argv) {
   app.get_option("--method")->excludes(comparison);
   CostRequest request;
   add_cost(app, request);
-  comparison->excludes("--cost")->excludes("--accuracy");
+  CheckpointRequest checkpoint;
+  add_checkpoint(app, checkpoint);
+  comparison->excludes("--cost")->excludes("--accuracy")->excludes("--checkpoint");
   app.footer(
       app.get_footer() +
       "\n\n--compare gives every method the same dt, and schemes with which a step costs nearly the same.");
@@ -157,8 +160,9 @@ int main(int argc, char** argv) {
 
     const Rows rows =
         compare ? geometrically_spaced(steps, settings.samples) : evenly_spaced(steps, settings.samples);
+    checkpoint.run << "nls, " << sites << " sites, " << steps << " steps, samples " << settings.samples;
     std::vector<Run> runs;
-    for (const Method& m : methods) runs.push_back(run_sites(m, sites, settings.dt, rows, steps));
+    for (const Method& m : methods) runs.push_back(run_sites(m, sites, settings.dt, rows, steps, checkpoint));
 
     print_table(std::cout, runs, settings.dt);
     request.compare_with(runs.back());
@@ -166,6 +170,7 @@ int main(int argc, char** argv) {
     const std::filesystem::path csv = settings.output / (name + ".csv"),
                                 png = settings.output / (name + ".png");
     write_series(csv, runs);
+    checkpoint.finish();
     std::cout << "data: " << csv.string() << '\n';
     const std::string headline = "NLS lattice, N = " + std::to_string(sites) +
                                  (compare ? ", the same step for all: dt = " : ", dt = ") +
@@ -173,8 +178,8 @@ int main(int argc, char** argv) {
     if (!settings.no_plot) draw(png, script(png, csv, runs, headline, settings.time, settings.dt, compare));
 
     // A rival that fails is a result; the method that was asked for must not.
-    for (const Run& run : runs)
-      if (!run.failure.empty()) std::cerr << run.method.name << ": " << run.failure << '\n';
-    return runs.back().failure.empty() ? 0 : 1;
+    bool failed = false;
+    for (const Run& run : runs) failed = tell_failure(run);
+    return failed ? 1 : 0;
   });
 }

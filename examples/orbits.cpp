@@ -2,6 +2,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,6 +23,8 @@ using std::numbers::pi;
 /// From the periapsis on the first axis, the plane tilted about that axis.
 State at_periapsis(const Choice& c) {
   const double a = c["a"], e = c["e"], tilt = c["inclination"];
+  if (!(0 <= e && e < 1)) throw std::invalid_argument("--e: a bound orbit has 0 <= e < 1");
+  if (!(a > 0) || !(c["gm"] > 0)) throw std::invalid_argument("--a and --gm of an orbit are positive");
   const double speed = std::sqrt(c["gm"] / a * (1 + e) / (1 - e));
   return {{a * (1 - e), 0, 0}, {0, speed * std::cos(tilt), speed * std::sin(tilt)}};
 }

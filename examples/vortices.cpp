@@ -194,6 +194,9 @@ int main(int argc, char** argv) {
   add_output(app, settings);
   CostRequest cost;
   add_cost(app, cost);
+  CheckpointRequest checkpoint;
+  add_checkpoint(app, checkpoint);
+  app.get_option("--audit")->excludes("--checkpoint");
   app.get_option("--audit")->excludes("--cost")->excludes("--accuracy");
 
   return run_program(app, argc, argv, [&] {
@@ -253,12 +256,14 @@ int main(int argc, char** argv) {
     PlacesCsv places(places_csv, system);
     auto some_places = every(stride(steps, settings.samples), places);
     const Measurement<any> measurement = preset.measure ? preset.measure(choice) : Measurement<any>{};
-    auto observe = [&](double t, const auto& z) {
-      if (measurement.observe) measurement.observe(t, z.q(), z.p());
-    };
+    Measuring<any> observe{measurement};
+    checkpoint.run << preset.name << ": " << joined(scene.names());
+    checkpoint.run.precision(17);
+    for (const auto& [parameter, value] : choice.values) checkpoint.run << ", " << parameter << ' ' << value;
+    checkpoint.run << "; " << steps << " steps, samples " << settings.samples;
     const auto go = [&](const auto& hamiltonian) {
       return run_method(method, hamiltonian, z0, invariants, settings.dt,
-                        evenly_spaced(steps, settings.samples), steps, some_places, observe);
+                        evenly_spaced(steps, settings.samples), steps, checkpoint, some_places, observe);
     };
     const Run run =
         method.name == "splitting" ? go(SeparableRuntimeScene<double, any>(scene)) : with_hamiltonian(go);
@@ -268,6 +273,7 @@ int main(int argc, char** argv) {
     if (measurement.report) measurement.report(std::cout);
     places.commit();
     write_series(csv, {run});
+    checkpoint.finish();
     std::cout << "data: " << csv.string() << ", " << places_csv.string() << '\n';
     const std::string headline =
         std::to_string(vortices.x.size()) + (vortices.x.size() == 1 ? " vortex (" : " vortices (") +
@@ -277,7 +283,6 @@ int main(int argc, char** argv) {
       draw(png, vortex_script(png, places_csv, csv, vortices, run, headline, settings.time, places.square(),
                               choice));
 
-    if (!run.failure.empty()) std::cerr << method.name << ": " << run.failure << '\n';
-    return run.failure.empty() ? 0 : 1;
+    return tell_failure(run) ? 1 : 0;
   });
 }

@@ -6,6 +6,7 @@
 #include <exception>
 #include <filesystem>
 #include <iostream>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <system_error>
@@ -13,7 +14,9 @@
 
 #include <CLI/CLI.hpp>
 
+#include "config_file.hpp"
 #include "method.hpp"
+#include "units.hpp"
 
 namespace examples {
 
@@ -189,13 +192,33 @@ inline void refuse_options(const CLI::App& app, const std::string& with,
       throw std::invalid_argument(option + " means nothing to " + with + "; leave it out");
 }
 
-/// What CLI11 says of an unknown name in a configuration file, with the names that the user may have meant.
-inline std::string unknown_in_file(const CLI::App& app, const std::string& text) {
-  const std::string beginning = "INI was not able to parse ";
-  if (!text.starts_with(beginning)) return text;
-  std::vector<std::string> names;
-  for (const CLI::Option* option : app.get_options()) names.push_back(option->get_single_name());
-  return "--config: " + unknown_name("option", text.substr(beginning.size()), names);
+/// Adds --config, a file of such options.
+inline void add_config(CLI::App& app) {
+  app.set_config("--config", "", "file of such options, as name = value lines")->type_name("FILE");
+  app.allow_config_extras(false);
+  app.config_formatter(std::make_shared<ConfigFile>(app));
+}
+
+/// Where in the configuration file the option stands that a message "--name: ..." speaks of; "" for the command line.
+inline std::string place_of(const CLI::App& app, const std::string& message, int argc,
+                            const char* const* argv) {
+  const auto file = std::dynamic_pointer_cast<ConfigFile>(app.get_config_formatter());
+  const std::string option = message.substr(0, message.find(':'));
+  for (int i = 1; i < argc; ++i) {
+    const std::string argument = argv[i];
+    if (argument == option || argument.starts_with(option + "=")) return "";
+  }
+  return file ? file->where(message) : "";
+}
+
+/// What to say where the shell has taken a number and its unit apart; "" where the argument is no unit.
+inline std::string loose_unit(const std::string& argument) {
+  try {
+    read_unit(argument);
+  } catch (const std::invalid_argument&) {
+    return "";
+  }
+  return "'" + argument + "' stands alone; a number and its unit need quotes, as \"5 " + argument + "\"";
 }
 
 /// Parses the arguments and runs `body`, which gives the exit code. Bad arguments (std::invalid_argument, too) end in
@@ -214,11 +237,15 @@ int run_program(CLI::App& app, int argc, char** argv, const Body& body) {
   } catch (const CLI::Success& help) {
     return app.exit(help);
   } catch (const CLI::ConfigError& error) {
-    return complain(unknown_in_file(app, error.what()), "", 2);
-  } catch (const CLI::ParseError& error) {
-    return complain(error.what(), hint.c_str(), 2);
-  } catch (const std::invalid_argument& error) {
     return complain(error.what(), "", 2);
+  } catch (const CLI::ExtrasError& error) {
+    const std::vector<std::string> extras = app.remaining();
+    const std::string unit = extras.empty() ? "" : loose_unit(extras.front());
+    return complain(unit.empty() ? error.what() : unit, hint.c_str(), 2);
+  } catch (const CLI::ParseError& error) {
+    return complain(place_of(app, error.what(), argc, argv) + error.what(), hint.c_str(), 2);
+  } catch (const std::invalid_argument& error) {
+    return complain(place_of(app, error.what(), argc, argv) + error.what(), "", 2);
   } catch (const std::exception& error) {
     return complain(error.what(), "", 1);
   }

@@ -23,14 +23,20 @@ struct Velocity {
 
 /// About the origin; other effects than the field would make it wander.
 inline Measurement<3> gyration(const Choice& c) {
-  if (!c.on("uniform_field") || c.effects.size() > (c.on("kinetic") ? 2 : 1)) return {};
+  if (!c.on("uniform_field") || c.effects.size() > (c.on("kinetic") ? 2 : 1))
+    return {{},
+            [](std::ostream& out) {
+              out << "gyrofrequency: not measured, the formula holds for uniform_field alone\n";
+            },
+            {}};
   const auto turning = std::make_shared<Turning>();
   const double rate = c["charge"] * c["b"] / c["mass"], radius = std::abs(Velocity(c).across / rate);
   return {[=](double t, const HalfRef<3>& q, const HalfRef<3>&) { turning->see(t, q[0], q[1]); },
           [=](std::ostream& out) {
             print_comparison(out, "gyrofrequency, rad/s", -turning->rate(), "eB/m", rate);
             print_comparison(out, "gyroradius, m", turning->mean_radius(), "mv/(eB)", radius);
-          }};
+          },
+          memory_of(turning)};
 }
 
 inline Measurement<3> mirrors(const Choice& c) {
@@ -40,12 +46,17 @@ inline Measurement<3> mirrors(const Choice& c) {
   const double length = c["length"];
   return {[=](double t, const HalfRef<3>& q, const HalfRef<3>&) { bouncing->see(t, q[2]); },
           [=](std::ostream& out) {
-            if (bouncing->bounces() == 0) return;  // too short a run
+            if (bouncing->bounces() == 0) {
+              out << "turning point and bounce period: not measured, the run has no whole bounce; give more "
+                     "--time, or a stronger field, which keeps the charge near the axis\n";
+              return;
+            }
             print_comparison(out, "turning point, m", bouncing->highest(), "adiabatic, L cot(pitch)",
                              length * v.along / v.across);
             print_comparison(out, "bounce period, s", bouncing->period(), "adiabatic, 2πL/(v sin(pitch))",
                              2 * std::numbers::pi * length / v.across);
-          }};
+          },
+          memory_of(bouncing)};
 }
 
 /// Source: M. Schulz and L. Lanzerotti, Particle Diffusion in the Radiation Belts (1974), section I.4, for a guiding centre
@@ -65,9 +76,15 @@ inline Measurement<3> bounce_and_drift(const Choice& c) {
           [=](std::ostream& out) {
             if (bouncing->bounces() > 0)
               print_comparison(out, "bounce period, s", bouncing->period(), "adiabatic", bounce);
+            else
+              out << "bounce period: not measured, the run has no whole bounce; give more --time\n";
             print_comparison(out, "drift period, s (westward: negative)",
                              2 * std::numbers::pi / drifting->rate(), "adiabatic",
                              2 * std::numbers::pi / rate);
+          },
+          [=](CheckpointMemory& visit) {
+            bouncing->visit_memory(visit);
+            drifting->visit_memory(visit);
           }};
 }
 

@@ -30,6 +30,13 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
     double nearest = std::numeric_limits<double>::infinity(), farthest = 0, highest = 0;
     double last_r_momentum = 0, last_phi = 0, apoapsis = 0;
     int orbits = 0;
+    void visit_memory(CheckpointMemory& visit) {
+      visit(started);
+      for (double* number :
+           {&energy, &momentum, &nearest, &farthest, &highest, &last_r_momentum, &last_phi, &apoapsis})
+        visit(*number);
+      visit(orbits);
+    }
   };
   using std::numbers::pi;
   const auto seen = std::make_shared<Seen>();
@@ -56,7 +63,10 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
         << formatted("r from %.5f to %.5f, ", s.nearest, s.farthest)
         << formatted("%.2f degrees off the equator\n", s.highest * 180 / pi)
         << formatted("innermost stable circular orbit: r = %.5f\n", hole.innermost_stable_orbit());
-    if (s.orbits == 0) return;
+    if (s.orbits == 0) {
+      out << "turns from apoapsis to apoapsis: not measured, the run has no whole orbit; give more --time\n";
+      return;
+    }
     out << formatted("turns from apoapsis to apoapsis: %.6f", s.apoapsis / s.orbits / (2 * pi))
         << formatted(", mean of %d orbits", s.orbits);
     if (ellipse) {  // Cutler, Kennefick, Poisson, Phys. Rev. D 50 (1994) 3816, section II
@@ -66,7 +76,7 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
     }
     out << '\n';
   };
-  return {observe, report};
+  return {observe, report, memory_of(seen)};
 }
 
 }  // namespace examples

@@ -2,11 +2,12 @@
 
 #include <cerrno>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <stdexcept>
 #include <string>
 #include <system_error>
+
+#include "whole_file.hpp"
 
 #include <spawn.h>
 #include <sys/wait.h>
@@ -51,9 +52,7 @@ inline void draw(const std::filesystem::path& png, const std::string& script) {
   const std::filesystem::path script_path = std::filesystem::path(png).replace_extension("gp");
   const std::filesystem::path part = png.string() + ".part";
   std::filesystem::remove(png);  // an older one would belong to other data
-  std::ofstream out(script_path);
-  out << script << std::flush;
-  if (!out) throw std::runtime_error(script_path.string() + ": cannot be written; is the disk full?");
+  write_whole(script_path, [&](std::ostream& out) { out << script; });
 
   const int code = run_gnuplot(script_path.string(), part.string());
   if (code == 0) {

@@ -64,8 +64,13 @@ inline Measurement<Eigen::Dynamic> localisation(const Choice& c) {
   struct Seen {
     double t = 0;
     Eigen::VectorXd last;
+    void visit_memory(CheckpointMemory& visit) {
+      visit(t);
+      visit(last);
+    }
   };
   const auto seen = std::make_shared<Seen>();
+  seen->last.setZero(sites(c));
   return {[=](double t, const HalfRef<Eigen::Dynamic>& q, const HalfRef<Eigen::Dynamic>& p) {
             seen->t = t;
             seen->last = density(q, p);
@@ -78,7 +83,8 @@ inline Measurement<Eigen::Dynamic> localisation(const Choice& c) {
             out << "by the eigenvectors of the chain: " << formatted("%.4f", participation(exact))
                 << formatted("; largest difference of a density: %.1e\n",
                              (seen->last - exact).cwiseAbs().maxCoeff());
-          }};
+          },
+          memory_of(seen)};
 }
 
 /// Does the mass stay where it starts? On two sites the least that is left there is known: M. Kenkre and D. Campbell, Phys.
@@ -86,6 +92,9 @@ inline Measurement<Eigen::Dynamic> localisation(const Choice& c) {
 inline Measurement<Eigen::Dynamic> trapping(const Choice& c) {
   struct Seen {
     double least = 1, sum = 0, count = 0;
+    void visit_memory(CheckpointMemory& visit) {
+      for (double* number : {&least, &sum, &count}) visit(*number);
+    }
   };
   const auto seen = std::make_shared<Seen>();
   const Eigen::Index middle = sites(c) / 2;
@@ -105,7 +114,8 @@ inline Measurement<Eigen::Dynamic> trapping(const Choice& c) {
                                strength > 4 ? (1 + std::sqrt(1 - 16 / (strength * strength))) / 2 : 0.0);
             else
               out << ", self-trapping in a long chain from 3.2 on\n";
-          }};
+          },
+          memory_of(seen)};
 }
 
 }  // namespace examples

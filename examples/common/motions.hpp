@@ -29,6 +29,11 @@ class Turning {
   double rate() const { return turned_ / (now_ - start_); }
   double mean_radius() const { return radii_ / static_cast<double>(seen_); }
 
+  void visit_memory(CheckpointMemory& visit) {
+    visit(seen_);
+    for (double* number : {&start_, &now_, &last_, &turned_, &radii_}) visit(*number);
+  }
+
  private:
   std::int64_t seen_ = 0;
   double start_ = 0, now_ = 0, last_ = 0, turned_ = 0, radii_ = 0;
@@ -53,6 +58,12 @@ class Bouncing {
   /// NaN where there is no whole bounce.
   double period() const { return (latest_ - first_) / bounces(); }
   double highest() const { return highest_; }
+
+  void visit_memory(CheckpointMemory& visit) {
+    visit(seen_);
+    visit(passages_);
+    for (double* number : {&last_, &last_t_, &first_, &latest_, &highest_}) visit(*number);
+  }
 
  private:
   bool seen_ = false;

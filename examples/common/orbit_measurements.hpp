@@ -5,6 +5,7 @@
 #include <numbers>
 #include <optional>
 #include <ostream>
+#include <utility>
 
 #include <semiexplicit/semiexplicit.hpp>
 
@@ -39,6 +40,17 @@ class Passages {
   double per_orbit() const { return turned_ / orbits_; }
   double per_time() const { return turned_ / passed_; }
 
+  void visit_memory(CheckpointMemory& visit) {
+    visit(seen_);
+    visit(orbits_);
+    bool begun = first_t_.has_value();
+    double first = first_t_.value_or(0.0);
+    visit(begun);
+    for (double* number : {&first, &last_t_, &last_function_, &last_angle_, &at_passage_, &turned_, &passed_})
+      visit(*number);
+    if (begun) first_t_ = first;
+  }
+
  private:
   static double near(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
   bool seen_ = false;
@@ -60,7 +72,10 @@ inline Measurement<3> perihelion(const Choice& c) {
   if (c.on("1pn")) expected += 6 * std::numbers::pi * gm / (c["c"] * c["c"] * parameter);
   if (c.on("j2")) expected += 3 * std::numbers::pi * c["j2"] * std::pow(c["radius"] / parameter, 2);
   const auto report = [=](std::ostream& out) {
-    if (passages->orbits() == 0) return;
+    if (passages->orbits() == 0) {
+      out << "perihelion advance: not measured, the run is shorter than two passages; give more --time\n";
+      return;
+    }
     const double arcseconds = 180 / std::numbers::pi * 3600,
                  a_century = 100 * std::sqrt(gm / (a * a * a)) / (2 * std::numbers::pi);
     out << "perihelion advance: "
@@ -68,7 +83,7 @@ inline Measurement<3> perihelion(const Choice& c) {
                      passages->per_orbit() * a_century * arcseconds, passages->orbits())
         << formatted("; 1PN and J2 to first order: %.4f\n", expected * a_century * arcseconds);
   };
-  return {observe, report};
+  return {observe, report, memory_of(passages)};
 }
 
 /// How far the node of a tilted orbit turns.
@@ -82,22 +97,35 @@ inline Measurement<3> node(const Choice& c) {
       c.on("j2") ? -1.5 * rate * c["j2"] * std::pow(c["radius"] / (a * flat), 2) * std::cos(c["inclination"])
                  : 0;
   const auto report = [=](std::ostream& out) {
-    if (passages->orbits() == 0) return;
+    if (passages->orbits() == 0) {
+      out << "node: not measured, the run has no two upward passages through the equator; give more --time "
+             "or "
+             "an --inclination\n";
+      return;
+    }
     const double degrees_a_year = 180 / std::numbers::pi * 365.25 * 86400;
     out << formatted("node: %.4f degrees a year", passages->per_time() * degrees_a_year)
         << formatted(" from %d orbits; J2 to first order: ", passages->orbits())
         << formatted("%.4f\n", expected * degrees_a_year);
   };
-  return {observe, report};
+  return {observe, report, memory_of(passages)};
 }
 
 /// How well the orbit closes, and Jacobi's constant.
 inline Measurement<3> closure(const Choice& c) {
-  auto first = std::make_shared<std::optional<PhasePoint<double, 3>>>();
-  auto last = std::make_shared<PhasePoint<double, 3>>();
+  struct Seen {
+    bool begun = false;
+    PhasePoint<double, 3> first, last;
+    void visit_memory(CheckpointMemory& visit) {
+      visit(begun);
+      visit(first.vector());
+      visit(last.vector());
+    }
+  };
+  const auto seen = std::make_shared<Seen>();
   const auto observe = [=](double, const HalfRef<3>& q, const HalfRef<3>& p) {
-    *last = PhasePoint<double, 3>(q, p);
-    if (!*first) *first = *last;
+    seen->last = PhasePoint<double, 3>(q, p);
+    if (!std::exchange(seen->begun, true)) seen->first = seen->last;
   };
   const auto jacobi = [=](const PhasePoint<double, 3>& z) {
     return -2 * (Scene(orbits::Kinetic<3>{}, orbits::TwoCentres<3>::restricted(c["mu"]),
@@ -105,13 +133,13 @@ inline Measurement<3> closure(const Choice& c) {
                      .energy(z.q(), z.p()));
   };
   const auto report = [=](std::ostream& out) {
-    out << formatted("closure: %.2e in position", (last->q() - (*first)->q()).norm());
+    out << formatted("closure: %.2e in position", (seen->last.q() - seen->first.q()).norm());
     if (c.on("two_centres") && c.on("rotating_frame"))
-      out << formatted("; Jacobi's constant: %.12f at first, ", jacobi(**first))
-          << formatted("%.12f at last", jacobi(*last));
+      out << formatted("; Jacobi's constant: %.12f at first, ", jacobi(seen->first))
+          << formatted("%.12f at last", jacobi(seen->last));
     out << '\n';
   };
-  return {observe, report};
+  return {observe, report, memory_of(seen)};
 }
 
 }  // namespace examples

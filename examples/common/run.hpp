@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <iostream>
 #include <string>
 #include <vector>
 
+#include "checkpoint_request.hpp"
 #include "method.hpp"
 
 namespace examples {
@@ -56,6 +58,7 @@ struct Run {
   Series series{};
   IntegrationReport report{};
   std::string failure{};  ///< empty if the run came to its end
+  std::string doubt{};    ///< not empty if the result means nothing although it did
 
   double attempted_steps() const { return static_cast<double>(report.steps + (failure.empty() ? 0 : 1)); }
 };
@@ -90,6 +93,21 @@ class Watch {
       write_row();
     }
     ++step_;
+  }
+
+  template <class Visitor>
+  void visit_memory(Visitor&& visit) {
+    for (auto& quantity : run_.quantities) {
+      visit(quantity.worst);
+      visit(quantity.final);
+    }
+    visit(run_.series.t);
+    for (auto& column : run_.series.columns) visit(column);
+    visit(largest_);
+    visit(t_);
+    visit(pending_);
+    visit(next_);
+    visit(step_);
   }
 
   /// A run that fails ends between two rows: keeps what was seen since the last one.
@@ -131,20 +149,36 @@ class Watch {
 /// Integrates from z0 and watches the invariants; a failed step ends up in the Run, with all that came before it.
 template <class H, class Watched, class... Observers>
 Run run_method(const Method& method, const H& hamiltonian, const PhasePoint<double, H::Dof>& z0,
-               Watched invariants, double dt, const Rows& rows, std::int64_t steps, Observers&... observers) {
+               Watched invariants, double dt, const Rows& rows, std::int64_t steps,
+               const CheckpointRequest& request, Observers&... observers) {
   Run run{.method = method};
   with_stepper(method, hamiltonian, [&](auto& stepper) {
     typename std::decay_t<decltype(stepper)>::State state(z0);
     Watch watch(invariants, rows, run);
-    Progress progress(static_cast<double>(steps) * dt, method.name);
+    IntegrationOptions<double> options{.dt = dt, .steps = steps};
+    Checkpoints checkpoints(request.file, request.options(), stepper, options, invariants, watch,
+                            observers...);
+    if (request.wanted()) options.done = checkpoints.resume(state);
+    if (options.done.steps > 0)
+      std::cout << "goes on from " << request.file.string() << ", step " << options.done.steps
+                << std::endl;  // also if it is killed
+    const auto save = [&](double t, const auto& z, const IntegrationReport& so_far) {
+      if (request.wanted()) checkpoints(t, z, so_far);
+    };
+    Progress progress(static_cast<double>(steps) * dt, method.name,
+                      static_cast<double>(options.done.steps) * dt);
     try {
-      run.report =
-          integrate(stepper, state, {.dt = dt, .steps = steps}, invariants, watch, observers..., progress);
+      run.report = integrate(stepper, state, options, invariants, watch, observers..., progress, save);
     } catch (const IntegrationError& error) {
       run.report = error.report();
       run.failure = error.what();
     }
     watch.finish();
+    for (const auto& row : invariants.rows())
+      if (row.name == "energy" && row.initial != 0 && !(row.worst <= 0.5))
+        run.doubt =
+            "the energy is off by more than half of itself, the result means nothing; give a smaller "
+            "--dt, or another method";
   });
   return run;
 }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <memory>
 #include <ostream>
 #include <stdexcept>
 #include <string>
@@ -100,7 +101,29 @@ template <int Dof>
 struct Measurement {
   std::function<void(double t, const HalfRef<Dof>& q, const HalfRef<Dof>& p)> observe;
   std::function<void(std::ostream&)> report;
+  std::function<void(CheckpointMemory&)>
+      memory;  ///< of what it has seen, for checkpoints; see CheckpointMemory
 };
+
+/// A measurement as an observer.
+template <int Dof>
+struct Measuring {
+  const Measurement<Dof>& measurement;
+
+  template <class State>
+  void operator()(double t, const State& z) const {
+    if (measurement.observe) measurement.observe(t, z.q(), z.p());
+  }
+  void visit_memory(CheckpointMemory& visit) const {
+    if (measurement.memory) measurement.memory(visit);
+  }
+};
+
+/// The memory of a measurement that has it in `seen`.
+template <class Seen>
+auto memory_of(const std::shared_ptr<Seen>& seen) {
+  return [seen](CheckpointMemory& visit) { seen->visit_memory(visit); };
+}
 
 /// A set-up ready made. Numbers may have units behind them, as on the command line: "1 GMsun", "2 day", "0.1".
 template <int Dof>

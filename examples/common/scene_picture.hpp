@@ -28,6 +28,7 @@ struct View {
   std::function<void(const Half& q, const Half& p, std::vector<double>& row)> append;
   /// gnuplot's lines for the upper part, which is square unless they set other margins.
   std::function<std::string(const std::filesystem::path& csv)> plot;
+  std::function<void(CheckpointMemory&)> memory;  ///< of what append() has seen, for checkpoints
 };
 
 /// Grows to hold places in the plane, and gives gnuplot's lines for a square around them.
@@ -50,6 +51,9 @@ class Square {
       return out.str();
     };
     return "set xrange " + range((left_ + right_) / 2) + "\nset yrange " + range((low_ + high_) / 2) + "\n";
+  }
+  void visit_memory(CheckpointMemory& visit) {
+    for (double* side : {&left_, &right_, &low_, &high_}) visit(*side);
   }
 
  private:
@@ -102,7 +106,8 @@ View<Dof> path_view(const std::vector<std::string>& columns, const std::string& 
           .plot =
               [=](const std::filesystem::path& csv) {
                 return square->ranges() + path_plot(csv, x_column, y_column, x, y, marks);
-              }};
+              },
+          .memory = [=](CheckpointMemory& visit) { square->visit_memory(visit); }};
 }
 
 /// An observer that writes a view's columns.
@@ -119,6 +124,10 @@ class ViewCsv {
     writer_.row(row_);
   }
   void commit() { writer_.commit(); }
+  void visit_memory(CheckpointMemory& visit) {
+    writer_.visit_memory(visit);
+    if (view_.memory) view_.memory(visit);
+  }
 
  private:
   static std::vector<std::string> names(const View<Dof>& view) {

@@ -100,6 +100,9 @@ int run_scene_program(const SceneProgram<Dof>& program, int argc, char** argv) {
   add_output(app, settings);
   app.get_option("--samples")->default_str("the preset's");
   add_cost(app, cost);
+  CheckpointRequest checkpoint;
+  add_checkpoint(app, checkpoint);
+  app.get_option("--audit")->excludes("--checkpoint");
   app.get_option("--audit")->excludes("--cost")->excludes("--accuracy");
 
   return run_program(app, argc, argv, [&] {
@@ -152,12 +155,14 @@ int run_scene_program(const SceneProgram<Dof>& program, int argc, char** argv) {
     ViewCsv<Dof> path(path_csv, view);
     auto some_of_path = every(stride(steps, settings.samples), path);
     const Measurement<Dof> measurement = preset.measure ? preset.measure(choice) : Measurement<Dof>{};
-    auto observe = [&](double t, const auto& z) {
-      if (measurement.observe) measurement.observe(t, z.q(), z.p());
-    };
+    Measuring<Dof> observe{measurement};
+    checkpoint.run << program.name << ' ' << preset.name << ": " << joined(scene.names());
+    checkpoint.run.precision(17);
+    for (const auto& [parameter, value] : choice.values) checkpoint.run << ", " << parameter << ' ' << value;
+    checkpoint.run << "; " << steps << " steps, samples " << settings.samples;
     const auto go = [&](const auto& hamiltonian) {
       return run_method(method, hamiltonian, z0, invariants, settings.dt,
-                        evenly_spaced(steps, settings.samples), steps, some_of_path, observe);
+                        evenly_spaced(steps, settings.samples), steps, checkpoint, some_of_path, observe);
     };
     const Run run = method.name == "splitting" ? go(SeparableRuntimeScene<double, Dof>(scene)) : go(scene);
 
@@ -166,14 +171,14 @@ int run_scene_program(const SceneProgram<Dof>& program, int argc, char** argv) {
     if (measurement.report) measurement.report(std::cout);
     path.commit();
     write_series(csv, {run});
+    checkpoint.finish();
     std::cout << "data: " << csv.string() << ", " << path_csv.string() << '\n';
     const std::string headline = program.name + ", " + preset.name + ": " + joined(scene.names()) + "\n" +
                                  method.name + " (" + method.coefficients() +
                                  "), dt = " + formatted("%.4g", settings.dt) +
                                  "; units: " + preset.units.about;
     if (!settings.no_plot) draw(png, scene_script(png, path_csv, csv, view, run, headline, settings.time));
-    if (!run.failure.empty()) std::cerr << method.name << ": " << run.failure << '\n';
-    return run.failure.empty() ? 0 : 1;
+    return tell_failure(run) ? 1 : 0;
   });
 }
 

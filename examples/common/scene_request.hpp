@@ -49,8 +49,7 @@ class SceneRequest {
       app.add_option("--" + parameter.name, texts_[parameter.name], parameter.about)
           ->type_name(parameter.unit.empty() ? "X" : "X[ UNIT]")
           ->group("Parameters; the defaults are the preset's");
-    app.set_config("--config", "", "file of such options, as name = value lines")->type_name("FILE");
-    app.allow_config_extras(false);
+    add_config(app);
   }
 
   const ScenePreset<Dof>& preset() const {

@@ -19,6 +19,13 @@ std::string formatted(const char* format, Numbers... numbers) {
   return text;
 }
 
+/// Says on stderr why a run is no result; false: it is one.
+inline bool tell_failure(const Run& run) {
+  const std::string& why = run.failure.empty() ? run.doubt : run.failure;
+  if (!why.empty()) std::cerr << run.method.name << ": " << why << '\n';
+  return !why.empty();
+}
+
 /// One column a run, one line a figure.
 inline void print_table(std::ostream& out, const std::vector<Run>& runs, double dt) {
   std::vector<std::vector<std::string>> lines;
@@ -53,8 +60,8 @@ inline void print_table(std::ostream& out, const std::vector<Run>& runs, double 
   });
   line("seconds", [](const Run& run) { return formatted("%.3f", run.report.seconds); });
   line("status", [](const Run& run) {
-    return run.failure.empty() ? "t = " + formatted("%g", run.report.t)
-                               : "FAILED, t = " + formatted("%.3g", run.report.t);
+    if (!run.failure.empty()) return "FAILED, t = " + formatted("%.3g", run.report.t);
+    return (run.doubt.empty() ? "t = " : "WRONG, t = ") + formatted("%g", run.report.t);
   });
 
   std::vector<std::size_t> widths(runs.size() + 1, 0);

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstddef>
+#include <cstdlib>
 #include <map>
 #include <stdexcept>
 #include <string>
@@ -52,14 +53,20 @@ inline const std::map<std::string, Unit>& known_units() {
       {"GMearth", {3.986004418e14, {3, -2}}},
       {"GMmoon", {4.9028e12, {3, -2}}},
       {"T", {1, {0, -1, 1, -1}}},
+      {"mT", {1e-3, {0, -1, 1, -1}}},
+      {"uT", {1e-6, {0, -1, 1, -1}}},
+      {"nT", {1e-9, {0, -1, 1, -1}}},
       {"G", {1e-4, {0, -1, 1, -1}}},
       {"V", {1, {2, -2, 1, -1}}},
+      {"mV", {1e-3, {2, -2, 1, -1}}},
       {"kV", {1e3, {2, -2, 1, -1}}},
       {"J", {1, {2, -2, 1}}},
       {"eV", {1.602176634e-19, {2, -2, 1}}},
       {"keV", {1.602176634e-16, {2, -2, 1}}},
       {"MeV", {1.602176634e-13, {2, -2, 1}}},
       {"Hz", {1, {0, -1}}},
+      {"kHz", {1e3, {0, -1}}},
+      {"MHz", {1e6, {0, -1}}},
       {"rad", {1, {}}},
       {"deg", {degree, {}}},
       {"arcsec", {degree / 3600, {}}},
@@ -93,12 +100,16 @@ inline Unit read_unit(const std::string& text) {
       throw std::invalid_argument(semiexplicit::unknown_name("unit", name, valid));
     }
     int exponent = 1;
-    if (!power.empty() &&
-        std::from_chars(power.data(), power.data() + power.size(), exponent).ec != std::errc())
-      throw std::invalid_argument("'" + power + "' is no power of a unit");
+    if (!power.empty()) {
+      const auto [rest, failure] = std::from_chars(power.data(), power.data() + power.size(), exponent);
+      if (failure != std::errc() || rest != power.data() + power.size() || std::abs(exponent) > 9)
+        throw std::invalid_argument("'" + power + "' is no power of a unit; give -9 to 9");
+    }
     exponent *= sign;
     product.size *= std::pow(found->second.size, exponent);
     for (std::size_t k = 0; k < 4; ++k) product.powers[k] += exponent * found->second.powers[k];
+    if (!std::isnormal(product.size))
+      throw std::invalid_argument("'" + text + "' is too large or too small a unit; write fewer factors");
     sign = 1;
   }
   return product;
@@ -149,11 +160,13 @@ inline double read_quantity(const std::string& text, const std::string& wanted, 
   if (unit.powers != meant.powers)
     throw std::invalid_argument("'" + text + "' is a " + dimension(unit) + ", and a " + dimension(meant) +
                                 " is wanted");
-  const double size = system.size_of(unit);
+  const double size = system.size_of(unit), converted = value * size;
   if (!std::isfinite(size))
     throw std::invalid_argument("'" + text + "' has a unit, and this preset counts in " + system.about +
                                 "; give a plain number");
-  return value * size;
+  if (!std::isfinite(converted) || (positive && !(converted > 0)))
+    throw std::invalid_argument("'" + text + "' is out of range in the units of the preset, " + system.about);
+  return converted;
 }
 
 }  // namespace examples

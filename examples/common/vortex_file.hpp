@@ -4,6 +4,7 @@
 #include <cctype>
 #include <filesystem>
 #include <fstream>
+#include <istream>
 #include <locale>
 #include <map>
 #include <sstream>
@@ -27,19 +28,17 @@ inline std::string trimmed(const std::string& text) {
   return begin == std::string::npos ? "" : text.substr(begin, text.find_last_not_of(blanks) + 1 - begin);
 }
 
-/// Reads a CSV file with the columns x,y,gamma: a line a vortex, an optional header, blank lines, comments from # on.
+/// Reads CSV with the columns x,y,gamma: a line a vortex, an optional header, blank lines, comments from # on.
 /// Throws std::invalid_argument, "file:line: reason", for anything else, and for vortices that cannot be: zero
 /// circulation, two in one place.
-inline Vortices read_vortices(const std::filesystem::path& path) {
-  std::ifstream in(path);
-  if (!in) throw std::invalid_argument(path.string() + ": cannot be read");
+inline Vortices read_vortices(std::istream& in, const std::string& file) {
   std::vector<double> columns[3];
   std::map<std::pair<double, double>, int> line_of_place;
   std::string line;
   bool header_allowed = true;
   for (int number = 1; std::getline(in, line); ++number) {
     const auto refuse = [&](const std::string& reason) {
-      throw std::invalid_argument(path.string() + ":" + std::to_string(number) + ": " + reason);
+      throw std::invalid_argument(file + ":" + std::to_string(number) + ": " + reason);
     };
     if (number == 1 && line.starts_with("\xef\xbb\xbf"))
       line.erase(0, 3);  // the byte order mark of spreadsheets
@@ -73,15 +72,20 @@ inline Vortices read_vortices(const std::filesystem::path& path) {
     const auto [place, is_new] = line_of_place.try_emplace({values[0], values[1]}, number);
     if (!is_new) refuse("a vortex is in this place already, see line " + std::to_string(place->second));
   }
-  if (in.bad()) throw std::invalid_argument(path.string() + ": cannot be read");
-  if (columns[0].empty())
-    throw std::invalid_argument(path.string() + ": no vortices in it; give lines x,y,gamma");
+  if (in.bad()) throw std::invalid_argument(file + ": cannot be read");
+  if (columns[0].empty()) throw std::invalid_argument(file + ": no vortices in it; give lines x,y,gamma");
 
   const auto column = [&](int i) {
     return Eigen::Map<const Eigen::VectorXd>(columns[i].data(), static_cast<Eigen::Index>(columns[i].size()))
         .eval();
   };
   return {column(0), column(1), column(2)};
+}
+
+inline Vortices read_vortices(const std::filesystem::path& path) {
+  std::ifstream in(path);
+  if (!in) throw std::invalid_argument(path.string() + ": cannot be read");
+  return read_vortices(in, path.string());
 }
 
 }  // namespace examples

@@ -18,6 +18,9 @@ inline Measurement<Eigen::Dynamic> along_the_wall(const Choice& c) {
   if (!c.on("pairs") || !c.on("half_plane") || c.effects.size() > 2) return {};
   struct Seen {
     double first = 0, t = 0, x = 0, y = 0, speed = 0, middle = 0;
+    void visit_memory(CheckpointMemory& visit) {
+      for (double* number : {&first, &t, &x, &y, &speed, &middle}) visit(*number);
+    }
   };
   const auto seen = std::make_shared<Seen>();
   const auto kept = [](double x, double y) { return 1 / (x * x) + 1 / (y * y); };
@@ -36,7 +39,8 @@ inline Measurement<Eigen::Dynamic> along_the_wall(const Choice& c) {
                              seen->first);
             print_comparison(out, "speed along the wall at the end", seen->speed, "Γ/(4πy)/(1 + y²/x²)",
                              1 / (4 * std::numbers::pi * y * (1 + y * y / (x * x))));
-          }};
+          },
+          memory_of(seen)};
 }
 
 /// One vortex of circulation 1 in a disk.
@@ -49,7 +53,8 @@ inline Measurement<Eigen::Dynamic> about_the_centre(const Choice& c) {
         const double r = turning->mean_radius();
         print_comparison(out, "turns at", turning->rate(), "Γ/(2π(R² - r²)), with the background",
                          background + 1 / (2 * std::numbers::pi * (radius * radius - r * r)));
-      }};
+      },
+      memory_of(turning)};
 }
 
 }  // namespace examples

@@ -44,6 +44,10 @@ class PlacesCsv {
     high_ = std::max(high_, y.maxCoeff());
   }
   void commit() { writer_.commit(); }
+  void visit_memory(CheckpointMemory& visit) {
+    writer_.visit_memory(visit);
+    for (double* side : {&left_, &right_, &low_, &high_}) visit(*side);
+  }
 
   Square square() const {
     const double width = std::max(right_ - left_, high_ - low_);

@@ -6,6 +6,7 @@
 #include <concepts>
 #include <cstdint>
 #include <stdexcept>
+#include <string>
 #include <type_traits>
 
 #include <semiexplicit/core/report.hpp>
@@ -22,13 +23,16 @@ enum class OnFailure {
 template <class Scalar>
 struct IntegrationOptions {
   Scalar dt = Scalar(0);   ///< the step; negative goes back in time
-  std::int64_t steps = 0;  ///< how many
+  std::int64_t steps = 0;  ///< how many, those of `done` included
   OnFailure on_failure = OnFailure::raise;
   /// A step that does not converge or is not finite is tried again as 2, 4, ... up to 2^subdivide equal ones before it counts as
   /// failed; IntegrationReport::subdivided says how often. The energy then may drift: a step that depends on the state is
   /// a symplectic map no more. 0: never.
   int subdivide = 0;
-  Scalar t0 = Scalar(0);  ///< time of the state that is handed in
+  Scalar t0 = Scalar(0);  ///< time of the state that is handed in, or of the first one where the run goes on
+  /// Report of an earlier part, which the run goes on from: its steps count among `steps`, and its sums are added to. See
+  /// Checkpoints::resume().
+  IntegrationReport done{};
 };
 
 /// Anything that moves a state by a step: Semiexplicit, MidpointProjection and GaussLegendre a PhasePoint, Pihajoki and Tao
@@ -54,6 +58,18 @@ bool notify(Observer& observer, const Scalar& t, const State& state, const StepR
   else {
     call();
     return true;
+  }
+}
+
+/// The same for an observer of integrate(), which may take the report of the run so far instead of the step's.
+template <class Observer, class Scalar, class State>
+bool notify_of_run(Observer& observer, const Scalar& t, const State& state, const IntegrationReport& so_far) {
+  if constexpr (std::invocable<Observer&, const Scalar&, const State&, const IntegrationReport&> &&
+                !std::invocable<Observer&, const Scalar&, const State&, const StepReport&>) {
+    const auto known = [&](const Scalar& at, const State& z) { return observer(at, z, so_far); };
+    return notify(known, t, state, so_far.last);
+  } else {
+    return notify(observer, t, state, so_far.last);
   }
 }
 
@@ -100,7 +116,8 @@ bool step_in_parts(S& stepper, typename S::State& state,
 }  // namespace detail
 
 /// Takes `steps` steps of size dt and calls every observer, in order, at the start and after each step. An observer is any
-/// callable (t, state), or (t, state, StepReport); one that returns the bool false ends the run there (status `stopped`).
+/// callable (t, state), or (t, state, StepReport), or (t, state, IntegrationReport), which is the run's so far but for
+/// status, t and seconds; one that returns the bool false ends the run there (status `stopped`).
 ///
 ///     PhasePoint<double, 1> z(-3, 0);
 ///     integrate(stepper, z, {.dt = 0.01, .steps = 1000}, [](double t, const auto& z) { std::cout << t << ' ' << z.q() << '\n'; });
@@ -118,23 +135,29 @@ IntegrationReport integrate(S& stepper, typename S::State& state,
         "integrate: subdivide is not between 0 and 30; 10 makes a thousandth of a step");
   if (options.steps < 0)
     throw std::invalid_argument("integrate: steps is negative; to go back in time give a negative dt");
+  if (options.done.steps < 0 || options.done.steps > options.steps)
+    throw std::invalid_argument("integrate: " + std::to_string(options.done.steps) +
+                                " steps are done, and not 0 to " + std::to_string(options.steps) +
+                                " of them; steps counts those of the earlier part, too");
   const auto start = std::chrono::steady_clock::now();
-  IntegrationReport report;
+  IntegrationReport report = options.done;
   Scalar t = options.t0;
+  if (report.steps > 0) t += Scalar(report.steps) * options.dt;
   // Every observer hears of every step, also when one before it asks to stop.
   const auto wanted = [&] {
     bool go_on = true;
-    ((go_on = detail::notify(observers, t, state, report.last) && go_on), ...);
+    ((go_on = detail::notify_of_run(observers, t, state, report) && go_on), ...);
     return go_on;
   };
   const auto finish = [&](Status status) {
     report.status = status;
     report.t = static_cast<double>(t);
-    report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    report.seconds = options.done.seconds +
+                     std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return report;
   };
 
-  if (!wanted()) return finish(Status::stopped);
+  if (report.steps == 0 && !wanted()) return finish(Status::stopped);
   while (report.steps < options.steps) {
     report.last = stepper.step(state, options.dt);
     report.evaluations += report.last.evaluations;

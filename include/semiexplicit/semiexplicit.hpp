@@ -2,11 +2,12 @@
 
 /// Everything of the library. Each header also stands alone.
 
+#include <semiexplicit/autodiff/from_energy.hpp>
 #include <semiexplicit/baseline/explicit_splitting.hpp>
 #include <semiexplicit/baseline/gauss_lanes.hpp>
 #include <semiexplicit/baseline/gauss_legendre.hpp>
-#include <semiexplicit/autodiff/from_energy.hpp>
 #include <semiexplicit/check_gradient.hpp>
+#include <semiexplicit/checkpoint/checkpoints.hpp>
 #include <semiexplicit/core/hamiltonian.hpp>
 #include <semiexplicit/core/phase_point.hpp>
 #include <semiexplicit/core/report.hpp>

@@ -18,6 +18,9 @@ check(charges "gyrates at eB/m" "--no-plot" FILE out/charges.csv HEADER "t,energ
 check(charges "is thrown back by a bottle" "--preset bottle --time 4e-5s --no-plot"
   FILE out/charges_trajectory.csv HEADER "t,x,y,z,px,py,pz"
   PRINTS "turning point, m: 0.5773[0-9]+; .*bounce period, s: 1.6575[0-9]+e-05; .*1.6575")
+check(charges "says why it measures nothing" "--preset bottle --b0 1G --no-plot" FILE out/charges.csv
+  PRINTS "turning point and bounce period: not measured, the run has no whole bounce")
+check(charges "reads small units" "--b \"1e8 nT\" --ex 1e4mV/m --no-plot" FILE out/charges.csv PRINTS "eB/m: 9578833.2 ")
 check(charges "bounces and drifts about the Earth" "--preset dipole --no-plot" FILE out/charges.csv
   PRINTS "bounce period, s: 2.3[0-9]+; .*e-03.\n.*drift period, s .westward: negative.: -77.[0-9]+; adiabatic: -78.[0-9]+")
 check(charges "moves without kinetic in a field" "--preset bottle --effects magnetic_bottle,coulomb --time 1e-6s --no-plot"

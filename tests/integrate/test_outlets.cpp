@@ -24,6 +24,8 @@
 
 #include <semiexplicit/semiexplicit.hpp>
 
+#include "folder.hpp"
+
 // What observers let out: CSV files where writing fails, the progress bar, every() with observers of all kinds.
 
 namespace {
@@ -31,30 +33,6 @@ namespace {
 using namespace semiexplicit;
 namespace fs = std::filesystem;
 using Point = PhasePoint<double, 1>;
-
-/// A folder of this test program's own, gone with the test.
-struct Folder {
-  Folder() : path(fs::temp_directory_path() / ("semiexplicit-outlets-" + unique())) {
-    fs::create_directories(path);
-  }
-  ~Folder() {
-    std::error_code ignored;
-    fs::remove_all(path, ignored);
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  static std::string unique() {
-    return std::to_string(std::chrono::steady_clock::now().time_since_epoch().count());
-  }
-  fs::path path;
-};
-
-std::string contents(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::ostringstream out;
-  out << in.rdbuf();
-  return out.str();
-}
 
 /// Moves nothing.
 struct Idle {
@@ -167,7 +145,7 @@ TEST_CASE("CSV: a trajectory of the doubled space, and one that is never ended",
   }
   CHECK(contents(path) == "t,q0,p0\n0.5,1,2\n");
 
-  // A run that fails: the file of the run before it is still there, whole.
+  // A run that fails: the file of the run before it is still there, whole, and its own rows are in the .part.
   Semiexplicit stepper(systems::Product<double>{}, schemes::strang());
   Point z(1, 2);
   const auto run = [&] {
@@ -177,6 +155,15 @@ TEST_CASE("CSV: a trajectory of the doubled space, and one that is never ended",
   };
   CHECK_THROWS_AS(run(), IntegrationError);
   CHECK(contents(path) == "t,q0,p0\n0.5,1,2\n");
+  CHECK(contents(path.string() + ".part") == "t,q0,p0\n0,1,2\n");
+  { CsvTrajectory without_rows(path, 1); }  // takes nothing away that it has not written
+  CHECK(contents(path.string() + ".part") == "t,q0,p0\n0,1,2\n");
+  {
+    CsvTrajectory not_ended(path, 1);
+    not_ended(0.0, Point(1, 2));
+  }
+  CHECK_FALSE(fs::exists(path.string() + ".part"));
+  { CsvTrajectory without_rows(path, 1); }
   CHECK_FALSE(fs::exists(path.string() + ".part"));
 }
 

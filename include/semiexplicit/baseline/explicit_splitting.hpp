@@ -29,6 +29,7 @@ class ExplicitSplitting {
   using Scalar = typename H::Scalar;
   static constexpr int Dof = H::Dof;
   using State = PhasePoint<Scalar, Dof>;
+  static constexpr const char* name = "ExplicitSplitting";
 
   /// Throws std::invalid_argument, saying what is wrong, unless the scheme passes its own check and has its order without
   /// the projection, too.
@@ -67,6 +68,12 @@ class ExplicitSplitting {
   Eigen::Index dof() const { return dof_of(hamiltonian_); }
   const H& hamiltonian() const { return hamiltonian_; }
   const Scheme<Scalar>& scheme() const { return scheme_; }
+
+  /// Hands visit() every number that goes on from step to step; see CheckpointMemory.
+  template <class Visitor>
+  void visit_memory(Visitor&& visit) {
+    update_.visit_memory(visit);
+  }
 
  private:
   using Vec = typename State::Storage;

@@ -30,6 +30,7 @@ class GaussLegendreLanes {
   using Scalar = typename H::Scalar;
   static constexpr int Dof = H::Dof;
   using State = PhasePoint<Scalar, Dof>;
+  static constexpr const char* name = "GaussLegendreLanes";
 
   /// Throws std::invalid_argument unless 1 ≤ stages ≤ 8, max_iterations ≥ 1, tolerance ≥ 0 and solver is fixed_point.
   GaussLegendreLanes(H hamiltonian, GaussLegendreOptions options = {})
@@ -40,9 +41,9 @@ class GaussLegendreLanes {
         gradients_(at(size())),
         points_(gradients_),
         displacements_(gradients_) {
-    if (!(options.max_iterations >= 1 && options.tolerance >= 0))
+    if (!(options.max_iterations >= 1 && options.tolerance >= 0 && std::isfinite(options.tolerance)))
       throw std::invalid_argument(
-          "GaussLegendreLanes: max_iterations must be 1 or more, and tolerance 0 or more");
+          "GaussLegendreLanes: max_iterations must be 1 or more, and tolerance 0 or more and finite");
     if (options.solver != StageSolver::fixed_point)
       throw std::invalid_argument(
           "GaussLegendreLanes: only StageSolver::fixed_point; GaussLegendre has Newton's method");
@@ -86,6 +87,19 @@ class GaussLegendreLanes {
   const H& hamiltonian() const { return hamiltonian_; }
   const GaussLegendreOptions& options() const { return options_; }
   const GaussTableau<Scalar>& tableau() const { return tableau_; }
+
+  /// Hands visit() every number that goes on from step to step; see CheckpointMemory.
+  template <class Visitor>
+  void visit_memory(Visitor&& visit) {
+    update_.visit_memory(visit);
+    for (Many& gradient : gradients_) {  // the next step's stages are extrapolated from them
+      alignas(Many) Scalar stages[static_cast<std::size_t>(width)];
+      gradient.copy_to(stages, std::experimental::vector_aligned);
+      for (Scalar& stage : stages) visit(stage);
+      gradient.copy_from(stages, std::experimental::vector_aligned);
+    }
+    visit(last_dt_);
+  }
 
  private:
   using Many = Pack<Scalar>;

@@ -48,6 +48,7 @@ class GaussLegendre {
   using Scalar = typename H::Scalar;
   static constexpr int Dof = H::Dof;
   using State = PhasePoint<Scalar, Dof>;
+  static constexpr const char* name = "GaussLegendre";
 
   /// Throws std::invalid_argument unless 1 ≤ stages ≤ 8, max_iterations ≥ 1 and tolerance ≥ 0.
   GaussLegendre(H hamiltonian, GaussLegendreOptions options = {})
@@ -64,8 +65,9 @@ class GaussLegendre {
         point_(State(dof()).vector()) {
     sign_.head(dof()).setOnes();
     sign_.segment(dof(), dof()).setConstant(Scalar(-1));
-    if (!(options.max_iterations >= 1 && options.tolerance >= 0))
-      throw std::invalid_argument("GaussLegendre: max_iterations must be 1 or more, and tolerance 0 or more");
+    if (!(options.max_iterations >= 1 && options.tolerance >= 0 && std::isfinite(options.tolerance)))
+      throw std::invalid_argument(
+          "GaussLegendre: max_iterations must be 1 or more, and tolerance 0 or more and finite");
     if (options.solver == StageSolver::newton) newton_.emplace(2 * dof(), options.stages);
   }
 
@@ -103,6 +105,14 @@ class GaussLegendre {
   const H& hamiltonian() const { return hamiltonian_; }
   const GaussLegendreOptions& options() const { return options_; }
   const GaussTableau<Scalar>& tableau() const { return tableau_; }
+
+  /// Hands visit() every number that goes on from step to step; see CheckpointMemory.
+  template <class Visitor>
+  void visit_memory(Visitor&& visit) {
+    update_.visit_memory(visit);
+    visit(gradients_);  // the next step's stages are extrapolated from them
+    visit(last_dt_);
+  }
 
  private:
   using Vec = typename State::Storage;

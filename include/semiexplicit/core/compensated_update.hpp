@@ -57,6 +57,13 @@ class CompensatedUpdate {
     return true;
   }
 
+  /// Hands visit() every number that goes on from step to step; see CheckpointMemory.
+  template <class Visitor>
+  void visit_memory(Visitor&& visit) {
+    visit(carry_);
+    visit(next_);
+  }
+
  private:
   typename PhasePoint<Scalar, Dof>::Storage carry_, next_;
 };

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <charconv>
+#include <cstdint>
+#include <exception>
 #include <filesystem>
 #include <fstream>
 #include <initializer_list>
@@ -13,24 +16,32 @@
 
 #include <Eigen/Core>
 
+#include <semiexplicit/checkpoint/file.hpp>
+
 namespace semiexplicit {
 
 /// Writes a table of doubles as CSV: a header, then rows, each number with as many digits as it takes to read it back
 /// exactly. The rows go to `path` + ".part"; commit() gives the file its name, so that a file of that name is always whole.
-/// Without commit() nothing is left behind. Throws std::runtime_error, naming the file, where writing fails.
+/// Without commit() nothing is left behind, except where an exception ends the run: its rows are then in the .part. Throws
+/// std::runtime_error, naming the file, where writing fails.
 class CsvWriter {
  public:
   CsvWriter(std::filesystem::path path, const std::vector<std::string>& columns)
-      : path_(std::move(path)), part_(path_.string() + ".part"), columns_(columns.size()), out_(part_) {
-    for (std::size_t i = 0; i < columns.size(); ++i) out_ << (i > 0 ? "," : "") << columns[i];
-    out_ << '\n';
+      : path_(std::move(path)),
+        part_(path_.string() + ".part"),
+        columns_(columns.size()),
+        out_(part_, std::ios::app) {  // what is there may be gone on with
+    for (std::size_t i = 0; i < columns.size(); ++i) line_ += (i > 0 ? "," : "") + columns[i];
+    line_ += '\n';
     require("cannot be written; check that the folder exists and is writable");
   }
   ~CsvWriter() {
     if (committed_) return;
     out_.close();
     std::error_code ignored;
-    std::filesystem::remove(part_, ignored);
+    const bool own = begun_ ? std::uncaught_exceptions() <= exceptions_
+                            : std::filesystem::file_size(part_, ignored) == 0;  // not an earlier run's
+    if (own) std::filesystem::remove(part_, ignored);
   }
   CsvWriter(const CsvWriter&) = delete;
   CsvWriter& operator=(const CsvWriter&) = delete;
@@ -39,6 +50,7 @@ class CsvWriter {
     if (values.size() != columns_)
       throw std::invalid_argument(path_.string() + ": a row of " + std::to_string(values.size()) +
                                   " numbers for " + std::to_string(columns_) + " columns");
+    begin();
     line_.clear();
     for (const double value : values) {
       char digits[32];
@@ -56,6 +68,7 @@ class CsvWriter {
 
   /// Ends the file and gives it its name.
   void commit() {
+    begin();
     out_.close();
     require("cannot be closed; is the disk full?");
     std::error_code failure;
@@ -64,16 +77,77 @@ class CsvWriter {
     committed_ = true;
   }
 
+  /// How long the .part is, and its checksum; see CheckpointMemory. What is saved is on the disk first. What is put back
+  /// cuts the .part of the earlier run to that length and goes on there; throws std::invalid_argument where it is
+  /// not what it was.
+  template <class Visitor>
+  void visit_memory(Visitor&& visit) {
+    if (begun_) {
+      out_.flush();
+      if (!out_ || !detail::sync_to_disk(part_)) require_not("cannot be written; is the disk full?");
+      take_in(std::filesystem::file_size(part_));
+    }
+    std::uint64_t length = length_, sum = sum_;
+    visit(length);
+    visit(sum);
+    if (length != length_ || sum != sum_) go_on_from(length, sum);
+  }
+
  private:
   void require(const char* remedy) const {
-    if (!out_) throw std::runtime_error(path_.string() + ": " + remedy);
+    if (!out_) require_not(remedy);
+  }
+  [[noreturn]] void require_not(const char* remedy) const {
+    throw std::runtime_error(path_.string() + ": " + remedy);
+  }
+
+  /// Starts the file with the header, unless it goes on from an earlier run.
+  void begin() {
+    if (begun_) return;
+    begun_ = true;
+    out_.close();
+    out_.open(part_);
+    out_ << line_;
+    require("cannot be written; is the disk full?");
+  }
+
+  /// Brings length_ and sum_ up to the first `length` bytes of the .part. False: it has not so many.
+  bool take_in(std::uint64_t length) {
+    std::ifstream in(part_, std::ios::binary);
+    in.seekg(static_cast<std::streamoff>(length_));
+    std::string piece;
+    while (in && length_ < length) {
+      piece.resize(static_cast<std::size_t>(std::min<std::uint64_t>(length - length_, 1 << 20)));
+      if (!in.read(piece.data(), static_cast<std::streamsize>(piece.size()))) return false;
+      sum_ = detail::checksum(piece, sum_);
+      length_ += piece.size();
+    }
+    return length_ == length;
+  }
+
+  void go_on_from(std::uint64_t length, std::uint64_t sum) {
+    length_ = 0;
+    sum_ = detail::checksum("");
+    if (!take_in(length) || sum_ != sum)
+      throw std::invalid_argument(
+          part_.string() +
+          " is not what it was when the checkpoint was written; start anew without the checkpoint");
+    out_.close();
+    std::error_code failure;
+    std::filesystem::resize_file(part_, length, failure);
+    if (!failure) out_.open(part_, std::ios::app);
+    if (failure) require_not("its .part cannot be cut to the length at the checkpoint");
+    require("cannot be written; check that the folder is writable");
+    begun_ = true;
   }
 
   std::filesystem::path path_, part_;
   std::size_t columns_;
   std::ofstream out_;
-  std::string line_;
-  bool committed_ = false;
+  std::string line_;  ///< the header, until that is written
+  bool begun_ = false, committed_ = false;
+  int exceptions_ = std::uncaught_exceptions();
+  std::uint64_t length_ = 0, sum_ = detail::checksum("");  ///< of the .part when it was last saved
 };
 
 /// An observer that writes the trajectory, as doubles: t, q0, q1, ..., p0, p1, .... Call commit() after the run.
@@ -89,6 +163,12 @@ class CsvTrajectory {
     writer_.row(values_);
   }
   void commit() { writer_.commit(); }
+
+  /// See CsvWriter.
+  template <class Visitor>
+  void visit_memory(Visitor&& visit) {
+    writer_.visit_memory(visit);
+  }
 
  private:
   static std::vector<std::string> columns(Eigen::Index dof) {

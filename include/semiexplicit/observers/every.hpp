@@ -21,6 +21,13 @@ class Every {
     return calls_++ % n_ != 0 || detail::notify(observer_, t, state, report);
   }
 
+  /// Its count and what the observer has; see CheckpointMemory.
+  template <class Visitor>
+  void visit_memory(Visitor&& visit) {
+    visit(calls_);
+    if constexpr (requires { observer_.visit_memory(visit); }) observer_.visit_memory(visit);
+  }
+
  private:
   std::int64_t n_, calls_ = 0;
   Observer observer_;

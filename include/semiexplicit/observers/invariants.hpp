@@ -68,6 +68,15 @@ class Invariants {
     for (Row& row : rows_) row = {.name = std::move(row.name), .value = std::move(row.value)};
   }
 
+  /// First values and errors so far, in the order of the rows; see CheckpointMemory.
+  template <class Visitor>
+  void visit_memory(Visitor&& visit) {
+    for (Row& row : rows_) {
+      for (Scalar* number : {&row.initial, &row.worst, &row.worst_time, &row.final}) visit(*number);
+      visit(row.started);
+    }
+  }
+
   const std::vector<Row>& rows() const { return rows_; }
   /// The row of that name; throws std::out_of_range where there is none.
   const Row& operator[](const std::string& name) const {

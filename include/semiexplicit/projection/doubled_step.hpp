@@ -67,6 +67,12 @@ class DoubledStep {
   }
 
   const KickChain<H>& chain() const { return chain_; }
+  Summation summation() const { return summation_; }
+
+  template <class Visitor>
+  void visit_memory(Visitor&& visit) {
+    update_.visit_memory(visit);
+  }
 
  private:
   /// In vectors longer than this (bytes) a kick costs what it moves through memory, and keeping the sum up to date in each

@@ -16,6 +16,7 @@ class MidpointProjection {
   using Scalar = typename H::Scalar;
   static constexpr int Dof = H::Dof;
   using State = PhasePoint<Scalar, Dof>;
+  static constexpr const char* name = "MidpointProjection";
 
   /// Throws std::invalid_argument, saying what is wrong, unless the scheme passes its own check.
   MidpointProjection(H hamiltonian, Scheme<Scalar> scheme, Summation summation = Summation::compensated)
@@ -39,6 +40,13 @@ class MidpointProjection {
   Eigen::Index dof() const { return dof_of(hamiltonian()); }
   const H& hamiltonian() const { return doubled_.chain().hamiltonian; }
   const Scheme<Scalar>& scheme() const { return doubled_.chain().scheme; }
+  Summation summation() const { return doubled_.summation(); }
+
+  /// Hands visit() every number that goes on from step to step; see CheckpointMemory.
+  template <class Visitor>
+  void visit_memory(Visitor&& visit) {
+    doubled_.visit_memory(visit);
+  }
 
  private:
   detail::DoubledStep<H> doubled_;

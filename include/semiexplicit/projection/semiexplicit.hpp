@@ -24,8 +24,10 @@ class Semiexplicit {
   using Scalar = typename H::Scalar;
   static constexpr int Dof = H::Dof;
   using State = PhasePoint<Scalar, Dof>;
+  static constexpr const char* name = "Semiexplicit";
 
-  /// Throws std::invalid_argument, saying what is wrong, unless the scheme passes its own check.
+  /// Throws std::invalid_argument, saying what is wrong, unless the scheme passes its own check and the solver's options make
+  /// sense.
   Semiexplicit(H hamiltonian, Scheme<Scalar> scheme, Solver solver = {},
                Summation summation = Summation::compensated)
       : doubled_(std::move(hamiltonian), std::move(scheme), summation),
@@ -54,7 +56,14 @@ class Semiexplicit {
   Eigen::Index dof() const { return dof_of(hamiltonian()); }
   const H& hamiltonian() const { return doubled_.chain().hamiltonian; }
   const Scheme<Scalar>& scheme() const { return doubled_.chain().scheme; }
+  Summation summation() const { return doubled_.summation(); }
   const Solver& solver() const { return solver_; }
+
+  /// Hands visit() every number that goes on from step to step; see CheckpointMemory.
+  template <class Visitor>
+  void visit_memory(Visitor&& visit) {
+    doubled_.visit_memory(visit);
+  }
 
  private:
   using Vec = typename State::Storage;

@@ -30,9 +30,12 @@ class RuntimeScene {
   using Any = AnyEffect<Scalar, Dof>;
   using Read = ConstRef<Scalar, Dof>;
 
-  /// Throws std::invalid_argument where there is no effect, two have the same name, or their sizes differ.
+  /// Throws std::invalid_argument where there is no effect, two have the same name, or their sizes differ or are below one.
   explicit RuntimeScene(std::vector<Any> effects) : effects_(std::move(effects)) {
     if (effects_.empty()) throw std::invalid_argument("RuntimeScene: no effect is on; name one at least");
+    if (dof() < 1)
+      throw std::invalid_argument("RuntimeScene: the effect " + effects_[0].name() + " has " +
+                                  std::to_string(dof()) + " degrees of freedom; give it one at least");
     for (auto it = effects_.begin(); it != effects_.end(); ++it) {
       if (it->dof() != dof())
         throw std::invalid_argument("RuntimeScene: the effect " + it->name() + " has " +

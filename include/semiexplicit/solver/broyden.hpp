@@ -18,6 +18,7 @@ namespace semiexplicit {
 /// Sources: C. G. Broyden, Math. Comp. 19 (1965) 577; Jayawardana and Ohsawa (2023), eq. (Broyden); the storage of the
 /// corrections alone: C. T. Kelley, Iterative Methods for Linear and Nonlinear Equations (SIAM 1995), section 7.3.
 struct Broyden {
+  static constexpr const char* name = "Broyden";
   StoppingRule stop = StoppingRule::product();
   int max_iterations = 100;  ///< evaluations of f before it gives up; the step is refused then
   int memory = 20;  ///< corrections kept; when they are used up the method starts anew from the current m
@@ -26,11 +27,16 @@ struct Broyden {
   template <class Vec>
   struct Workspace {
     using Scalar = typename Vec::Scalar;
+    /// Throws std::invalid_argument for options that make no sense.
     Workspace(const Broyden& options, Eigen::Index size)
         : f(Vec::Zero(size)),
           u(f),
           directions(size, std::max(options.memory, 1)),
-          lengths(std::max(options.memory, 1)) {}
+          lengths(std::max(options.memory, 1)) {
+      detail::require_options(name, options.stop, options.max_iterations);
+      if (options.memory < 1)
+        throw std::invalid_argument("Broyden: memory is below 1; give how many corrections to keep");
+    }
     Vec f, u;
     Eigen::Matrix<Scalar, Vec::RowsAtCompileTime, Eigen::Dynamic> directions;  ///< s_k / ‖s_k‖
     Vector<Scalar, Eigen::Dynamic> lengths;                                    ///< ‖s_k‖

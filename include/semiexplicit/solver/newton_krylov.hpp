@@ -19,6 +19,7 @@ namespace semiexplicit {
 /// Sources: C. T. Kelley, Iterative Methods for Linear and Nonlinear Equations (SIAM 1995), chapters 3, 6 and 8; Y. Saad, M. H.
 /// Schultz, SIAM J. Sci. Stat. Comput. 7 (1986) 856.
 struct NewtonKrylov {
+  static constexpr const char* name = "NewtonKrylov";
   StoppingRule stop = StoppingRule::product();
   int max_iterations = 500;  ///< evaluations of f before it gives up, those for products included
   int directions = 30;       ///< largest number of GMRES directions in a Newton iteration
@@ -27,6 +28,7 @@ struct NewtonKrylov {
   template <class Vec>
   struct Workspace {
     using Scalar = typename Vec::Scalar;
+    /// Throws std::invalid_argument for options that make no sense.
     Workspace(const NewtonKrylov& options, Eigen::Index size)
         : f(Vec::Zero(size)),
           shifted(f),
@@ -36,7 +38,11 @@ struct NewtonKrylov {
           triangle(basis.cols(), basis.cols()),
           rotated(basis.cols()),
           cosine(basis.cols()),
-          sine(basis.cols()) {}
+          sine(basis.cols()) {
+      detail::require_options(name, options.stop, options.max_iterations);
+      if (options.directions < 1)
+        throw std::invalid_argument("NewtonKrylov: directions is below 1; give how many GMRES may take");
+    }
     Vec f, shifted, trial, step;
     Eigen::Matrix<Scalar, Vec::RowsAtCompileTime, Eigen::Dynamic> basis;  ///< orthonormal directions
     Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic> triangle;       ///< R of the Hessenberg matrix

@@ -10,6 +10,7 @@ namespace semiexplicit {
 /// each from the start. StepReport::escalations says which of them made the step: 0, 1 or 2. An easy step costs what it
 /// costs with simplified Newton alone; for the memory of all three see Broyden and NewtonKrylov.
 struct Robust {
+  static constexpr const char* name = "Robust";
   StoppingRule stop = StoppingRule::product();
   int newton_iterations =
       15;  ///< evaluations of f for the simplified Newton method; a good step takes one or two
@@ -18,6 +19,7 @@ struct Robust {
 
   template <class Vec>
   struct Workspace {
+    /// Throws std::invalid_argument for options that make no sense, as each of the three does.
     Workspace(const Robust& options, Eigen::Index size)
         : newton({.stop = options.stop, .max_iterations = options.newton_iterations}, size),
           broyden({.stop = options.stop, .max_iterations = options.broyden_iterations}, size),

@@ -11,13 +11,17 @@ namespace semiexplicit {
 ///
 /// Source: Jayawardana and Ohsawa, Math. Comp. 92 (2023) 251, eq. (simplified_Newton).
 struct SimplifiedNewton {
+  static constexpr const char* name = "SimplifiedNewton";
   StoppingRule stop = StoppingRule::product();
   int max_iterations = 100;  ///< evaluations of f before it gives up; the step is refused then
 
   /// The residual's value: one vector of length 2d.
   template <class Vec>
   struct Workspace {
-    Workspace(const SimplifiedNewton&, Eigen::Index size) : f(Vec::Zero(size)) {}
+    /// Throws std::invalid_argument for options that make no sense.
+    Workspace(const SimplifiedNewton& options, Eigen::Index size) : f(Vec::Zero(size)) {
+      detail::require_options(name, options.stop, options.max_iterations);
+    }
     Vec f;
   };
 

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <stdexcept>
+#include <string>
+
 #include <Eigen/Core>
 
 #include <semiexplicit/core/report.hpp>
@@ -44,6 +47,14 @@ struct SolverReport {
 };
 
 namespace detail {
+
+/// Throws std::invalid_argument, naming the solver and the remedy, for options that make no sense.
+inline void require_options(const char* solver, const StoppingRule& rule, int max_iterations) {
+  const auto refuse = [&](const char* why) { throw std::invalid_argument(std::string(solver) + ": " + why); };
+  if (!(rule.tolerance >= 0))
+    refuse("the tolerance of the stopping rule is negative or NaN; give 0 or more, 1e-16 say");
+  if (max_iterations < 1) refuse("max_iterations is below 1; give the evaluations that a step may take");
+}
 
 /// The bookkeeping that every solver shares: after each evaluation, is this the end, and how?
 template <class Scalar>

@@ -51,6 +51,7 @@ class Pihajoki {
   using Scalar = typename H::Scalar;
   static constexpr int Dof = H::Dof;
   using State = ExtendedPoint<Scalar, Dof>;
+  static constexpr const char* name = "Pihajoki";
 
   /// Throws std::invalid_argument, saying what is wrong, unless the scheme passes its own check.
   Pihajoki(H hamiltonian, Scheme<Scalar> scheme) : chain_(std::move(hamiltonian), std::move(scheme)) {}
@@ -64,6 +65,10 @@ class Pihajoki {
   Eigen::Index dof() const { return dof_of(hamiltonian()); }
   const H& hamiltonian() const { return chain_.hamiltonian; }
   const Scheme<Scalar>& scheme() const { return chain_.scheme; }
+
+  /// Nothing goes on from step to step; see CheckpointMemory.
+  template <class Visitor>
+  void visit_memory(Visitor&&) {}
 
  private:
   detail::KickChain<H> chain_;

@@ -23,6 +23,7 @@ class Tao {
   using Scalar = typename H::Scalar;
   static constexpr int Dof = H::Dof;
   using State = ExtendedPoint<Scalar, Dof>;
+  static constexpr const char* name = "Tao";
 
   /// Throws std::invalid_argument unless the scheme passes its own check and is a composition of Strang, as strang,
   /// triple_jump, suzuki, yoshida6, kahan_li, suzuki_umeno and sofroniou_spaletta are: a direct list of A and B
@@ -60,6 +61,14 @@ class Tao {
   const H& hamiltonian() const { return chain_.hamiltonian; }
   const Scheme<Scalar>& scheme() const { return chain_.scheme; }
   const Scalar& omega() const { return omega_; }
+
+  /// Hands visit() every number that goes on from step to step; see CheckpointMemory.
+  template <class Visitor>
+  void visit_memory(Visitor&& visit) {
+    visit(chain_.a);  // where the gradient was taken
+    visit(gradient_);
+    visit(gradient_known_);
+  }
 
  private:
   void kicks(const Scalar& dt, bool known, Scalar* a, Scalar* b) {

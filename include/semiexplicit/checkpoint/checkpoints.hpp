@@ -1,0 +1,215 @@
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+#include <tuple>
+#include <type_traits>
+#include <utility>
+
+#include <semiexplicit/checkpoint/file.hpp>
+#include <semiexplicit/checkpoint/fingerprint.hpp>
+#include <semiexplicit/checkpoint/memory.hpp>
+#include <semiexplicit/core/phase_point.hpp>
+#include <semiexplicit/integrate.hpp>
+#include <semiexplicit/splitting/kick_chain.hpp>
+
+namespace semiexplicit {
+
+/// When checkpoints are written, and of what run.
+struct CheckpointOptions {
+  std::int64_t every = 0;  ///< after so many steps; 0: by the clock
+  double seconds = 60;     ///< by the clock: not before so many seconds have passed since the last one
+  /// Anything that tells this run from others, the parameters of H, say: a checkpoint with another text is refused.
+  std::string run = "";
+};
+
+/// An observer that saves a run from time to time, so that it can be gone on with after a crash: bit for bit the same
+/// trajectory, times and reports. It saves the state, what the stepper carries from step to step, and the memory of the
+/// observers that are named (HasMemory: Invariants, CsvTrajectory, CsvWriter, every() of these, or your own).
+///
+///     IntegrationOptions<double> options{.dt = 0.01, .steps = 1'000'000'000};
+///     Checkpoints checkpoints("run.checkpoint", {.every = 1'000'000}, stepper, options, invariants, csv);
+///     options.done = checkpoints.resume(z);  // changes nothing where there is no such file
+///     integrate(stepper, z, options, invariants, csv, checkpoints);
+///     csv.commit();
+///     checkpoints.remove();
+///
+/// Comes last among the observers, for it saves what those before it have seen. The file is written whole and flushed to the
+/// disk before it takes the place of the one before; where that fails, std::runtime_error is thrown and the old one stays.
+/// Refers to the stepper and the observers, which must outlive it. `steps` may grow from run to run. A checkpoint holds for
+/// the compiler and the flags that the program was built with, as the last bits of any floating-point result do.
+template <Stepper S, HasMemory... Observers>
+class Checkpoints {
+ public:
+  using Scalar = typename S::Scalar;
+  using State = typename S::State;
+
+  /// Throws std::invalid_argument where every is negative or seconds are not positive.
+  Checkpoints(std::filesystem::path path, CheckpointOptions options, S& stepper,
+              const IntegrationOptions<Scalar>& run, Observers&... observers)
+      : path_(std::move(path)),
+        options_(std::move(options)),
+        stepper_(stepper),
+        fingerprint_(detail::Fingerprint(stepper, run, options_.run).text()),
+        observers_(observers...) {
+    static_assert(HasMemory<S>, "Checkpoints needs a stepper with visit_memory(); see checkpoint/memory.hpp");
+    if (options_.every < 0) throw std::invalid_argument("Checkpoints: every is negative; give steps, or 0");
+    if (!(options_.seconds > 0))
+      throw std::invalid_argument("Checkpoints: seconds is not positive; give a time, 60 say");
+  }
+
+  /// Puts stepper, observers and z, which comes as the run began, back to where the file has them, and gives the report up to
+  /// there, for IntegrationOptions::done. Where there is no such file it changes nothing and gives an empty report. Throws
+  /// std::invalid_argument, naming file, reason and remedy, where the file is damaged or belongs to another run;
+  /// z and the stepper are then untouched.
+  IntegrationReport resume(State& z) {
+    start_state_ = checksum_of(z);
+    last_time_ = Clock::now();
+    IntegrationReport done;
+    try {
+      const auto file = detail::read_if_there(path_);
+      if (!file) return done;
+      const std::string contents = detail::CheckpointFrame::unpack(*file);
+      using Read = CheckpointMemory::Read;
+      State copy = z;
+      CheckpointMemory restore(contents, Read::restore), check(contents, Read::check);
+      visit_head(restore, done, copy);
+      visit_head(check, done, copy);
+      visit_all(check);
+      if (!check.at_end()) throw std::invalid_argument("it holds more numbers than are asked for");
+      visit_all(restore);
+      z = copy;
+    } catch (const std::invalid_argument& reason) {
+      throw std::invalid_argument("checkpoint " + path_.string() + ": " + reason.what());
+    }
+    done_seconds_ = done.seconds;
+    last_ = done.steps;
+    return done;
+  }
+
+  void operator()(const Scalar&, const State& z, const IntegrationReport& so_far) {
+    if (so_far.steps == 0) start_state_ = checksum_of(z);
+    if (so_far.steps == last_) return;
+    if (options_.every > 0 ? so_far.steps % options_.every != 0 : !time_has_come(so_far.steps)) return;
+    save(z, so_far);
+  }
+
+  /// Writes a checkpoint now.
+  void save(const State& z, const IntegrationReport& so_far) {
+    IntegrationReport report = so_far;
+    State copy = z;
+    CheckpointMemory memory;
+    report.seconds = done_seconds_ + since(start_);
+    visit_head(memory, report, copy);
+    visit_all(memory);
+    detail::write_durably(path_, detail::CheckpointFrame::pack(memory.bytes()));
+    last_ = so_far.steps;
+    last_time_ = Clock::now();
+  }
+
+  /// Takes the file away: the run is done. Does nothing where there is none.
+  void remove() const {
+    std::error_code failure;
+    std::filesystem::remove(path_, failure);
+    if (failure) throw std::runtime_error(path_.string() + ": " + failure.message());
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  static double since(Clock::time_point then) {
+    return std::chrono::duration<double>(Clock::now() - then).count();
+  }
+
+  /// What tells whether the rest is wanted, the report and the state.
+  void visit_head(CheckpointMemory& memory, IntegrationReport& report, State& z) {
+    std::string fingerprint = fingerprint_;
+    memory(fingerprint);  // of the file, where this reads
+    if (const std::string other = detail::Fingerprint::difference(fingerprint, fingerprint_); !other.empty())
+      throw std::invalid_argument("it belongs to another run: " + other +
+                                  "; give it the same settings, or another file");
+    std::uint64_t start_state = start_state_;
+    memory(start_state);
+    if (start_state != start_state_)
+      throw std::invalid_argument(
+          "it belongs to a run from another initial state; give it the same one, or another file");
+    if (z.dof() != stepper_.dof())
+      throw std::invalid_argument("the state handed in has " + std::to_string(z.dof()) +
+                                  " degrees of freedom, and the stepper has " +
+                                  std::to_string(stepper_.dof()));
+    for (auto* count : {&report.steps, &report.evaluations, &report.gradients, &report.subdivided}) {
+      memory(*count);
+      if (*count < 0 || *count > std::int64_t{1} << 62)
+        throw std::invalid_argument("its counts cannot be; start anew without it");
+    }
+    for (auto* number : {&report.max_correction, &report.seconds}) memory(*number);
+    visit_state(memory, z);
+    if (!z.q().allFinite() || !z.p().allFinite())
+      throw std::invalid_argument("its state is NaN or Inf; start anew without it");
+    // Tells another H, to the rounding of another compiler.
+    const Scalar here = size_of_gradient(z);
+    Scalar there = here;
+    memory(there);
+    using std::abs;
+    if (!(abs(there - here) <= std::sqrt(std::numeric_limits<Scalar>::epsilon()) * abs(here)) && here == here)
+      throw std::invalid_argument("it belongs to another Hamiltonian: the norm of the gradient is " +
+                                  detail::in_words(there, 9) + " there, " + detail::in_words(here, 9) +
+                                  " here; give H the same parameters, or the run another file");
+  }
+
+  static void visit_state(CheckpointMemory& memory, State& z) {
+    if constexpr (requires { z.a; }) {  // an ExtendedPoint
+      memory(z.a.vector());
+      memory(z.b.vector());
+    } else {
+      memory(z.vector());
+    }
+  }
+  static std::uint64_t checksum_of(State z) {
+    CheckpointMemory memory;
+    visit_state(memory, z);
+    return detail::checksum(memory.bytes());
+  }
+
+  Scalar size_of_gradient(const State& z) const {
+    PhasePoint<Scalar, S::Dof> at(stepper_.dof()), gradient = at;
+    at.q() = z.q();
+    at.p() = z.p();
+    detail::gradient_at(stepper_.hamiltonian(), at.vector().data(), gradient.vector().data(), at.dof());
+    return detail::norm(gradient.vector());
+  }
+
+  void visit_all(CheckpointMemory& memory) {
+    std::apply([&](auto&... observer) { (observer.visit_memory(memory), ...); }, observers_);
+    stepper_.visit_memory(memory);  // after the observers, which may refuse
+  }
+
+  /// Reading the clock costs as much as a small step: it is looked at about a thousand times a second.
+  bool time_has_come(std::int64_t step) {
+    if (step < next_look_) return false;
+    const double passed = since(last_look_);
+    look_every_ = passed < 1e-3 ? std::min<std::int64_t>(2 * look_every_, 1 << 20)
+                                : std::max<std::int64_t>(look_every_ / 2, 1);
+    next_look_ = step + look_every_;
+    last_look_ = Clock::now();
+    return since(last_time_) >= options_.seconds;
+  }
+
+  std::filesystem::path path_;
+  CheckpointOptions options_;
+  S& stepper_;
+  std::string fingerprint_;
+  std::tuple<Observers&...> observers_;
+  std::uint64_t start_state_ = 0;
+  double done_seconds_ = 0;
+  std::int64_t last_ = 0, next_look_ = 0, look_every_ = 1;
+  Clock::time_point start_ = Clock::now(), last_time_ = start_, last_look_ = start_;
+};
+
+}  // namespace semiexplicit

@@ -1,0 +1,132 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <system_error>
+
+#if !defined(_WIN32)
+#include <fcntl.h>
+#include <unistd.h>
+#endif
+
+namespace semiexplicit::detail {
+
+/// The checksum FNV-1a with 64 bits, of `bytes` after those that gave `so_far`. A single changed byte always changes it.
+/// Source: G. Fowler, L. C. Noll, K.-P. Vo, D. Eastlake, The FNV Non-Cryptographic Hash Algorithm (IETF draft-eastlake-fnv).
+inline std::uint64_t checksum(std::string_view bytes, std::uint64_t so_far = 0xcbf29ce484222325U) {
+  for (const char byte : bytes) so_far = (so_far ^ static_cast<unsigned char>(byte)) * 0x100000001b3U;
+  return so_far;
+}
+
+/// Waits until what was written to a file, or the names in a folder, is on the disk; false where that fails.
+inline bool sync_to_disk([[maybe_unused]] const std::filesystem::path& path) {
+#if defined(_WIN32)
+  return true;
+#else
+  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (file < 0) return false;
+  const bool done = fsync(file) == 0;
+  return close(file) == 0 && done;
+#endif
+}
+
+/// Writes a file that is there whole or not at all, even where the power fails: to `path` + ".part", which is flushed to the
+/// disk and then renamed. Throws std::runtime_error, naming the file; what was there before is there still.
+inline void write_durably(const std::filesystem::path& path, std::string_view bytes) {
+  const std::filesystem::path part = path.string() + ".part";
+  const auto fail = [&](const std::string& why) {
+    std::error_code ignored;
+    std::filesystem::remove(part, ignored);
+    throw std::runtime_error(path.string() + ": " + why);
+  };
+  std::ofstream out(part, std::ios::binary);
+  if (!out) fail("cannot be written; check that the folder exists and is writable");
+  out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  out.close();
+  if (!out || !sync_to_disk(part)) fail("cannot be written; is the disk full?");
+  std::error_code failure;
+  std::filesystem::rename(part, path, failure);
+  if (failure) fail(failure.message());
+  const std::filesystem::path folder = path.parent_path();
+  sync_to_disk(folder.empty() ? "." : folder);  // the new name; some file systems cannot, and need not
+}
+
+/// The format of checkpoints: a line that says what it is, byte order, version, length, contents, checksum of all that.
+struct CheckpointFrame {
+  static constexpr std::string_view magic = "semiexplicit checkpoint\n";
+  static constexpr std::uint32_t byte_order = 0x01020304, foreign_order = 0x04030201, version = 1;
+  static constexpr std::size_t head = magic.size() + 2 * sizeof(std::uint32_t) + sizeof(std::uint64_t);
+  static constexpr std::size_t tail = sizeof(std::uint64_t);
+
+  static std::string pack(std::string_view contents) {
+    std::string file(magic);
+    append(file, byte_order);
+    append(file, version);
+    append(file, static_cast<std::uint64_t>(contents.size()));
+    file += contents;
+    append(file, checksum(file));
+    return file;
+  }
+
+  /// The contents of a file. Throws std::invalid_argument that says what is wrong with it.
+  static std::string unpack(std::string_view file) {
+    const auto refuse = [](const std::string& why) { throw std::invalid_argument(why); };
+    if (!file.starts_with(magic))
+      refuse("is not a checkpoint; give the name of one, or of no file to start anew");
+    if (file.size() < head) refuse("is cut short; start anew without it, or from a copy");
+    const auto order = number<std::uint32_t>(file, magic.size());
+    if (order == foreign_order)
+      refuse("was written on a machine of another byte order; go on there, or start anew without it");
+    if (order != byte_order) refuse("is damaged in its head; start anew without it, or from a copy");
+    const auto written = number<std::uint32_t>(file, magic.size() + sizeof order);
+    if (written != version)
+      refuse("has the format " + std::to_string(written) + ", and this program reads the format " +
+             std::to_string(version) +
+             "; go on with the version of semiexplicit that wrote it, or start anew without it");
+    const auto length = number<std::uint64_t>(file, head - sizeof(std::uint64_t));
+    if (file.size() < head + tail || length != file.size() - head - tail)
+      refuse(
+          "has not the length that it says; it was cut short or lengthened: start anew without it, or "
+          "from a copy");
+    if (number<std::uint64_t>(file, file.size() - tail) != checksum(file.substr(0, file.size() - tail)))
+      refuse("is damaged: its checksum does not fit; start anew without it, or from a copy");
+    return std::string(file.substr(head, static_cast<std::size_t>(length)));
+  }
+
+ private:
+  template <class T>
+  static void append(std::string& to, T value) {
+    to.append(reinterpret_cast<const char*>(&value), sizeof value);
+  }
+  template <class T>
+  static T number(std::string_view file, std::size_t at) {
+    T value;
+    std::memcpy(&value, file.data() + at, sizeof value);
+    return value;
+  }
+};
+
+/// All of a file, or nothing where there is none. Throws std::invalid_argument where it cannot be read.
+inline std::optional<std::string> read_if_there(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (std::filesystem::symlink_status(path, ignored).type() == std::filesystem::file_type::not_found)
+    return {};
+  std::ifstream in(path, std::ios::binary);
+  std::string bytes;
+  if (in && std::filesystem::is_regular_file(path, ignored))
+    bytes.assign(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
+  else
+    in.setstate(std::ios::failbit);
+  if (!in || in.bad()) throw std::invalid_argument("cannot be read; check what it is and who may read it");
+  return bytes;
+}
+
+}  // namespace semiexplicit::detail

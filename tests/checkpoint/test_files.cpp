@@ -1,0 +1,304 @@
+#include "catch.hpp"
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+#include <string>
+
+#include <semiexplicit/semiexplicit.hpp>
+
+#include "folder.hpp"
+#include "refusal.hpp"
+
+// Checkpoint files: those that must not be gone on from, those that cannot be written, and what goes on beside the stepper.
+
+namespace {
+
+using namespace semiexplicit;
+namespace fs = std::filesystem;
+
+/// Bit for bit.
+bool same(const PhasePoint<double, 1>& u, const PhasePoint<double, 1>& v) { return u.vector() == v.vector(); }
+
+/// A run of Product that has left a checkpoint.
+struct Interrupted {
+  Folder folder;
+  fs::path file = folder.path / "run.checkpoint";
+  IntegrationOptions<double> options{.dt = 0.1, .steps = 20};
+  PhasePoint<double, 1> start{-3, 0};
+  systems::Product<double> h;
+
+  Interrupted() {
+    GaussLegendre stepper(h, {.stages = 2});
+    PhasePoint<double, 1> z = start;
+    Invariants<double, 1> seen(h);
+    Checkpoints checkpoints(file, {.every = 10}, stepper, options, seen);
+    integrate(stepper, z, options, seen, checkpoints);
+  }
+  void write(const std::string& bytes) const { std::ofstream(file, std::ios::binary) << bytes; }
+
+  /// What is said of the file; nothing may change where it is refused.
+  std::string refusal_of_file() const {
+    GaussLegendre stepper(h, {.stages = 2}), fresh = stepper;
+    PhasePoint<double, 1> z = start, y = start;
+    Invariants<double, 1> seen(h);
+    Checkpoints checkpoints(file, {.every = 10}, stepper, options, seen);
+    const std::string said = refusal([&] { checkpoints.resume(z); });
+    if (!says(said, "nothing was refused")) {
+      if (!same(z, start) || seen["energy"].started) return "the state or the observers changed";
+      stepper.step(z, 0.1);
+      fresh.step(y, 0.1);
+      if (!same(z, y)) return "the stepper changed";
+    }
+    return said;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("A checkpoint with any byte changed, cut short or lengthened is refused, and nothing changes",
+          "[checkpoint]") {
+  const Interrupted run;
+  const std::string sound = contents(run.file);
+  REQUIRE(sound.size() > 300);
+  REQUIRE(run.refusal_of_file() == "nothing was refused");
+  const std::string file = "checkpoint " + run.file.string() + ": ";
+  // All of it in memory, and every ninth as a file.
+  std::size_t damages = 0, refused = 0;
+  const auto damage = [&](const std::string& bytes) {
+    const auto good = [](const std::string& said) {
+      return says(said, "start anew") || says(said, "give the name");
+    };
+    const bool by_frame = good(refusal([&] { detail::CheckpointFrame::unpack(bytes); }));
+    bool by_file = true;
+    if (damages++ % 9 == 0) {
+      run.write(bytes);
+      const std::string said = run.refusal_of_file();
+      by_file = says(said, file) && good(said);
+    }
+    if (by_frame && by_file) ++refused;
+  };
+  for (std::size_t i = 0; i < sound.size(); ++i)
+    for (int bit = 0; bit < 8; ++bit) {
+      std::string damaged = sound;
+      damaged[i] = static_cast<char>(damaged[i] ^ (1 << bit));
+      damage(damaged);
+    }
+  for (std::size_t length = 0; length < sound.size(); ++length) damage(sound.substr(0, length));
+  damage(sound + '\0');
+  CHECK(refused == damages);
+
+  // In a frame that is sound, too: numbers that are not those asked for, or that cannot be.
+  const std::string inside = detail::CheckpointFrame::unpack(sound);
+  std::size_t survived = 0;
+  for (std::size_t length = 0; length < inside.size(); length += length < 20 ? 1 : 7) {
+    run.write(detail::CheckpointFrame::pack(inside.substr(0, length)));
+    if (!says(run.refusal_of_file(), file)) ++survived;
+  }
+  run.write(detail::CheckpointFrame::pack(inside + "1"));
+  if (!says(run.refusal_of_file(), file)) ++survived;
+  CHECK(survived == 0);
+
+  std::string other = sound;
+  other[28] = 2;
+  run.write(other);
+  CHECK(says(run.refusal_of_file(), "has the format 2, and this program reads the format 1; go on with"));
+  std::memcpy(other.data() + 24, "\x01\x02\x03\x04", 4);
+  run.write(other);
+  CHECK(says(run.refusal_of_file(), "another byte order"));
+  fs::remove(run.file);
+  fs::create_directory(run.file);
+  CHECK(says(run.refusal_of_file(), "cannot be read"));
+}
+
+TEST_CASE("A checkpoint of another run is refused, by what differs", "[checkpoint]") {
+  const Interrupted run;
+  using Point = PhasePoint<double, 1>;
+  Invariants<double, 1> seen(run.h);
+  const auto said = [&](auto stepper, auto options, const Point& from = {-3, 0}, std::string label = "") {
+    Point z = from;
+    Checkpoints checkpoints(run.file, {.every = 10, .run = label}, stepper, options, seen);
+    return refusal([&] { checkpoints.resume(z); });
+  };
+  const GaussLegendre gauss(run.h, {.stages = 2});
+  auto options = run.options;
+  CHECK(said(gauss, options) == "nothing was refused");
+  options.steps = 1000;  // a longer run is the same run
+  CHECK(said(gauss, options) == "nothing was refused");
+  options.dt = 0.2;
+  CHECK(says(said(gauss, options), "'dt: 0.1"));
+  options = run.options;
+  options.t0 = 1;
+  CHECK(says(said(gauss, options), "'t0: 0' there, 't0: 1' here"));
+  options = run.options;
+  CHECK(says(said(GaussLegendre(run.h, {.stages = 3}), options), "'stages: 2' there, 'stages: 3' here"));
+  CHECK(says(said(GaussLegendre(run.h, {.stages = 2, .extrapolate = false}), options), "'extrapolate: 1'"));
+  CHECK(
+      says(said(Semiexplicit(run.h, schemes::strang<double>()), options), "'stepper: GaussLegendre' there"));
+  CHECK(says(said(gauss, options, Point(-3, 1)), "another initial state"));
+  CHECK(says(said(gauss, options, Point(-3, 0), "k = 2"), "'run: ' there, 'run: k = 2' here"));
+
+  auto other_h = make_hamiltonian<double, 1>([](const auto&, const auto&) { return 0.0; },
+                                             [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+                                               dHdq[0] = 1.001 * q[0] * (p[0] * p[0] + 1);
+                                               dHdp[0] = p[0] * (q[0] * q[0] + 1);
+                                             });
+  CHECK(says(said(GaussLegendre(other_h, {.stages = 2}), options), "another Hamiltonian"));
+
+  GaussLegendre stepper(run.h, {.stages = 2});  // other observers, or none
+  Point z = run.start;
+  seen.add("q", [](const auto& q, const auto&) { return q[0]; });
+  CHECK(says(said(gauss, options), "other numbers than are asked for"));
+  Checkpoints without(run.file, {}, stepper, options);
+  CHECK(says(refusal([&] { without.resume(z); }), "other numbers than are asked for"));
+
+  GaussLegendre longer(systems::Product<long double>{}, {.stages = 2});
+  PhasePoint<long double, 1> wide(-3, 0);
+  Checkpoints of_long_double(run.file, {}, longer, IntegrationOptions<long double>{.dt = 0.1L, .steps = 20});
+  CHECK(says(refusal([&] { of_long_double.resume(wide); }), "'bits of a number: 53' there"));
+  GaussLegendre larger(systems::NlsLattice<double, 2>{}, {.stages = 2});
+  PhasePoint<double, 2> two({1, 0.5}, {0.4, -0.7});
+  Checkpoints of_lattice(run.file, {}, larger, options);
+  CHECK(says(refusal([&] { of_lattice.resume(two); }), "'degrees of freedom: 1' there"));
+
+  // Schemes and solvers, as their own run sees them.
+  const fs::path file = run.folder.path / "scheme";
+  const auto scheme = schemes::blanes_moan4<double>();
+  Semiexplicit first(run.h, scheme, Broyden{.memory = 5});
+  Checkpoints(file, {}, first, options).save(z, {});
+  const auto refused = [&](auto second) {
+    return refusal([&] { Checkpoints(file, {}, second, options).resume(z); });
+  };
+  CHECK(says(refused(Semiexplicit(run.h, schemes::kahan_li6<double>(), Broyden{.memory = 5})),
+             "'scheme: blanes_moan4"));
+  auto edited = scheme;
+  edited.a.front() = edited.a.back() = std::nextafter(edited.a.front(), 1.0);
+  CHECK(says(refused(Semiexplicit(run.h, edited, Broyden{.memory = 5})), "'scheme: blanes_moan4"));
+  CHECK(says(refused(Semiexplicit(run.h, scheme)), "'solver: Broyden' there"));
+  CHECK(says(refused(Semiexplicit(run.h, scheme, Broyden{.memory = 6})), "'memory: 5' there"));
+  const Broyden loose{.stop = StoppingRule::product(1e-12), .memory = 5};
+  CHECK(says(refused(Semiexplicit(run.h, scheme, loose)), "'tolerance: 9.9"));
+}
+
+TEST_CASE("Where a checkpoint cannot be written, that is said and the old one stays", "[checkpoint]") {
+  const Interrupted run;
+  const std::string old = contents(run.file);
+  GaussLegendre stepper(run.h, {.stages = 2});
+  PhasePoint<double, 1> z = run.start;
+  const auto complaint = [&](const fs::path& path) -> std::string {
+    try {
+      Checkpoints checkpoints(path, {.every = 10}, stepper, run.options);
+      integrate(stepper, z, run.options, checkpoints);
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  CHECK(says(complaint(run.folder.path / "nowhere" / "file"), "check that the folder exists"));
+  fs::create_directory(run.folder.path / "folder");
+  CHECK(says(complaint(run.folder.path / "folder"), "folder: "));
+  CHECK_FALSE(fs::exists(run.folder.path / "folder.part"));
+  if (fs::exists("/dev/full")) {
+    fs::create_symlink("/dev/full", run.file.string() + ".part");
+    CHECK(says(complaint(run.file), run.file.string() + ": cannot be written; is the disk full?"));
+    CHECK(contents(run.file) == old);
+    CHECK_FALSE(fs::exists(fs::symlink_status(run.file.string() + ".part")));
+  }
+  CHECK(refuses([&] { Checkpoints("x", {.every = -1}, stepper, run.options); }, "every is negative"));
+  CHECK(refuses([&] { Checkpoints("x", {.seconds = 0}, stepper, run.options); }, "seconds is not positive"));
+}
+
+TEST_CASE("By the clock, after steps, and away when the run is done", "[checkpoint]") {
+  const Folder folder;
+  const fs::path file = folder.path / "run.checkpoint";
+  GaussLegendre stepper(systems::Product<double>{}, {.stages = 1});
+  PhasePoint<double, 1> z(-3, 0);
+  const IntegrationOptions<double> options{.dt = 0.1, .steps = 10};
+  Checkpoints never(file, {.seconds = 1e9}, stepper, options);
+  CHECK(never.resume(z).steps == 0);
+  integrate(stepper, z, options, never);
+  CHECK_FALSE(fs::exists(file));
+  Checkpoints always(file, {.seconds = 1e-9}, stepper, options);
+  integrate(stepper, z, options, always);
+  CHECK(fs::exists(file));
+  always.remove();
+  CHECK_FALSE(fs::exists(file));
+  always.remove();
+  Checkpoints fours(file, {.every = 4}, stepper, options);
+  z = {-3, 0};
+  integrate(stepper, z, options, fours);
+  z = {-3, 0};
+  CHECK(fours.resume(z).steps == 8);
+}
+
+TEST_CASE("integrate() goes on from an earlier part: times, counts, observers", "[checkpoint]") {
+  GaussLegendre stepper(systems::Product<double>{}, {.stages = 1});
+  PhasePoint<double, 1> z(-3, 0);
+  IntegrationOptions<double> options{.dt = 0.1, .steps = 5, .t0 = 7};
+  Record<double, 1> record;
+  options.done = integrate(stepper, z, options, record);
+  options.steps = 12;
+  std::int64_t counted = 0;
+  const auto report =
+      integrate(stepper, z, options, record,
+                [&](double, const auto&, const IntegrationReport& so_far) { counted = so_far.steps; });
+  CHECK(counted == 12);
+  CHECK(report.steps == 12);
+  REQUIRE(record.t.size() == 13);  // the state in the middle once
+  for (std::size_t n = 0; n < 13; ++n) CHECK(record.t[n] == 7 + static_cast<double>(n) * 0.1);
+  options.done = report;
+  CHECK(integrate(stepper, z, options, record).t == 7 + 12 * 0.1);  // nothing is left to do
+  CHECK(record.t.size() == 13);
+  options.steps = 4;
+  CHECK(refuses([&] { integrate(stepper, z, options); }, "12 steps are done, and not 0 to 4"));
+}
+
+TEST_CASE("A CSV file goes on where the checkpoint has it, byte for byte", "[checkpoint]") {
+  const Folder folder;
+  const fs::path file = folder.path / "run.checkpoint", csv = folder.path / "run.csv",
+                 part = csv.string() + ".part";
+  const systems::Product<double> h;
+  IntegrationOptions<double> options{.dt = 0.1, .steps = 100};
+  struct Killed {};
+  /// Runs until it is done or dies after some steps; what was written after the last checkpoint stays in the .part.
+  const auto run = [&](std::int64_t dies) {
+    GaussLegendre stepper(h, {.stages = 2});
+    PhasePoint<double, 1> z(-3, 0);
+    CsvTrajectory trajectory(csv, 1);
+    auto thirds = every(3, trajectory);
+    Checkpoints checkpoints(file, {.every = 10}, stepper, options, thirds);
+    options.done = checkpoints.resume(z);
+    integrate(stepper, z, options, thirds, checkpoints,
+              [&](double, const auto&, const IntegrationReport& so_far) {
+                if (so_far.steps == dies) throw Killed();
+              });
+    trajectory.commit();
+    checkpoints.remove();
+  };
+  run(-1);
+  const std::string whole = contents(csv);
+  fs::remove(csv);
+  for (const std::int64_t dies : {9, 10, 37, 59, 99}) CHECK_THROWS_AS(run(dies), Killed);
+  CHECK(options.done.steps == 50);
+  CHECK(contents(part).size() > 1000);
+  CHECK_FALSE(fs::exists(csv));
+
+  const std::string rows = contents(part), kept = contents(file);
+  for (const std::string& other : {rows.substr(0, 500), "T" + rows.substr(1), std::string()}) {
+    std::ofstream(part, std::ios::binary) << other;
+    CHECK(refuses([&] { run(-1); }, "run.csv.part is not what it was when the checkpoint was written"));
+    CHECK(contents(file) == kept);
+  }
+  std::ofstream(part, std::ios::binary) << rows << "0.1,0.";  // a row that was cut off
+  options.dt = 0.2;
+  CHECK(refuses([&] { run(-1); }, "'dt: 0.1"));  // and the rows are still there
+  options.dt = 0.1;
+  run(-1);
+  CHECK(contents(csv) == whole);
+  CHECK_FALSE(fs::exists(part));
+  CHECK_FALSE(fs::exists(file));
+}

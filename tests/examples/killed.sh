@@ -1,0 +1,62 @@
+#!/usr/bin/env bash
+# killed.sh FOLDER SEED KILLS EVERY PROGRAM [ARGUMENT...]
+#
+# Runs PROGRAM in FOLDER to its end, and again with a checkpoint after EVERY steps, killed (kill -9) at KILLS random moments and
+# started anew after each; SEED is a number, or random. Fails unless all files and all that is printed are the same in the end, byte for byte but for the
+# seconds, unless each start goes on from a multiple of EVERY that is no earlier than that of the start before it, and unless
+# some of them did go on.
+set -euo pipefail
+folder=$1 seed=$2 kills=$3 every=$4
+shift 4
+[ "$seed" != random ] || seed=$RANDOM
+RANDOM=$seed
+rm -rf "$folder"
+mkdir -p "$folder"
+cd "$folder"
+fail() {
+  echo "seed $seed: $1" >&2
+  exit 1
+}
+
+begin=$(date +%s%N)
+"$@" --no-plot --output whole >whole.txt
+took=$((($(date +%s%N) - begin) / 1000)) # microseconds
+
+start() { exec "$@" --no-plot --output killed --checkpoint run.checkpoint --checkpoint-every "$every" >killed.txt; }
+gone_on=0 reached=0
+look() { # where the last start went on from
+  local step
+  [ -e killed.txt ] || return 0
+  step=$(sed -n 's/^goes on from .*, step \([0-9]*\)$/\1/p' killed.txt)
+  [ -n "$step" ] || return 0
+  [ $((step % every)) -eq 0 ] && [ "$step" -ge "$reached" ] || fail "went on from step $step after $reached"
+  gone_on=$((gone_on + 1)) reached=$step
+}
+done_kills=0
+for ((attempt = 0; attempt < kills; ++attempt)); do
+  start "$@" & # which becomes the program itself, so that the kill meets it and not a shell
+  child=$!
+  # A share of the whole run that lets about three quarters of the kills fall before its end.
+  delay=$((took * (RANDOM % 1000 + 1) * 3 / (2000 * kills)))
+  sleep "$(printf '%d.%06d' $((delay / 1000000)) $((delay % 1000000)))"
+  kill -9 "$child" 2>/dev/null || true
+  code=0
+  wait "$child" 2>/dev/null || code=$?
+  look
+  case $code in
+    0) break ;; # it was faster
+    137) done_kills=$((done_kills + 1)) ;;
+    *) fail "a start ended with exit code $code" ;;
+  esac
+done
+if [ ! -e killed ] || [ -e run.checkpoint ] || [ "$done_kills" -eq "$kills" ]; then
+  (start "$@")
+  look
+fi
+
+same() { grep -vE '^(goes on from|seconds|data:) ?' "$1"; }
+diff <(same whole.txt) <(same killed.txt) || fail "the output differs"
+diff -r whole killed || fail "the files differ"
+[ ! -e run.checkpoint ] || fail "the checkpoint was left behind"
+[ "$gone_on" -gt 0 ] || fail "no start went on from a checkpoint"
+echo "seed $seed: $done_kills kills, $gone_on starts went on, the last from step $reached; all files the same"

@@ -9,6 +9,7 @@
 #include <semiexplicit/core/phase_point.hpp>
 #include <semiexplicit/core/report.hpp>
 #include <semiexplicit/cost/cost_of_accuracy.hpp>
+#include <semiexplicit/ensemble/ensemble.hpp>
 #include <semiexplicit/integrate.hpp>
 #include <semiexplicit/observers.hpp>
 #include <semiexplicit/projection/midpoint.hpp>

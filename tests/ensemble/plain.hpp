@@ -34,6 +34,17 @@ struct Product {
   }
 };
 
+/// H = (q² + p²)/2 + 0.3 q p: states of any size move alike.
+template <class S>
+struct Quadratic {
+  using Scalar = S;
+  static constexpr int Dof = 1;
+  void gradient(ConstRef<S, 1> q, ConstRef<S, 1> p, Ref<S, 1> dHdq, Ref<S, 1> dHdp) const {
+    dHdq[0] = q[0] + 0.3 * p[0];
+    dHdp[0] = p[0] + 0.3 * q[0];
+  }
+};
+
 template <int Dof>
 bool same_bits(const PhasePoint<double, Dof>& x, const PhasePoint<double, Dof>& y) {
   return x.dof() == y.dof() && std::memcmp(x.vector().data(), y.vector().data(),

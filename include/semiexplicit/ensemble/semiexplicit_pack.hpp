@@ -165,21 +165,19 @@ class SemiexplicitPack {
     std::array<std::optional<detail::Convergence<double>>, Many::size()> lanes;
     for (auto& lane : lanes) lane.emplace(solver_.stop, solver_.max_iterations);
     Mask going = in_play;
+    bool first = true;
     Many size_m = 0.0;
     for (;;) {
       const Many distance = detail::norm(moved_.data(), length()) / 2.0;
       for (std::size_t k = 0; k < Many::size(); ++k)
         if (going[k]) going[k] = !lanes[k]->done(e[k], size_m[k], LaneSizes{size_z[k], distance[k]});
       if (none_of(going)) break;
-      // Lanes that are done keep their multiplier, and their moves: swept again these would be the same but for the code,
-      // in which a compiler may fuse other operations when there is a multiplier.
-      if (evaluations_of(lanes) == 1)
-        for (std::size_t i = 0; i < size(); ++i) {
-          m_[i] = 0.0;
-          detail::assign(going, m_[i], f_[i] / -4.0);
-        }
+      // All multipliers move on; lanes that are done keep their moves of the copies.
+      if (first)
+        for (std::size_t i = 0; i < size(); ++i) m_[i] = f_[i] / -4.0;
       else
-        for (std::size_t i = 0; i < size(); ++i) detail::assign(going, m_[i], m_[i] - f_[i] / 4.0);
+        for (std::size_t i = 0; i < size(); ++i) m_[i] -= f_[i] / 4.0;
+      first = false;
       std::copy(moved_.begin(), moved_.end(), kept_.begin());
       e = detail::call_inlined([&] { return sweep(state.z.data(), m_.data(), dt); });
       for (std::size_t i = 0; i < size(); ++i) detail::assign(!going, moved_[i], kept_[i]);
@@ -197,12 +195,6 @@ class SemiexplicitPack {
       if (in_play[k] && lane.status == Status::not_finite) diagnose(state, k, report);
     }
     return ok;
-  }
-
-  static std::int64_t evaluations_of(const auto& lanes) {
-    std::int64_t most = 0;
-    for (const auto& lane : lanes) most = std::max(most, lane->report().evaluations);
-    return most;
   }
 
   /// Tells a state that is not finite from a gradient that is not.

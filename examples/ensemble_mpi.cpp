@@ -2,7 +2,9 @@
 // is kept in a file; a run that was interrupted goes on from these when it is started again with the same settings.
 //
 //     mpirun -n 4 ensemble_mpi --members 100000
+#include <algorithm>
 #include <chrono>
+#include <ctime>
 #include <filesystem>
 #include <iostream>
 #include <string>
@@ -38,6 +40,7 @@ struct Job {
   std::filesystem::path output = "out";
   bool no_plot = false, progress = false;
 
+  std::int64_t last_of(std::int64_t b) const { return std::min((b + 1) * block, sweep.members); }
   std::int64_t blocks() const { return (sweep.members + block - 1) / block; }
 };
 
@@ -83,14 +86,17 @@ int run(const World& world, const Job& job) {
 
   // Every block costs nearly the same, so they are dealt out like cards.
   const auto start = Clock::now();
+  const std::clock_t processor_start = std::clock();
   const bool shows = world.first() && (job.progress || detail::is_terminal(stderr));
   for (auto i = static_cast<std::size_t>(world.rank); i < missing.size();
        i += static_cast<std::size_t>(world.size)) {
-    const std::int64_t first = missing[i] * job.block, last = std::min(first + job.block, job.sweep.members);
-    checkpoints.save(missing[i], job.sweep.run(first, last, job.threads));
+    const std::int64_t b = missing[i];
+    checkpoints.save(b, job.sweep.run(b * job.block, job.last_of(b), job.threads));
     if (shows) show_progress(job, checkpoints, here_before, start);
   }
-  MPI_Barrier(MPI_COMM_WORLD);
+  const double here = static_cast<double>(std::clock() - processor_start) / CLOCKS_PER_SEC;
+  double processor_seconds = 0;  // of all, for which the first process waits here
+  MPI_Reduce(&here, &processor_seconds, 1, MPI_DOUBLE, MPI_SUM, 0, MPI_COMM_WORLD);
   if (!world.first()) return 0;
   if (shows) std::cerr << "\r\x1b[K";
   const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
@@ -104,12 +110,16 @@ int run(const World& world, const Job& job) {
   }
   const SweepResults results(job.sweep, std::move(table));
   results.print(std::cout);
-  const double steps = 2.0 * static_cast<double>(job.sweep.steps()) *
-                       static_cast<double>(missing.size() * std::size_t(job.block));
-  std::cout << world.size << (world.size > 1 ? " processes, " : " process, ") << job.threads
-            << (job.threads > 1 ? " threads each: " : " thread each: ") << formatted("%.2f", seconds)
-            << " s, " << formatted("%.2e", steps / seconds) << " member-steps a second\n"
-            << "data: " << results.write(job.output).string() << std::endl;
+  if (!missing.empty()) {
+    std::int64_t members = 0;
+    for (const std::int64_t b : missing) members += job.last_of(b) - b * job.block;
+    const double steps = 2.0 * static_cast<double>(job.sweep.steps() * members);
+    std::cout << world.size << (world.size > 1 ? " processes, " : " process, ") << job.threads
+              << (job.threads > 1 ? " threads each: " : " thread each: ") << formatted("%.2f", seconds)
+              << " s, " << formatted("%.2e", steps / seconds) << " member-steps a second, "
+              << formatted("%.2e", steps / processor_seconds) << " a second of a processor\n";
+  }
+  std::cout << "data: " << results.write(job.output).string() << std::endl;
   std::filesystem::remove_all(checkpoints.folder());
   const std::filesystem::path png = job.output / "sweep.png";
   if (!job.no_plot) draw(png, results.script(png));
@@ -124,8 +134,7 @@ int run_job(int argc, char** argv) {
   }
   CLI::App app{
       "Four point vortices: three on a triangle, the fourth at random; which places make them chaotic? By "
-      "many processes: mpirun -n 4 "
-      "ensemble_mpi."};
+      "many processes: mpirun -n 4 ensemble_mpi."};
   Job job;
   const auto add = [&](const char* name, auto& value, const char* about, const CLI::Validator& check,
                        const char* type) {

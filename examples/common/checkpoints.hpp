@@ -59,9 +59,8 @@ class Checkpoints {
     std::getline(in, first);
     const std::string bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
     if (first + '\n' != head(block, bytes) || bytes.size() % sizeof(double) != 0)
-      throw std::runtime_error(file(block).string() + " is damaged or of another version: it should begin '" +
-                               head(block, bytes).substr(0, head(block, bytes).size() - 1) +
-                               "' for what it holds");
+      throw std::runtime_error(file(block).string() +
+                               " is damaged, or another version wrote it: size or checksum do not fit");
     std::vector<double> numbers(bytes.size() / sizeof(double));
     bytes.copy(reinterpret_cast<char*>(numbers.data()), bytes.size());
     return numbers;

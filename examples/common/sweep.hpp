@@ -1,7 +1,10 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -51,11 +54,16 @@ struct Sweep {
   /// The results of members first ... last - 1, a row each.
   std::vector<double> run(std::int64_t first, std::int64_t last, int threads) const {
     const systems::PointVortices<double, 4> vortices(Eigen::Vector4d{1, 1, 1, strength});
+    // Lanes wait for the slowest of their register, so members that will take alike many evaluations go side by side: those
+    // with a pair of vortices at like distance.
+    std::vector<std::int64_t> order(static_cast<std::size_t>(last - first));
+    std::iota(order.begin(), order.end(), first);
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::int64_t i, std::int64_t j) { return nearest(i) < nearest(j); });
     std::vector<PhasePoint<double, 4>> starts;
-    for (std::int64_t i = first; i < last; ++i) {
+    for (const std::int64_t i : order) {
       const Eigen::Vector2d place = fourth(i);
-      const double h = std::sqrt(0.75);
-      starts.push_back(vortices.phase_point({0, -h, h, place.x()}, {1, -0.5, -0.5, place.y()}));
+      starts.push_back(vortices.phase_point({x[0], x[1], x[2], place.x()}, {y[0], y[1], y[2], place.y()}));
     }
     Ensemble ensemble(vortices, starts, schemes::low_defect6_s13<double>());
     ensemble.run({.dt = dt, .steps = steps(), .threads = threads});
@@ -63,21 +71,26 @@ struct Sweep {
     back.run({.dt = -dt, .steps = steps(), .threads = threads});
 
     const auto energy = [&](const PhasePoint<double, 4>& z) { return vortices.energy(z.q(), z.p()); };
-    std::vector<double> table;
-    for (std::int64_t i = first; i < last; ++i) {
-      const Eigen::Index k = i - first;
-      const PhasePoint<double, 4>& start = starts[static_cast<std::size_t>(k)];
+    std::vector<double> table(order.size() * columns().size());
+    for (std::size_t n = 0; n < order.size(); ++n) {
+      const auto k = static_cast<Eigen::Index>(n);
       const IntegrationReport& there = ensemble.report(k);
       const Status status = there.ok() ? back.report(k).status : there.status;
       double reversibility = std::nan(""), energy_error = reversibility;
       if (status == Status::success) {
-        reversibility = (back.state(k).vector() - start.vector()).norm() / start.vector().norm();
-        energy_error = std::abs(energy(ensemble.state(k)) - energy(start));
+        const auto& start = starts[n].vector();
+        reversibility = (back.state(k).vector() - start).norm() / start.norm();
+        energy_error = std::abs(energy(ensemble.state(k)) - energy(starts[n]));
       }
-      const Eigen::Vector2d place = fourth(i);
-      table.insert(table.end(), {place.x(), place.y(), reversibility, energy_error,
-                                 static_cast<double>(there.evaluations) / static_cast<double>(steps()),
-                                 static_cast<double>(status)});
+      const Eigen::Vector2d place = fourth(order[n]);
+      const double row[] = {place.x(),
+                            place.y(),
+                            reversibility,
+                            energy_error,
+                            static_cast<double>(there.evaluations) / static_cast<double>(steps()),
+                            static_cast<double>(status)};
+      std::copy(std::begin(row), std::end(row),
+                table.begin() + (order[n] - first) * static_cast<std::int64_t>(columns().size()));
     }
     return table;
   }
@@ -90,6 +103,15 @@ struct Sweep {
              (2 * uniform(static_cast<std::uint64_t>(seed), 2 * static_cast<std::uint64_t>(i) + k) - 1);
     };
     return {number(0), number(1)};
+  }
+
+  /// The triangle.
+  static constexpr double x[3] = {0, -0.8660254037844386, 0.8660254037844386}, y[3] = {1, -0.5, -0.5};
+  double nearest(std::int64_t i) const {
+    const Eigen::Vector2d place = fourth(i);
+    double squared = (place - Eigen::Vector2d(x[0], y[0])).squaredNorm();
+    for (int k : {1, 2}) squared = std::min(squared, (place - Eigen::Vector2d(x[k], y[k])).squaredNorm());
+    return squared;
   }
 
   /// With all its digits.

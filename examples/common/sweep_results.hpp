@@ -113,7 +113,8 @@ class SweepResults {
     out << "END\nset multiplot title "
         << quoted("Four vortices: three on a triangle, the fourth from each point of the plane") +
                " noenhanced font ',20'\n"
-        << "set size ratio -1\nset clip points\nset lmargin at screen 0.09\nset rmargin at screen 0.86\nset bmargin at screen "
+        << "set size ratio -1\nset clip points\nset lmargin at screen 0.09\nset rmargin at screen 0.86\nset "
+           "bmargin at screen "
            "0.36\nset tmargin at screen 0.95\n"
         << "set palette defined (-16 '#08306b', -13 '#2171b5', -10 '#9ecae1', -7 '#fee391', -3 '#fe9929', 0 "
            "'#cc4c02', 1 '#662506')\n"

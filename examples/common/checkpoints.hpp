@@ -31,10 +31,10 @@ inline std::string hexadecimal(std::uint64_t number) {
   return out.str();
 }
 
-/// The finished blocks of a long computation, a file each, in a folder whose name tells which computation: `settings` is all that
-/// the numbers depend on, in words. A file has a first line of words (format and version, settings, block, how many numbers,
-/// checksum) and then the numbers as they are in memory; it gets its name when it is whole. Files are for the kind of
-/// machine that wrote them.
+/// The finished blocks of a long computation, a file each, in a folder whose name tells which computation: `settings` is
+/// all that the numbers depend on, in words. A file has a first line of words (format and version, settings, block, how
+/// many numbers, checksum) and then the numbers as they are in memory; it gets its name when it is whole. Files are for the
+/// kind of machine that wrote them.
 class Checkpoints {
  public:
   Checkpoints(const std::filesystem::path& beside, const std::string& settings)

@@ -1,5 +1,5 @@
-// Compiled for the processor at hand and without contraction to fused operations (see tests/CMakeLists.txt): a lane then has to
-// give the very bits of the plain stepper.
+// Compiled for the processor at hand and without contraction to fused operations (see tests/CMakeLists.txt): a lane then
+// has to give the very bits of the plain stepper.
 #include "catch.hpp"
 
 #include <cmath>

@@ -41,22 +41,22 @@ struct SameHamiltonian {
 
 }  // namespace detail
 
-/// Many members, stepped with Semiexplicit in the lanes of SIMD registers (SemiexplicitPack) and by the threads of OpenMP. They
-/// differ in their initial conditions,
+/// Many members, stepped with Semiexplicit in the lanes of SIMD registers (SemiexplicitPack) and by the threads of OpenMP.
+/// They differ in their initial conditions,
 ///
 ///     std::vector<PhasePoint<double, 5>> starts = ...;
 ///     Ensemble ensemble(systems::NlsLattice<double, 5>(), starts, schemes::low_defect6_s13<double>());
 ///     ensemble.run({.dt = 0.0125, .steps = 80'000});
 ///     ensemble.state(i); ensemble.report(i);
 ///
-/// and may in their parameters, a column of numbers each; a family then is a function that makes a Hamiltonian of a column, of
-/// numbers or of packs, whichever S is (see PackHamiltonian):
+/// and may in their parameters, a column of numbers each; a family then is a function that makes a Hamiltonian of a column,
+/// of numbers or of packs, whichever S is (see PackHamiltonian):
 ///
 ///     Ensemble pendulums([]<class S>(const S* k) { return Pendulum<S>{k[0]}; }, parameters, starts, scheme);
 ///
-/// A member's result depends on nothing but its start and parameters: not on the threads, not on the others. One that
-/// fails stays at its last good state, with the reason in its report, and the others go on; so does one whose gradient throws. Memory:
-/// 4d numbers a member and its report.
+/// A member's result depends on nothing but its start and parameters: not on the threads, not on the others. One that fails
+/// stays at its last good state, with the reason in its report, and the others go on; so does one whose gradient throws.
+/// Memory: 4d numbers a member and its report.
 template <class Family>
 class Ensemble {
   using Many = detail::Many;
@@ -90,9 +90,10 @@ class Ensemble {
       : Ensemble(Family{std::move(hamiltonian)}, Eigen::MatrixXd(0, static_cast<Eigen::Index>(starts.size())),
                  starts, std::move(scheme), solver) {}
 
-  /// Takes every member `steps` steps from where it is. observe(member, t, state) is called at the start and after
-  /// every `every` steps, by several threads at once for different members. An exception of the observer ends the run of the
-  /// pack that it was told of (status `stopped`), and is thrown again when the others are done. Throws std::invalid_argument for negative steps, `every` or threads.
+  /// Takes every member `steps` steps from where it is. observe(member, t, state) is called at the start and after every
+  /// `every` steps, by several threads at once for different members. An exception of the observer ends the run of the pack
+  /// that it was told of (status `stopped`), and is thrown again when the others are done. Throws std::invalid_argument for
+  /// negative steps, `every` or threads.
   template <class Observer>
   EnsembleReport run(const EnsembleOptions& options, const Observer& observe) {
     if (options.steps < 0 || options.every < 0 || options.threads < 0)

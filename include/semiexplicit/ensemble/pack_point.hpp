@@ -40,8 +40,8 @@ struct NumTraits<std::experimental::simd<Scalar, Abi>>
 
 namespace semiexplicit {
 
-/// As many numbers side by side as a register of the target holds: 8 with AVX-512, 4 with AVX2, 2 with neither. (A Pack always
-/// holds eight, in several registers where it must, which g++ 12 copies clumsily.)
+/// As many numbers side by side as a register of the target holds: 8 with AVX-512, 4 with AVX2, 2 with neither. (A Pack
+/// always holds eight, in several registers where it must, which g++ 12 copies clumsily.)
 template <class Scalar>
 using RegisterPack = std::experimental::native_simd<Scalar>;
 
@@ -73,8 +73,8 @@ inline LaneChoice all_lanes() {
 /// What a step did in each lane.
 using PackReport = std::array<StepReport, static_cast<std::size_t>(pack_width)>;
 
-/// A pack of phase points of d degrees of freedom, one a lane: entry i of all of them is the i-th of 2d packs, positions first.
-/// With each goes what rounding has cut off its last steps (see CompensatedUpdate).
+/// A pack of phase points of d degrees of freedom, one a lane: entry i of all of them is the i-th of 2d packs, positions
+/// first. With each goes what rounding has cut off its last steps (see CompensatedUpdate).
 template <int Dof>
 class PackPoint {
  public:

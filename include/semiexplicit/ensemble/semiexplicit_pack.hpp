@@ -15,9 +15,10 @@
 
 namespace semiexplicit {
 
-/// Semiexplicit with simplified Newton for a pack of phase points, one in each lane of the SIMD registers, in lockstep.
-/// A sweep goes over all lanes; each lane stops for itself and gets its own report. One that has converged waits for the
-/// others with its result at rest; one that fails keeps its state, and the others go on. No lane's result depends on the others.
+/// Semiexplicit with simplified Newton for a pack of phase points, one in each lane of the SIMD registers, in lockstep. A
+/// sweep goes over all lanes; each lane stops for itself and gets its own report. One that has converged waits for the
+/// others with its result at rest; one that fails keeps its state, and the others go on. No lane's result depends on the
+/// others.
 ///
 /// Each lane takes the step that Semiexplicit takes: the same operations in the same order. Where the gradients agree to the
 /// bit and the compiler does not contract products and sums (-ffp-contract=off) the results agree to the bit, too; else
@@ -108,8 +109,8 @@ class SemiexplicitPack {
   /// Few numbers are worked on in arrays of the stack, whose places the compiler knows.
   static constexpr bool small = Dof != Eigen::Dynamic && Dof <= 16;
 
-  /// All kicks from a = z + m, b = z - m (m = 0 where none is given); f_ becomes the residual and moved_ what both copies moved
-  /// together. Gives ‖f‖/4.
+  /// All kicks from a = z + m, b = z - m (m = 0 where none is given); f_ becomes the residual and moved_ what both copies
+  /// moved together. Gives ‖f‖/4.
   Many sweep(const Many* z, const Many* m, double dt) {
     if constexpr (small) {
       Many a[2 * Dof], b[2 * Dof], gradient[2 * Dof], moved[2 * Dof], f[2 * Dof];

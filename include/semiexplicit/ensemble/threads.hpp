@@ -10,8 +10,8 @@
 
 namespace semiexplicit::detail {
 
-/// How many threads are meant: the number given, or with 0 what OpenMP would take (OMP_NUM_THREADS, or one a core). One in a program
-/// that is compiled without OpenMP.
+/// How many threads are meant: the number given, or with 0 what OpenMP would take (OMP_NUM_THREADS, or one a core). One in
+/// a program that is compiled without OpenMP.
 inline int threads_meant([[maybe_unused]] int asked) {
 #ifdef _OPENMP
   return asked > 0 ? asked : omp_get_max_threads();
@@ -20,8 +20,8 @@ inline int threads_meant([[maybe_unused]] int asked) {
 #endif
 }
 
-/// body(i) for i = 0 ... count - 1, by several threads where the program is compiled with OpenMP. An exception in one does not
-/// keep the others from being done; the one of the smallest i is thrown again at the end, so that nothing depends on
+/// body(i) for i = 0 ... count - 1, by several threads where the program is compiled with OpenMP. An exception in one does
+/// not keep the others from being done; the one of the smallest i is thrown again at the end, so that nothing depends on
 /// the number of threads.
 template <class Body>
 void for_each_in_parallel(std::int64_t count, [[maybe_unused]] int threads, const Body& body) {

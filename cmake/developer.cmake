@@ -26,3 +26,9 @@ if(SEMIEXPLICIT_NATIVE)
   target_compile_options(semiexplicit_program INTERFACE -O3 -march=native)
   target_compile_definitions(semiexplicit_program INTERFACE NDEBUG)
 endif()
+
+# Ensembles use as many threads as OpenMP gives them; without it they have one.
+find_package(OpenMP QUIET COMPONENTS CXX)
+if(NOT TARGET OpenMP::OpenMP_CXX)
+  message(STATUS "Ensembles go without threads: no OpenMP found (Debian, Ubuntu: g++ has it; clang++ needs libomp-dev)")
+endif()

@@ -15,6 +15,10 @@ declare -A purpose=(
   [pkg-config]="asks for the flags that an installed library wants; its file is tested"
   [libboost-dev]="Boost headers: numbers and reference functions of the tests, integrators of the benchmark"
   [libgsl-dev]="the GNU Scientific Library, whose integrators the benchmark compares with"
+  [libopenmpi-dev]="Open MPI, for the example that runs on many machines"
+  [openmpi-bin]="its mpirun"
+  [libhdf5-dev]="HDF5, the format of that example's results"
+  [libomp-dev]="OpenMP for clang; g++ has its own"
   [clang]="the second compiler that everything must pass"
   [libclang-rt-14-dev]="the run-time part of its sanitizers"
   [clang-format]="checks the formatting"
@@ -24,17 +28,18 @@ declare -A purpose=(
 # The program by which a package is recognised, wherever it comes from; libraries are asked of dpkg.
 declare -A program=(
   [g++]=g++ [cmake]=cmake [ninja-build]=ninja [gnuplot-nox]=gnuplot [clang]=clang++ [clang-format]=clang-format
-  [pkg-config]=pkg-config
-  [doxygen]=doxygen
+  [pkg-config]=pkg-config [doxygen]=doxygen [openmpi-bin]=mpirun
 )
 
 packages=()
 for task in "$@"; do
   case $task in
     run) packages+=(g++ cmake ninja-build libeigen3-dev libcli11-dev gnuplot-nox) ;;
-    test) packages+=(g++ cmake ninja-build libeigen3-dev libcli11-dev catch2 libboost-dev pkg-config) ;;
+    test)
+      packages+=(g++ cmake ninja-build libeigen3-dev libcli11-dev catch2 libboost-dev pkg-config libopenmpi-dev openmpi-bin libhdf5-dev)
+      ;;
     benchmark) packages+=(g++ cmake ninja-build libeigen3-dev libcli11-dev gnuplot-nox libboost-dev libgsl-dev) ;;
-    check) packages+=(clang libclang-rt-14-dev clang-format) ;;
+    check) packages+=(clang libclang-rt-14-dev libomp-dev clang-format) ;;
     docs) packages+=(g++ cmake ninja-build libeigen3-dev doxygen libjs-mathjax) ;;
     *)
       echo "install-dependencies.sh: unknown task '$task'; give run, test, check, docs or benchmark" >&2

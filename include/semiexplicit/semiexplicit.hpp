@@ -12,6 +12,7 @@
 #include <semiexplicit/core/phase_point.hpp>
 #include <semiexplicit/core/report.hpp>
 #include <semiexplicit/cost/cost_of_accuracy.hpp>
+#include <semiexplicit/ensemble/ensemble.hpp>
 #include <semiexplicit/extended/autonomous.hpp>
 #include <semiexplicit/extended/monitors.hpp>
 #include <semiexplicit/extended/time_transformed.hpp>

@@ -191,6 +191,31 @@ TEST_CASE("Nor do automatic derivatives, of fixed or dynamic size", "[heap]") {
   derivatives_use_no_heap(from_energy(9, energy));
 }
 
+#ifdef SEMIEXPLICIT_HAS_PACKS
+TEST_CASE("Nor does a step of a pack", "[heap]") {
+  const auto uses_none = [](auto pack, auto point) {
+    PackReport report{};
+    CHECK(allocations_of([&] {
+            for (const double dt : {0.05, 0.05, -0.02}) report = pack.step(point, dt);
+          }) == 0);
+    CHECK(report[0].evaluations > 1);
+    CHECK(allocations_of([&] { report = pack.step(point, 1e3); }) == 0);
+    CHECK_FALSE(report[0].ok());
+  };
+  const SimplifiedNewton solver{.stop = StoppingRule::paper(1e-13)};
+  PackPoint<5> few(5);
+  PackPoint<Eigen::Dynamic> many(20);
+  for (std::size_t k = 0; k < std::size_t(pack_width); ++k) {
+    few.set_lane(k, {{1, 0.01, 0.01, 0.01, 0.01}, {1, 0, 0, 0, 0}});
+    PhasePoint<double, Eigen::Dynamic> z(20);
+    z.q()[3] = z.p()[4] = 1;
+    many.set_lane(k, z);
+  }
+  uses_none(SemiexplicitPack(systems::NlsLattice<double, 5>{}, schemes::yoshida6<double>(), solver), few);
+  uses_none(SemiexplicitPack(systems::NlsLattice<double>(20), schemes::yoshida6<double>(), solver), many);
+}
+#endif
+
 TEST_CASE("A run allocates nothing a step", "[heap]") {
   systems::NlsLattice<double> h(10);
   PhasePoint<double, Eigen::Dynamic> z(10);

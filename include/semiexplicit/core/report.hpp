@@ -19,7 +19,8 @@ enum class Status {
   not_finite,      ///< a gradient or a copy became NaN or Inf within the step
   invalid_state,   ///< the state has the wrong size, or is NaN or Inf itself
   invalid_step,    ///< dt is zero, NaN or Inf
-  stopped          ///< a run only: an observer returned false
+  stopped,         ///< a run only: an observer returned false
+  gradient_threw   ///< a member of an Ensemble only: its gradient threw an exception
 };
 
 /// What happened, in words, with the remedy.
@@ -42,6 +43,8 @@ inline std::string describe(Status status) {
       return "dt is zero, NaN or Inf; give a finite step other than zero";
     case Status::stopped:
       return "stopped by an observer";
+    case Status::gradient_threw:
+      return "the gradient threw an exception";
   }
   return "unknown status";
 }

@@ -1,0 +1,183 @@
+// A sweep over the initial conditions of four vortices by any number of processes (MPI). Each block of members that is
+// finished is kept in a file; a run that was interrupted goes on from these when it is started again with the same
+// settings.
+//
+//     mpirun -n 4 ensemble_mpi --members 100000
+#include <algorithm>
+#include <chrono>
+#include <ctime>
+#include <filesystem>
+#include <iostream>
+#include <string>
+#include <vector>
+
+#include <mpi.h>
+#include <CLI/CLI.hpp>
+#include <semiexplicit/semiexplicit.hpp>
+
+#include "common/arguments.hpp"
+#include "common/checkpoints.hpp"
+#include "common/sweep.hpp"
+#include "common/sweep_results.hpp"
+
+namespace {
+
+using namespace examples;
+using Clock = std::chrono::steady_clock;
+
+struct World {
+  int rank = 0, size = 1;
+  World() {
+    MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+    MPI_Comm_size(MPI_COMM_WORLD, &size);
+  }
+  bool first() const { return rank == 0; }
+};
+
+struct Job {
+  Sweep sweep;
+  std::int64_t block = 512;  ///< members
+  int threads = 1;
+  std::filesystem::path output = "out";
+  bool no_plot = false, progress = false;
+
+  std::int64_t last_of(std::int64_t b) const { return std::min((b + 1) * block, sweep.members); }
+  std::int64_t blocks() const { return (sweep.members + block - 1) / block; }
+};
+
+/// The blocks that are still to be computed; the first process looks, and tells the others.
+std::vector<std::int64_t> missing_blocks(const World& world, const Job& job, const Checkpoints& checkpoints) {
+  std::vector<std::int64_t> missing;
+  if (world.first())
+    for (std::int64_t b = 0; b < job.blocks(); ++b) try {
+        if (!checkpoints.load(b)) missing.push_back(b);
+      } catch (const std::runtime_error& damage) {
+        std::cerr << damage.what() << "; this block is computed anew\n";
+        missing.push_back(b);
+      }
+  auto count = static_cast<std::int64_t>(missing.size());
+  MPI_Bcast(&count, 1, MPI_INT64_T, 0, MPI_COMM_WORLD);
+  missing.resize(static_cast<std::size_t>(count));
+  MPI_Bcast(missing.data(), static_cast<int>(count), MPI_INT64_T, 0, MPI_COMM_WORLD);
+  return missing;
+}
+
+/// One line that is written over and over.
+void show_progress(const Job& job, const Checkpoints& checkpoints, std::int64_t before,
+                   Clock::time_point start) {
+  const std::int64_t done = checkpoints.count();
+  const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  const double left = seconds * static_cast<double>(job.blocks() - done) /
+                      static_cast<double>(std::max<std::int64_t>(done - before, 1));
+  std::cerr << '\r' << done << " of " << job.blocks() << " blocks, " << formatted("%.0f", left)
+            << " s left\x1b[K" << std::flush;
+}
+
+int run(const World& world, const Job& job) {
+  const Checkpoints checkpoints(job.output / "sweep",
+                                job.sweep.in_words() + ", block " + std::to_string(job.block));
+  if (world.first()) {
+    Settings{.output = checkpoints.folder()}.make_output_folder();
+    std::cout << "checkpoints: " << checkpoints.folder().string() << std::endl;
+  }
+  const std::vector<std::int64_t> missing = missing_blocks(world, job, checkpoints);
+  const auto here_before = job.blocks() - static_cast<std::int64_t>(missing.size());
+  if (world.first() && here_before > 0)
+    std::cout << "resumed: " << here_before << " of " << job.blocks() << " blocks are here already\n";
+
+  // Every block costs nearly the same, so they are dealt out like cards.
+  const auto start = Clock::now();
+  const std::clock_t processor_start = std::clock();
+  const bool shows = world.first() && (job.progress || detail::is_terminal(stderr));
+  for (auto i = static_cast<std::size_t>(world.rank); i < missing.size();
+       i += static_cast<std::size_t>(world.size)) {
+    const std::int64_t b = missing[i];
+    checkpoints.save(b, job.sweep.run(b * job.block, job.last_of(b), job.threads));
+    if (shows) show_progress(job, checkpoints, here_before, start);
+  }
+  const double here = static_cast<double>(std::clock() - processor_start) / CLOCKS_PER_SEC;
+  double processor_seconds = 0;  // of all, for which the first process waits here
+  MPI_Reduce(&here, &processor_seconds, 1, MPI_DOUBLE, MPI_SUM, 0, MPI_COMM_WORLD);
+  if (!world.first()) return 0;
+  if (shows) std::cerr << "\r\x1b[K";
+  const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+
+  std::vector<double> table;
+  for (std::int64_t b = 0; b < job.blocks(); ++b) {
+    const auto rows = checkpoints.load(b);
+    if (!rows)
+      throw std::runtime_error(checkpoints.folder().string() + ": a block has vanished; start again");
+    table.insert(table.end(), rows->begin(), rows->end());
+  }
+  const SweepResults results(job.sweep, std::move(table));
+  results.print(std::cout);
+  if (!missing.empty()) {
+    std::int64_t members = 0;
+    for (const std::int64_t b : missing) members += job.last_of(b) - b * job.block;
+    const double steps = 2.0 * static_cast<double>(job.sweep.steps() * members);
+    std::cout << world.size << (world.size > 1 ? " processes, " : " process, ") << job.threads
+              << (job.threads > 1 ? " threads each: " : " thread each: ") << formatted("%.2f", seconds)
+              << " s, " << formatted("%.2e", steps / seconds) << " member-steps a second, "
+              << formatted("%.2e", steps / processor_seconds) << " a second of a processor\n";
+  }
+  std::cout << "data: " << results.write(job.output).string() << std::endl;
+  std::filesystem::remove_all(checkpoints.folder());
+  const std::filesystem::path png = job.output / "sweep.png";
+  if (!job.no_plot) draw(png, results.script(png));
+  return 0;
+}
+
+int run_job(int argc, char** argv) {
+  const World world;
+  if (!world.first()) {  // what is said of bad arguments is said once
+    std::cout.setstate(std::ios::failbit);
+    std::cerr.setstate(std::ios::failbit);
+  }
+  CLI::App app{
+      "Four point vortices: three on a triangle, the fourth at random; which places make them chaotic? By "
+      "many processes: mpirun -n 4 ensemble_mpi."};
+  Job job;
+  const auto add = [&](const char* name, auto& value, const char* about, const CLI::Validator& check,
+                       const char* type) {
+    app.add_option(name, value, about)->check(check)->type_name(type)->capture_default_str();
+  };
+  constexpr std::int64_t most = 1'000'000'000;
+  add("--members", job.sweep.members, "initial conditions", whole_number(1, most), "N");
+  add("--seed", job.sweep.seed, "of their places; member i depends on nothing else", whole_number(0, most),
+      "N");
+  add("--dt", job.sweep.dt, "step size", positive(), "X");
+  add("--time", job.sweep.time, "time to integrate to, and back", positive(), "X");
+  add("--strength", job.sweep.strength, "circulation of the fourth vortex; that of the others is 1",
+      positive(), "X");
+  add("--extent", job.sweep.extent, "half the side of the square of its places", positive(), "X");
+  add("--block", job.block, "members between two checkpoints", whole_number(1, most), "N");
+  add("--threads", job.threads, "of each process, where the program is built with OpenMP",
+      whole_number(1, 4096), "N");
+  add("--output", job.output, "folder for the results and the checkpoints", CLI::Validator(), "DIR");
+  app.add_flag("--no-plot", job.no_plot, "leave the picture out");
+  app.add_flag("--progress", job.progress,
+               "show the progress on stderr though it is no terminal, as under mpirun");
+  return run_program(app, argc, argv, [&] {
+    if (job.sweep.dt > job.sweep.time)
+      throw std::invalid_argument("--dt is larger than --time; give a smaller step");
+    std::cout.clear();
+    std::cerr.clear();
+    try {
+      return run(world, job);
+    } catch (const std::exception& error) {
+      // The others wait for this process: only all together can end.
+      std::cerr << "ensemble_mpi, process " << world.rank << ": " << error.what() << std::endl;
+      MPI_Abort(MPI_COMM_WORLD, 1);
+      return 1;
+    }
+  });
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  MPI_Init(&argc, &argv);
+  const int code = run_job(argc, argv);
+  MPI_Finalize();
+  return code;
+}

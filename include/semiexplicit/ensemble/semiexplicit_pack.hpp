@@ -1,0 +1,245 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <semiexplicit/ensemble/pack_point.hpp>
+#include <semiexplicit/solver/simplified_newton.hpp>
+#include <semiexplicit/splitting/kick_chain.hpp>
+#include <semiexplicit/splitting/pihajoki.hpp>
+
+#ifdef SEMIEXPLICIT_HAS_PACKS
+
+namespace semiexplicit {
+
+/// Semiexplicit with simplified Newton for a pack of phase points, one in each lane of the SIMD registers, in lockstep. A
+/// sweep goes over all lanes; each lane stops for itself and gets its own report. One that has converged waits for the
+/// others with its result at rest; one that fails keeps its state, and the others go on. No lane's result depends on the
+/// others.
+///
+/// Each lane takes the step that Semiexplicit takes: the same operations in the same order. Where the gradients agree to the
+/// bit and the compiler does not contract products and sums (-ffp-contract=off) the results agree to the bit, too; else
+/// to rounding. Memory: seven arrays of 2d packs at most, and two for the state.
+template <class H>
+class SemiexplicitPack {
+  static_assert(
+      PackHamiltonian<H>,
+      "SemiexplicitPack needs a gradient that takes packs; see PackHamiltonian in ensemble/pack_point.hpp");
+
+ public:
+  static constexpr int Dof = H::Dof;
+  using State = PackPoint<Dof>;
+
+  /// Throws std::invalid_argument, saying what is wrong, unless the scheme passes its own check.
+  SemiexplicitPack(H hamiltonian, Scheme<double> scheme, SimplifiedNewton solver = {})
+      : SemiexplicitPack(std::move(hamiltonian), std::move(scheme), solver, Checked{}) {
+    scheme_.check();
+  }
+
+  /// The same scheme and solver with another Hamiltonian.
+  SemiexplicitPack with(H hamiltonian) const {
+    return SemiexplicitPack(std::move(hamiltonian), scheme_, solver_, Checked{});
+  }
+
+  /// One step of size dt, which may be negative, of the lanes that are `wanted`; the point in another lane, or in one whose
+  /// report is not ok(), is untouched. So are all where a gradient throws. No heap use. The reports count what
+  /// the lane by itself would have taken.
+  PackReport step(State& state, double dt, const LaneChoice& wanted = all_lanes()) {
+    PackReport report{};
+    if (!detail::valid_step(dt)) return failed(report, Status::invalid_step);
+    if (state.z.size() != size()) return failed(report, Status::invalid_state);
+    const Mask in_play(wanted.data(), std::experimental::element_aligned);
+    const Many size_z = detail::norm(state.z.data(), length());
+    Many e = detail::call_inlined([&] { return sweep(state.z.data(), nullptr, dt); });
+    Mask ok = in_play;
+    if (all_of(accepted(e, 0.0, size_z) || !in_play)) {
+      for (std::size_t k = 0; k < Many::size(); ++k) {
+        report[k].evaluations = 1;
+        report[k].gradients = gradients();
+        report[k].correction = e[k];
+      }
+    } else {
+      ok = iterate(state, dt, in_play, size_z, e, report);
+    }
+    finish(state, ok, report);
+    return report;
+  }
+
+  Eigen::Index dof() const { return dof_of(hamiltonian_); }
+  const H& hamiltonian() const { return hamiltonian_; }
+  const Scheme<double>& scheme() const { return scheme_; }
+  const SimplifiedNewton& solver() const { return solver_; }
+
+ private:
+  using Many = detail::Many;
+  using Mask = detail::LaneMask;
+  using Column = std::vector<Many>;
+  struct Checked {};
+
+  SemiexplicitPack(H hamiltonian, Scheme<double> scheme, SimplifiedNewton solver, Checked)
+      : hamiltonian_(std::move(hamiltonian)),
+        scheme_(std::move(scheme)),
+        solver_(solver),
+        f_(size(), Many(0.0)),
+        moved_(f_),
+        m_(f_),
+        kept_(f_) {
+    if constexpr (!small) a_ = b_ = gradient_ = f_;
+  }
+
+  Eigen::Index length() const { return 2 * dof(); }
+  std::size_t size() const { return static_cast<std::size_t>(length()); }
+  std::int64_t gradients() const { return static_cast<std::int64_t>(scheme_.kicks()); }
+
+  static PackReport failed(PackReport& report, Status status) {
+    for (StepReport& lane : report) lane.status = status;
+    return report;
+  }
+
+  /// StoppingRule::accepts() in every lane.
+  Mask accepted(const Many& e, const Many& size_m, const Many& size_z) const {
+    const Many bound = solver_.stop.tolerance;
+    if (solver_.stop.kind == StoppingRule::Kind::paper) return e < bound;
+    return e == 0.0 || (e / size_z) * ((size_m + e) / size_z) <= bound;
+  }
+
+  /// Few numbers are worked on in arrays of the stack, whose places the compiler knows.
+  static constexpr bool small = Dof != Eigen::Dynamic && Dof <= 16;
+
+  /// All kicks from a = z + m, b = z - m (m = 0 where none is given); f_ becomes the residual and moved_ what both copies
+  /// moved together. Gives ‖f‖/4.
+  Many sweep(const Many* z, const Many* m, double dt) {
+    if constexpr (small) {
+      Many a[2 * Dof], b[2 * Dof], gradient[2 * Dof], moved[2 * Dof], f[2 * Dof];
+      run(z, m, dt, a, b, gradient, moved, f, Dof);
+      for (int i = 0; i < 2 * Dof; ++i) {
+        f_[std::size_t(i)] = f[i];
+        moved_[std::size_t(i)] = moved[i];
+      }
+      return detail::norm(f, 2 * Dof) / 4.0;
+    } else {
+      run(z, m, dt, a_.data(), b_.data(), gradient_.data(), moved_.data(), f_.data(), dof());
+      return detail::norm(f_.data(), length()) / 4.0;
+    }
+  }
+
+  void run(const Many* z, const Many* m, double dt, Many* a, Many* b, Many* gradient, Many* moved, Many* f,
+           Eigen::Index d) const {
+    for (Eigen::Index i = 0; i < 2 * d; ++i) {
+      a[i] = m ? z[i] + m[i] : z[i];
+      b[i] = m ? z[i] - m[i] : z[i];
+      moved[i] = 0.0;
+    }
+    const std::size_t n = scheme_.b.size();
+    for (std::size_t i = 0; i < n; ++i) {
+      kick(dt * scheme_.a[i], a, b, gradient, moved, d);
+      kick(dt * scheme_.b[i], b, a, gradient, moved, d);
+    }
+    kick(dt * scheme_.a[n], a, b, gradient, moved, d);
+    for (Eigen::Index i = 0; i < 2 * d; ++i) f[i] = m ? a[i] - b[i] + 2.0 * m[i] : a[i] - b[i];
+  }
+
+  void kick(double t, const Many* from, Many* to, Many* gradient, Many* moved, Eigen::Index d) const {
+    detail::pack_gradient_at(hamiltonian_, from, gradient, d);
+    const Many time = t;
+    for (Eigen::Index i = 0; i < d; ++i) {  // written so that each line may become one fused operation
+      to[i] += time * gradient[d + i];
+      moved[i] += time * gradient[d + i];
+      to[d + i] -= time * gradient[i];
+      moved[d + i] -= time * gradient[i];
+    }
+  }
+
+  /// What Convergence asks of a residual, in one lane.
+  struct LaneSizes {
+    double state, distance;
+    double state_size() const { return state; }
+    double rounding_level() const { return 100 * Eigen::NumTraits<double>::epsilon() * (state + distance); }
+  };
+
+  /// Goes on from the first evaluation, whose corrections are e; gives the lanes that came to a good end.
+  Mask iterate(const State& state, double dt, const Mask& in_play, const Many& size_z, Many e,
+               PackReport& report) {
+    std::array<std::optional<detail::Convergence<double>>, Many::size()> lanes;
+    for (auto& lane : lanes) lane.emplace(solver_.stop, solver_.max_iterations);
+    Mask going = in_play;
+    bool first = true;
+    Many size_m = 0.0;
+    for (;;) {
+      const Many distance = detail::norm(moved_.data(), length()) / 2.0;
+      for (std::size_t k = 0; k < Many::size(); ++k)
+        if (going[k]) going[k] = !lanes[k]->done(e[k], size_m[k], LaneSizes{size_z[k], distance[k]});
+      if (none_of(going)) break;
+      // All multipliers move on; lanes that are done keep their moves of the copies.
+      if (first)
+        for (std::size_t i = 0; i < size(); ++i) m_[i] = f_[i] / -4.0;
+      else
+        for (std::size_t i = 0; i < size(); ++i) m_[i] -= f_[i] / 4.0;
+      first = false;
+      std::copy(moved_.begin(), moved_.end(), kept_.begin());
+      e = detail::call_inlined([&] { return sweep(state.z.data(), m_.data(), dt); });
+      for (std::size_t i = 0; i < size(); ++i) detail::assign(!going, moved_[i], kept_[i]);
+      size_m = detail::norm(m_.data(), length());
+    }
+    Mask ok = in_play;
+    for (std::size_t k = 0; k < Many::size(); ++k) {
+      const auto& lane = lanes[k]->report();
+      report[k].status = lane.status;
+      report[k].evaluations = lane.evaluations;
+      report[k].gradients = lane.evaluations * gradients();
+      report[k].correction = lane.correction;
+      report[k].rate = lane.rate;
+      ok[k] = ok[k] && lane.ok();
+      if (in_play[k] && lane.status == Status::not_finite) diagnose(state, k, report);
+    }
+    return ok;
+  }
+
+  /// Tells a state that is not finite from a gradient that is not.
+  void diagnose(const State& state, std::size_t k, PackReport& report) const {
+    report[k].status = Status::not_finite;
+    for (const Many& value : state.z)
+      if (!std::isfinite(value[k])) report[k].status = Status::invalid_state;
+  }
+
+  /// The compensated move of the lanes that are ok to the mean of the copies; see CompensatedUpdate.
+  void finish(State& state, const Mask& ok, PackReport& report) {
+    Many not_finite = 0.0;  // becomes NaN
+    for (std::size_t i = 0; i < size(); ++i) {
+      const Many z = state.z[i], delta = moved_[i] / 2.0 + state.carry[i];
+      const Many sum = z + delta, step = sum - z;
+      m_[i] = sum;
+      f_[i] = (z - (sum - step)) + (delta - step);
+      not_finite += sum - sum;
+    }
+    const Mask good = ok && not_finite == 0.0;
+    if (all_of(good)) {
+      std::copy(m_.begin(), m_.end(), state.z.begin());
+      std::copy(f_.begin(), f_.end(), state.carry.begin());
+      return;
+    }
+    for (std::size_t i = 0; i < size(); ++i) {
+      detail::assign(good, state.z[i], m_[i]);
+      detail::assign(good, state.carry[i], f_[i]);
+    }
+    for (std::size_t k = 0; k < Many::size(); ++k)
+      if (ok[k] && !good[k]) {
+        diagnose(state, k, report);
+        for (Many& carry : state.carry) carry[k] = 0;
+      }
+  }
+
+  H hamiltonian_;
+  Scheme<double> scheme_;
+  SimplifiedNewton solver_;
+  Column f_, moved_, m_;     ///< residual, moves of the copies, multiplier
+  Column kept_;              ///< moves of the lanes that are done
+  Column a_, b_, gradient_;  ///< of large systems only
+};
+
+}  // namespace semiexplicit
+
+#endif

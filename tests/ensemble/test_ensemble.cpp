@@ -1,0 +1,203 @@
+#include "catch.hpp"
+
+#include <atomic>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "plain.hpp"
+#include "refusal.hpp"
+
+#ifdef SEMIEXPLICIT_HAS_PACKS
+
+namespace {
+
+using namespace plain;
+using Lattice5 = systems::NlsLattice<double, 5>;
+
+/// 37 members fill no whole number of packs, whatever their width.
+std::vector<PhasePoint<double, 5>> lattices(int count = 37) {
+  std::vector<PhasePoint<double, 5>> starts;
+  for (int i = 0; i < count; ++i) starts.push_back(lattice_state<5>(5, i % 8));
+  for (int i = 0; i < count; ++i) starts[std::size_t(i)].q()[0] += 0.01 * i;
+  return starts;
+}
+
+/// H = k (q² + p²)/2, whose gradient throws where q is above `limit`.
+template <class S>
+struct Fragile {
+  using Scalar = S;
+  static constexpr int Dof = 1;
+  S k;
+  double limit;
+  void gradient(ConstRef<S, 1> q, ConstRef<S, 1> p, Ref<S, 1> dHdq, Ref<S, 1> dHdp) const {
+    using std::experimental::any_of;
+    if (any_of(q[0] > limit)) throw std::domain_error("q is above the limit");
+    dHdq[0] = k * q[0];
+    dHdp[0] = k * p[0];
+  }
+};
+
+const auto scheme = schemes::low_defect6_s13<double>();
+
+}  // namespace
+
+TEST_CASE("Every member takes the steps that it would take alone") {
+  const auto starts = lattices();
+  const SimplifiedNewton solver{.stop = StoppingRule::paper(1e-13)};
+  Ensemble ensemble(Lattice5(), starts, scheme, solver);
+  const EnsembleReport all = ensemble.run({.dt = 0.02, .steps = 60});
+  CHECK(all.ok());
+  CHECK(all.members == 37);
+  CHECK(all.steps == 37 * 60);
+  std::int64_t evaluations = 0;
+  for (Eigen::Index i = 0; i < ensemble.size(); ++i) {
+    CAPTURE(i);
+    Semiexplicit stepper(Lattice<5>{}, scheme, solver);
+    auto z = starts[std::size_t(i)];
+    const IntegrationReport alone = integrate(stepper, z, {.dt = 0.02, .steps = 60}),
+                            &report = ensemble.report(i);
+    CHECK(same_bits(ensemble.state(i), z));
+    CHECK((report.status == alone.status && report.steps == 60 && report.t == alone.t));
+    CHECK((report.evaluations == alone.evaluations && report.gradients == alone.gradients));
+    CHECK((report.max_correction == alone.max_correction && report.last.correction == alone.last.correction));
+    evaluations += alone.evaluations;
+  }
+  CHECK(all.evaluations == evaluations);
+  CHECK(evaluations > 37 * 60);
+}
+
+TEST_CASE("The number of threads changes nothing") {
+  std::vector<PhasePoint<double, 5>> results[5];
+  for (int threads = 1; threads <= 4; ++threads) {
+    CAPTURE(threads);
+    Ensemble ensemble(Lattice5(), lattices(), scheme);
+    ensemble.run({.dt = 0.02, .steps = 50, .threads = threads});
+    for (Eigen::Index i = 0; i < 37; ++i) {
+      results[threads].push_back(ensemble.state(i));
+      CHECK(same_bits(results[threads].back(), results[1][std::size_t(i)]));
+    }
+  }
+}
+
+TEST_CASE("A run in parts is the run in one") {
+  Ensemble whole(Lattice5(), lattices(), scheme);
+  Ensemble parts = whole;
+  whole.run({.dt = 0.01, .steps = 30});
+  parts.run({.dt = 0.01, .steps = 10});
+  parts.run({.dt = 0.01, .steps = 20, .t0 = 0.1});
+  for (Eigen::Index i = 0; i < whole.size(); ++i) CHECK(same_bits(whole.state(i), parts.state(i)));
+  CHECK(parts.report(3).t == Approx(0.3));
+}
+
+TEST_CASE("Members have parameters of their own") {
+  // Oscillators of frequencies k turn by k t.
+  Eigen::MatrixXd k(1, 11);
+  for (Eigen::Index i = 0; i < 11; ++i) k(0, i) = 0.5 + 0.25 * double(i);
+  const std::vector<PhasePoint<double, 1>> starts(11, PhasePoint<double, 1>(1, 0));
+  const auto family = []<class S>(const S* parameters) { return Fragile<S>{parameters[0], 10}; };
+  Ensemble ensemble(family, k, starts, scheme);
+  CHECK(ensemble.run({.dt = 0.05, .steps = 200}).ok());
+  for (Eigen::Index i = 0; i < 11; ++i) {
+    CAPTURE(i);
+    CHECK(ensemble.state(i).q()[0] == Approx(std::cos(10 * k(0, i))).margin(1e-8));
+    CHECK(ensemble.state(i).p()[0] == Approx(-std::sin(10 * k(0, i))).margin(1e-8));
+  }
+}
+
+TEST_CASE("A member whose gradient throws says so, and the others go on") {
+  Eigen::MatrixXd k(1, 21);
+  std::vector<PhasePoint<double, 1>> starts;
+  for (int i = 0; i < 21; ++i) {
+    k(0, i) = 1 + i % 3;
+    starts.emplace_back(0.0, 0.1 * i);  // q = 0.1 i sin k t
+  }
+  const auto bounded = []<class S>(const S* parameters) { return Fragile<S>{parameters[0], 0.85}; };
+  const auto free = []<class S>(const S* parameters) { return Fragile<S>{parameters[0], 100}; };
+  for (const int threads : {1, 3}) {
+    Ensemble ensemble(bounded, k, starts, scheme);
+    Ensemble undisturbed(free, k, starts, scheme);
+    const EnsembleReport all = ensemble.run({.dt = 0.05, .steps = 100, .threads = threads});
+    undisturbed.run({.dt = 0.05, .steps = 100});
+    CHECK(all.failed == 12);
+    for (Eigen::Index i = 0; i < 21; ++i) {
+      CAPTURE(i);
+      const IntegrationReport& report = ensemble.report(i);
+      if (i <= 8) {
+        CHECK(report.ok());
+        CHECK(report.steps == 100);
+        CHECK(same_bits(ensemble.state(i), undisturbed.state(i)));
+      } else {
+        CHECK(report.status == Status::gradient_threw);
+        CHECK(ensemble.failure(i) == "the gradient threw: q is above the limit");
+        // It stays where its last step ended.
+        const double amplitude = 0.1 * double(i), limit = std::asin(0.85 / amplitude) / k(0, i);
+        CHECK(report.t <= limit);
+        CHECK(report.t >= limit - 0.15);
+        CHECK(ensemble.state(i).q()[0] == Approx(amplitude * std::sin(k(0, i) * report.t)).margin(1e-8));
+      }
+    }
+  }
+}
+
+TEST_CASE("A member that fails says so, and the others go on") {
+  auto starts = lattices(11);
+  for (const std::size_t i : {3u, 10u}) starts[i].q()[0] = 50;  // too fast for the step
+  starts[5].p()[1] = std::nan("");
+  Ensemble ensemble(Lattice5(), starts, scheme), undisturbed(Lattice5(), lattices(11), scheme);
+  CHECK(ensemble.run({.dt = 0.01, .steps = 20}).failed == 3);
+  undisturbed.run({.dt = 0.01, .steps = 20});
+  for (Eigen::Index i = 0; i < 11; ++i) {
+    CAPTURE(i);
+    const bool bad = i == 3 || i == 5 || i == 10;
+    CHECK(ensemble.report(i).ok() == !bad);
+    CHECK(ensemble.report(i).steps == (bad ? 0 : 20));
+    if (!bad) CHECK(same_bits(ensemble.state(i), undisturbed.state(i)));
+    if (i == 3) CHECK(same_bits(ensemble.state(i), starts[3]));
+  }
+  CHECK(ensemble.report(5).status == Status::invalid_state);
+  CHECK(says(ensemble.failure(10), "reduce dt"));
+}
+
+TEST_CASE("An observer hears of every member at the times asked for") {
+  Ensemble ensemble(Lattice5(), lattices(), scheme);
+  std::vector<std::vector<double>> times(37);  // a member is told of by one thread at a time
+  ensemble.run({.dt = 0.01, .steps = 25, .every = 10, .threads = 3, .t0 = 7},
+               [&](Eigen::Index member, double t, const auto&) { times[std::size_t(member)].push_back(t); });
+  for (const auto& heard : times) CHECK(heard == std::vector<double>{7, 7 + 10 * 0.01, 7 + 20 * 0.01});
+}
+
+TEST_CASE("An exception of the observer comes out when the others are done") {
+  for (const int threads : {1, 2, 4}) {
+    Ensemble ensemble(Lattice5(), lattices(), scheme);
+    const auto observe = [](Eigen::Index member, double t, const auto&) {
+      if ((member == 0 || member == 30) && t > 0.045)
+        throw std::runtime_error("seen by " + std::to_string(member));
+    };
+    CHECK_THROWS_WITH(ensemble.run({.dt = 0.01, .steps = 10, .every = 5, .threads = threads}, observe),
+                      "seen by 0");
+    CHECK(ensemble.report(0).status == Status::stopped);
+    CHECK(ensemble.report(0).steps == 5);
+    CHECK(ensemble.report(20).steps == 10);
+  }
+}
+
+TEST_CASE("An ensemble that makes no sense is refused") {
+  const auto family = []<class S>(const S* parameters) { return Fragile<S>{parameters[0], 10}; };
+  const std::vector<PhasePoint<double, 1>> two(2);
+  CHECK(refuses([&] { Ensemble(family, Eigen::MatrixXd(1, 3), two, scheme); },
+                "2 initial states and 3 columns of parameters"));
+  CHECK(refuses([&] { Ensemble(family, Eigen::MatrixXd(1, 0), {}, scheme); }, "no member"));
+  const systems::NlsLattice<double> lattice(4);
+  std::vector<PhasePoint<double, Eigen::Dynamic>> states(3, PhasePoint<double, Eigen::Dynamic>(4));
+  states[1] = PhasePoint<double, Eigen::Dynamic>(5);
+  CHECK(refuses([&] { Ensemble(lattice, states, scheme); },
+                "member 1 has 5 degrees of freedom and the Hamiltonian 4"));
+  Ensemble fine(Lattice5(), lattices(3), scheme);
+  CHECK(refuses([&] { fine.run({.dt = 0.1, .steps = -1}); }, "must not be negative"));
+  CHECK(fine.run({.dt = 0, .steps = 1}).failed == 3);
+  CHECK(says(fine.failure(0), "dt is zero"));
+}
+
+#endif

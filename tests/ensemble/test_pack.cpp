@@ -1,0 +1,154 @@
+// Compiled for the processor at hand and without contraction to fused operations (see tests/CMakeLists.txt): a lane then
+// has to give the very bits of the plain stepper.
+#include "catch.hpp"
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "plain.hpp"
+#include "refusal.hpp"
+
+#ifdef SEMIEXPLICIT_HAS_PACKS
+
+namespace {
+
+using namespace plain;
+constexpr auto lanes = std::size_t(pack_width);
+
+static_assert(PackHamiltonian<systems::NlsLattice<double, 5>> &&
+              PackHamiltonian<Product<RegisterPack<double>>>);
+static_assert(!PackHamiltonian<Product<double>> && !PackHamiltonian<Lattice<5>>);
+
+bool same(double x, double y) { return x == y || (std::isnan(x) && std::isnan(y)); }
+bool same(const StepReport& x, const StepReport& y) {
+  return x.status == y.status && x.evaluations == y.evaluations && x.gradients == y.gradients &&
+         same(x.correction, y.correction) && same(x.rate, y.rate);
+}
+
+/// 40 steps of a pack and of the plain stepper; gives the largest difference of the evaluations of two lanes in a step.
+template <class Packed, class Plain, int Dof>
+std::int64_t compare(const Packed& packed, const Plain& plain,
+                     const std::vector<PhasePoint<double, Dof>>& starts, double dt,
+                     const SimplifiedNewton& solver) {
+  const auto scheme = schemes::yoshida6<double>();
+  SemiexplicitPack pack(packed, scheme, solver);
+  PackPoint<Dof> point(starts[0].dof());
+  std::vector<Semiexplicit<Plain>> steppers(lanes, Semiexplicit(plain, scheme, solver));
+  auto states = starts;
+  for (std::size_t k = 0; k < lanes; ++k) point.set_lane(k, starts[k]);
+  std::int64_t spread = 0;
+  for (int n = 0; n < 40; ++n) {
+    const PackReport report = pack.step(point, dt);
+    std::int64_t least = report[0].evaluations, most = least;
+    for (std::size_t k = 0; k < lanes; ++k) {
+      CAPTURE(n, k);
+      REQUIRE(same(report[k], steppers[k].step(states[k], dt)));
+      REQUIRE(same_bits(point.lane(k), states[k]));
+      least = std::min(least, report[k].evaluations);
+      most = std::max(most, report[k].evaluations);
+    }
+    spread = std::max(spread, most - least);
+  }
+  return spread;
+}
+
+template <int N>
+std::vector<PhasePoint<double, N>> starts(Eigen::Index sites) {
+  std::vector<PhasePoint<double, N>> list;
+  for (std::size_t k = 0; k < lanes; ++k) list.push_back(lattice_state<N>(sites, int(7 * k / (lanes - 1))));
+  return list;
+}
+
+}  // namespace
+
+TEST_CASE("A lane takes the very step of the plain stepper") {
+  const systems::NlsLattice<double, 5> packed;
+  const Lattice<5> plain;
+  CHECK(compare(packed, plain, starts<5>(5), 0.03, {}) >= 1);
+  CHECK(compare(packed, plain, starts<5>(5), 0.03, {.stop = StoppingRule::paper(1e-13)}) >= 3);
+  CHECK(compare(packed, plain, starts<5>(5), 0.03, {.stop = StoppingRule::paper(1e-17)}) >= 3);
+  // A lane that is given up keeps its state.
+  CHECK(compare(packed, plain, starts<5>(5), 0.1,
+                {.stop = StoppingRule::product(1e-22), .max_iterations = 5}) >= 1);
+}
+
+TEST_CASE("A lane takes the very step of the plain stepper: size known at run time, any size of state") {
+  constexpr int dynamic = Eigen::Dynamic;
+  compare(systems::NlsLattice<double>(7), Lattice<dynamic>{systems::NlsLattice<double>(7)},
+          starts<dynamic>(7), 0.02, {});
+  // Squares of large and small states have no room in the exponent.
+  std::vector<PhasePoint<double, 1>> sizes(lanes, PhasePoint<double, 1>(-1, 0.5));
+  sizes[0].vector() *= 1e-170;
+  sizes[1].vector() *= 1e170;
+  if (lanes > 2) sizes[2].vector() *= 0;
+  compare(Quadratic<RegisterPack<double>>(), Quadratic<double>(), sizes, 0.5, {});
+  compare(Quadratic<RegisterPack<double>>(), Quadratic<double>(), sizes, 0.5,
+          {.stop = StoppingRule::product(1e-24)});
+}
+
+TEST_CASE("Vortices in lanes agree with the plain stepper to rounding") {
+  // Their reciprocals are another approximation in packs.
+  const systems::PointVortices<double, 4> vortices(Eigen::Vector4d{1, 2, -0.5, 1.5});
+  const auto scheme = schemes::low_defect6_s13<double>();
+  SemiexplicitPack pack(vortices, scheme);
+  PackPoint<4> point(4);
+  std::vector<PhasePoint<double, 4>> states;
+  for (std::size_t k = 0; k < lanes; ++k) {
+    states.push_back(vortices.phase_point({1, -1, 0.3 * double(k), 2}, {0, 0.5, 3, -1}));
+    point.set_lane(k, states.back());
+  }
+  for (int n = 0; n < 50; ++n) pack.step(point, 0.1);
+  for (std::size_t k = 0; k < lanes; ++k) {
+    Semiexplicit plain(vortices, scheme);
+    integrate(plain, states[k], {.dt = 0.1, .steps = 50});
+    CHECK((point.lane(k).vector() - states[k].vector()).norm() <= 1e-13 * states[k].vector().norm());
+  }
+}
+
+TEST_CASE("A lane that fails keeps its state, and the others go on as if it were not there") {
+  const double not_a_number = std::numeric_limits<double>::quiet_NaN();
+  const auto scheme = schemes::low_defect4_s7<double>();
+  const std::vector<PhasePoint<double, 5>> good = starts<5>(5);
+  for (const double bad : {not_a_number, 1e170, 60.0}) {
+    CAPTURE(bad);
+    SemiexplicitPack undisturbed(systems::NlsLattice<double, 5>(), scheme), disturbed = undisturbed;
+    PackPoint<5> x(5), y(5);
+    for (std::size_t k = 0; k < lanes; ++k) {
+      x.set_lane(k, good[k]);
+      y.set_lane(k, good[k]);
+    }
+    auto broken = good[1];
+    broken.q()[2] = bad;
+    y.set_lane(1, broken);
+    for (int n = 0; n < 20; ++n) {
+      undisturbed.step(x, 0.01);
+      const PackReport report = disturbed.step(y, 0.01);
+      CHECK(report[1].status == (std::isnan(bad) ? Status::invalid_state
+                                 : bad > 1e100   ? Status::not_finite
+                                                 : report[1].status));
+      CHECK_FALSE(report[1].ok());
+    }
+    for (std::size_t k = 0; k < lanes; ++k) CHECK(same_bits(y.lane(k), k == 1 ? broken : x.lane(k)));
+  }
+}
+
+TEST_CASE("A step that cannot be is refused in every lane, and lanes that are not wanted rest") {
+  SemiexplicitPack pack(Product<RegisterPack<double>>{}, schemes::strang<double>());
+  PackPoint<1> point(1), other(2);
+  for (std::size_t k = 0; k < lanes; ++k) point.set_lane(k, PhasePoint<double, 1>(-1, 0.5));
+  const auto start = point.lane(0);
+  for (const double dt : {0.0, std::numeric_limits<double>::infinity(), std::nan("")})
+    for (const StepReport& report : pack.step(point, dt)) CHECK(report.status == Status::invalid_step);
+  for (const StepReport& report : pack.step(other, 0.1)) CHECK(report.status == Status::invalid_state);
+  LaneChoice wanted{};
+  wanted[1] = true;
+  CHECK(pack.step(point, 0.1, wanted)[1].ok());
+  for (std::size_t k = 0; k < lanes; ++k) CHECK(same_bits(point.lane(k), start) == (k != 1));
+
+  Scheme<double> edited = schemes::strang<double>();
+  edited.b[0] = 0.9;
+  CHECK(refuses([&] { SemiexplicitPack(Product<RegisterPack<double>>{}, edited); }, "b sums to 0.9"));
+}
+
+#endif

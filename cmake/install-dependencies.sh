@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# install-dependencies.sh run|test|check|benchmark...: installs what these tasks need and this machine lacks. Where all is there
+# install-dependencies.sh run|test|check|docs|benchmark...: installs what these tasks need and this machine lacks. Where all is there
 # it does nothing and needs no rights.
 set -euo pipefail
 
@@ -12,26 +12,32 @@ declare -A purpose=(
   [libcli11-dev]="CLI11, the command lines of the example programs"
   [gnuplot-nox]="gnuplot, which the example programs call to draw their pictures"
   [catch2]="Catch2 2 or 3, the test framework"
+  [pkg-config]="asks for the flags that an installed library wants; its file is tested"
   [libboost-dev]="Boost headers: numbers and reference functions of the tests, integrators of the benchmark"
   [libgsl-dev]="the GNU Scientific Library, whose integrators the benchmark compares with"
   [clang]="the second compiler that everything must pass"
   [libclang-rt-14-dev]="the run-time part of its sanitizers"
   [clang-format]="checks the formatting"
+  [doxygen]="makes the documentation, from examples/pages and the headers"
+  [libjs-mathjax]="MathJax, which draws the formulas of the documentation without a network"
 )
 # The program by which a package is recognised, wherever it comes from; libraries are asked of dpkg.
 declare -A program=(
   [g++]=g++ [cmake]=cmake [ninja-build]=ninja [gnuplot-nox]=gnuplot [clang]=clang++ [clang-format]=clang-format
+  [pkg-config]=pkg-config
+  [doxygen]=doxygen
 )
 
 packages=()
 for task in "$@"; do
   case $task in
     run) packages+=(g++ cmake ninja-build libeigen3-dev libcli11-dev gnuplot-nox) ;;
-    test) packages+=(g++ cmake ninja-build libeigen3-dev libcli11-dev catch2 libboost-dev) ;;
+    test) packages+=(g++ cmake ninja-build libeigen3-dev libcli11-dev catch2 libboost-dev pkg-config) ;;
     benchmark) packages+=(g++ cmake ninja-build libeigen3-dev libcli11-dev gnuplot-nox libboost-dev libgsl-dev) ;;
     check) packages+=(clang libclang-rt-14-dev clang-format) ;;
+    docs) packages+=(g++ cmake ninja-build libeigen3-dev doxygen libjs-mathjax) ;;
     *)
-      echo "install-dependencies.sh: unknown task '$task'; give run, test, check or benchmark" >&2
+      echo "install-dependencies.sh: unknown task '$task'; give run, test, check, docs or benchmark" >&2
       exit 2
       ;;
   esac

@@ -1,4 +1,4 @@
-# Installs the headers and a package for find_package(semiexplicit); `uninstall` takes them away again.
+# Installs the headers, a package for find_package(semiexplicit) and a file for pkg-config; `uninstall` takes them away again.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
@@ -23,7 +23,21 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/semiexplicitConfigVersion
 install(FILES
   ${PROJECT_BINARY_DIR}/semiexplicitConfig.cmake
   ${PROJECT_BINARY_DIR}/semiexplicitConfigVersion.cmake
+  ${CMAKE_CURRENT_LIST_DIR}/components.cmake
   DESTINATION ${package_dir})
+
+# The prefix is found from where the file lies, so that an installed tree may be moved.
+set(pkgconfig_dir ${CMAKE_INSTALL_DATADIR}/pkgconfig)
+if(IS_ABSOLUTE ${pkgconfig_dir})
+  set(pkgconfig_prefix ${CMAKE_INSTALL_PREFIX})
+else()
+  file(RELATIVE_PATH up /prefix/${pkgconfig_dir} /prefix)
+  string(REGEX REPLACE "/$" "" pkgconfig_prefix "\${pcfiledir}/${up}")
+endif()
+set(pkgconfig_includedir "\${prefix}")
+cmake_path(APPEND pkgconfig_includedir ${CMAKE_INSTALL_INCLUDEDIR}) # which may be absolute
+configure_file(${CMAKE_CURRENT_LIST_DIR}/semiexplicit.pc.in ${PROJECT_BINARY_DIR}/semiexplicit.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/semiexplicit.pc DESTINATION ${pkgconfig_dir})
 
 if(PROJECT_IS_TOP_LEVEL)
   add_custom_target(uninstall
@@ -31,4 +45,5 @@ if(PROJECT_IS_TOP_LEVEL)
       -D MANIFEST=${PROJECT_BINARY_DIR}/install_manifest.txt -P ${CMAKE_CURRENT_LIST_DIR}/uninstall.cmake
     COMMENT "Removing the installed files"
     VERBATIM)
+  include(${CMAKE_CURRENT_LIST_DIR}/packaging/cpack.cmake)
 endif()

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# test.sh [--all]: installs what is missing, builds the tests and runs them. --all goes on with the formatting, and the same
-# tests built by clang++ with the address and undefined-behaviour sanitizers.
+# test.sh [--all]: installs what is missing, builds the tests and runs them. --all goes on with the formatting, the
+# documentation, and the same tests built by clang++ with the address and undefined-behaviour sanitizers.
 set -euo pipefail
 # shellcheck source=cmake/stage.sh
 source "$(dirname "${BASH_SOURCE[0]}")/stage.sh"
@@ -46,5 +46,7 @@ if $all; then
   bash cmake/install-dependencies.sh check
   stage "Formatting"
   check_format
+  stage "Documentation"
+  bash cmake/docs.sh
   build_and_test asan
 fi

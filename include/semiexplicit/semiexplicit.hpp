@@ -2,14 +2,19 @@
 
 /// Everything of the library. Each header also stands alone.
 
+#include <semiexplicit/autodiff/from_energy.hpp>
 #include <semiexplicit/baseline/explicit_splitting.hpp>
 #include <semiexplicit/baseline/gauss_lanes.hpp>
 #include <semiexplicit/baseline/gauss_legendre.hpp>
+#include <semiexplicit/check_gradient.hpp>
 #include <semiexplicit/checkpoint/checkpoints.hpp>
 #include <semiexplicit/core/hamiltonian.hpp>
 #include <semiexplicit/core/phase_point.hpp>
 #include <semiexplicit/core/report.hpp>
 #include <semiexplicit/cost/cost_of_accuracy.hpp>
+#include <semiexplicit/extended/autonomous.hpp>
+#include <semiexplicit/extended/monitors.hpp>
+#include <semiexplicit/extended/time_transformed.hpp>
 #include <semiexplicit/integrate.hpp>
 #include <semiexplicit/observers.hpp>
 #include <semiexplicit/projection/midpoint.hpp>
@@ -40,4 +45,6 @@
 #include <semiexplicit/systems/nls_lattice.hpp>
 #include <semiexplicit/systems/point_vortices.hpp>
 #include <semiexplicit/systems/product.hpp>
+#include <semiexplicit/tangent/lyapunov.hpp>
+#include <semiexplicit/tangent/tangent_map.hpp>
 #include <semiexplicit/version.hpp>

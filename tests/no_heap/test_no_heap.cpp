@@ -169,6 +169,28 @@ TEST_CASE("Nor does a step of a scene, doubled or not, chosen at compile time or
   uses_none(stepper_for(Scene(lattice::Hopping<>{.sites = 30}, lattice::OnSite<>{.sites = 30})), wave);
 }
 
+TEST_CASE("Nor do automatic derivatives, of fixed or dynamic size", "[heap]") {
+  const auto energy = [](const auto& q, const auto& p) { return q.squaredNorm() * p.squaredNorm() + q[0]; };
+  const auto derivatives_use_no_heap = [](const auto& h) {
+    PhasePoint<double, std::decay_t<decltype(h)>::Dof> z(dof_of(h)), gradient = z;
+    z.q()[1] = 2;
+    Eigen::Matrix<double, twice(std::decay_t<decltype(h)>::Dof), twice(std::decay_t<decltype(h)>::Dof)>
+        hessian;
+    hessian.resize(2 * dof_of(h), 2 * dof_of(h));
+    long count = 0;
+    REQUIRE_NOTHROW(count = allocations_of([&] {
+                      h.gradient(z.q(), z.p(), gradient.q(), gradient.p());
+                      h.hessian(z.q(), z.p(), hessian);
+                    }));
+    CHECK(count == 0);
+    CHECK(gradient.q()[0] == 1);
+    CHECK(hessian(0, 0) == 0);
+    CHECK(hessian(2 * dof_of(h) - 1, 2 * dof_of(h) - 1) == 8);
+  };
+  derivatives_use_no_heap(from_energy<3>(energy));
+  derivatives_use_no_heap(from_energy(9, energy));
+}
+
 TEST_CASE("A run allocates nothing a step", "[heap]") {
   systems::NlsLattice<double> h(10);
   PhasePoint<double, Eigen::Dynamic> z(10);

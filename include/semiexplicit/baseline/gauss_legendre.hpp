@@ -20,6 +20,7 @@ enum class StageSolver {
   newton        ///< full Newton with a dense 2ds × 2ds matrix each iteration: for small problems
 };
 
+/// What a GaussLegendre stepper is made with.
 struct GaussLegendreOptions {
   int stages = 2;  ///< 1 to 8; order 2 · stages; 1 is the implicit midpoint rule
   StageSolver solver = StageSolver::fixed_point;

@@ -6,6 +6,7 @@
 #include <type_traits>
 
 #include <semiexplicit/checkpoint/file.hpp>
+#include <semiexplicit/core/compensated_update.hpp>
 #include <semiexplicit/integrate.hpp>
 #include <semiexplicit/solver/stopping.hpp>
 #include <semiexplicit/splitting/scheme.hpp>
@@ -29,6 +30,8 @@ class Fingerprint {
     add("subdivide", run.subdivide);
     if constexpr (requires { stepper.scheme(); }) add_scheme(stepper.scheme());
     if constexpr (requires { stepper.solver(); }) add_solver(stepper.solver());
+    if constexpr (requires { stepper.summation(); })
+      add("summation", stepper.summation() == Summation::compensated ? "compensated" : "plain");
     if constexpr (requires { stepper.omega(); }) add("omega", stepper.omega());
     if constexpr (requires { stepper.options().stages; }) {
       add("stages", stepper.options().stages);

@@ -37,6 +37,21 @@ concept HasGradient = requires(const H& h, ConstRef<typename H::Scalar, H::Dof> 
   h.gradient(q, p, dHdq, dHdp);
 };
 
+/// What a user writes where H depends on the time: the same with the time as the first argument. Autonomous(H) makes a
+/// Hamiltonian of it; without that no integrator takes it. Optional are `energy(t, q, p)` and ∂H/∂t,
+/// `time_derivative(t, q, p)`.
+template <class H>
+concept TimeDependentHamiltonian = std::copy_constructible<H> && HasScalar<H> && HasDof<H> &&
+    requires(const H& h, const typename H::Scalar& t, ConstRef<typename H::Scalar, H::Dof> q,
+             ConstRef<typename H::Scalar, H::Dof> p, Ref<typename H::Scalar, H::Dof> dHdq,
+             Ref<typename H::Scalar, H::Dof> dHdp) {
+  h.gradient(t, q, p, dHdq, dHdp);
+} &&(H::Dof != Eigen::Dynamic || HasRuntimeDof<H>);
+
+/// No integrator takes a bare time-dependent H; the name is what a compiler will say of one.
+template <class H>
+concept DependsOnTimeSoWrapItInAutonomous = TimeDependentHamiltonian<H>;
+
 /// What a user writes: a copyable type with `Scalar`, `Dof` (and `dof()` if dynamic) and `gradient`. A
 /// gradient may throw; the state then stays at the last good step and the stepper stays usable. NaN or Inf in
 /// its result is reported likewise.
@@ -51,8 +66,9 @@ concept HasGradient = requires(const H& h, ConstRef<typename H::Scalar, H::Dof> 
 ///       }
 ///     };
 template <class H>
-concept Hamiltonian = std::copy_constructible<H> && HasScalar<H> && HasDof<H> && HasGradient<H> &&
-    (H::Dof != Eigen::Dynamic || HasRuntimeDof<H>);
+concept Hamiltonian =
+    std::copy_constructible<H> && HasScalar<H> && HasDof<H> && !DependsOnTimeSoWrapItInAutonomous<H> &&
+    HasGradient<H> && (H::Dof != Eigen::Dynamic || HasRuntimeDof<H>);
 
 /// Optional: the value H(q, p), for the energy error of a run. No integrator needs it.
 template <class H>

@@ -7,8 +7,8 @@
 
 namespace semiexplicit::detail {
 
-/// What the projections share: one step of the doubled system from a common point z, and the compensated move of z to the
-/// mean of the copies. Six vectors of length 2d.
+/// What the projections share: one step of the doubled system from a common point z, and the move of z to the mean of
+/// the copies. Six vectors of length 2d.
 template <Hamiltonian H>
 class DoubledStep {
  public:
@@ -17,10 +17,11 @@ class DoubledStep {
   using State = PhasePoint<Scalar, Dof>;
   using Vec = typename State::Storage;
 
-  DoubledStep(H hamiltonian, Scheme<Scalar> scheme)
+  DoubledStep(H hamiltonian, Scheme<Scalar> scheme, Summation summation)
       : chain_(std::move(hamiltonian), std::move(scheme)),
         sum_(chain_.a),
-        update_(dof_of(chain_.hamiltonian)) {}
+        update_(dof_of(chain_.hamiltonian)),
+        summation_(summation) {}
 
   /// Whether a step of size dt can start from z: Status::success if so. Costs nothing: a state that is not finite shows
   /// in the result, and diagnose() tells it from a gradient that is not.
@@ -54,12 +55,19 @@ class DoubledStep {
 
   /// z becomes the mean of the copies; false, and z untouched, where that is not finite.
   bool finish(State& z) {
+    if (summation_ == Summation::plain) {
+      sum_ = (chain_.a + chain_.b) / 2;
+      if (!sum_.allFinite()) return false;
+      z.vector() = sum_;
+      return true;
+    }
     if (summed()) return update_.update(z, [moved = sum_.data()](Eigen::Index i) { return moved[i] / 2; });
     return update_.update(z, [a = chain_.a.data(), b = chain_.b.data(), from = z.vector().data()](
                                  Eigen::Index i) { return ((a[i] - from[i]) + (b[i] - from[i])) / 2; });
   }
 
   const KickChain<H>& chain() const { return chain_; }
+  Summation summation() const { return summation_; }
 
   template <class Visitor>
   void visit_memory(Visitor&& visit) {
@@ -70,7 +78,10 @@ class DoubledStep {
   /// In vectors longer than this (bytes) a kick costs what it moves through memory, and keeping the sum up to date in each
   /// would be a third of that. What the copies moved is taken from them at the end then, with their rounding errors.
   static constexpr std::size_t long_vector = std::size_t{1} << 20;
-  bool summed() const { return static_cast<std::size_t>(chain_.a.size()) * sizeof(Scalar) <= long_vector; }
+  bool summed() const {
+    return summation_ == Summation::compensated &&
+           static_cast<std::size_t>(chain_.a.size()) * sizeof(Scalar) <= long_vector;
+  }
 
   void run(const Vec& from_a, const Vec& from_b, const Scalar& dt) {
     if (summed()) {
@@ -87,6 +98,7 @@ class DoubledStep {
   KickChain<H> chain_;
   Vec sum_;
   CompensatedUpdate<Scalar, Dof> update_;
+  Summation summation_;
 };
 
 }  // namespace semiexplicit::detail

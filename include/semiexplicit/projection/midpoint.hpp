@@ -19,8 +19,8 @@ class MidpointProjection {
   static constexpr const char* name = "MidpointProjection";
 
   /// Throws std::invalid_argument, saying what is wrong, unless the scheme passes its own check.
-  MidpointProjection(H hamiltonian, Scheme<Scalar> scheme)
-      : doubled_(std::move(hamiltonian), std::move(scheme)) {}
+  MidpointProjection(H hamiltonian, Scheme<Scalar> scheme, Summation summation = Summation::compensated)
+      : doubled_(std::move(hamiltonian), std::move(scheme), summation) {}
 
   /// One step of size dt, which may be negative; z is untouched unless the report is ok(). `correction` is a quarter of
   /// the distance between the copies before the mean is taken.
@@ -40,6 +40,7 @@ class MidpointProjection {
   Eigen::Index dof() const { return dof_of(hamiltonian()); }
   const H& hamiltonian() const { return doubled_.chain().hamiltonian; }
   const Scheme<Scalar>& scheme() const { return doubled_.chain().scheme; }
+  Summation summation() const { return doubled_.summation(); }
 
   /// Hands visit() every number that goes on from step to step; see CheckpointMemory.
   template <class Visitor>

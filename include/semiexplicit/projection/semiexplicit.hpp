@@ -28,8 +28,9 @@ class Semiexplicit {
 
   /// Throws std::invalid_argument, saying what is wrong, unless the scheme passes its own check and the solver's options make
   /// sense.
-  Semiexplicit(H hamiltonian, Scheme<Scalar> scheme, Solver solver = {})
-      : doubled_(std::move(hamiltonian), std::move(scheme)),
+  Semiexplicit(H hamiltonian, Scheme<Scalar> scheme, Solver solver = {},
+               Summation summation = Summation::compensated)
+      : doubled_(std::move(hamiltonian), std::move(scheme), summation),
         solver_(std::move(solver)),
         m_(State(dof()).vector()),
         work_(solver_, m_.size()) {}
@@ -55,6 +56,7 @@ class Semiexplicit {
   Eigen::Index dof() const { return dof_of(hamiltonian()); }
   const H& hamiltonian() const { return doubled_.chain().hamiltonian; }
   const Scheme<Scalar>& scheme() const { return doubled_.chain().scheme; }
+  Summation summation() const { return doubled_.summation(); }
   const Solver& solver() const { return solver_; }
 
   /// Hands visit() every number that goes on from step to step; see CheckpointMemory.
@@ -71,7 +73,7 @@ class Semiexplicit {
     detail::DoubledStep<H>& doubled;
     const State& z;
     const Scalar& dt;
-    Scalar size = detail::norm(z.vector());
+    Scalar size = detail::state_size(doubled.chain().hamiltonian, z);
 
     /// f(0), where every solver starts.
     void operator()(Vec& f) {
@@ -83,12 +85,12 @@ class Semiexplicit {
       f = doubled.difference() + 2 * m;
     }
 
-    /// ‖z‖.
+    /// ‖z‖, without the time where that is a coordinate.
     const Scalar& state_size() const { return size; }
 
     /// A correction below this may be nothing but rounding: the copies' own, made larger by the kicks in between.
     Scalar rounding_level() const {
-      return 100 * Eigen::NumTraits<Scalar>::epsilon() * (size + doubled.distance(z));
+      return 100 * Eigen::NumTraits<Scalar>::epsilon() * (detail::norm(z.vector()) + doubled.distance(z));
     }
   };
 

@@ -1,0 +1,49 @@
+#!/usr/bin/env bash
+# amalgamate.sh FILE: writes the whole library as one header, which needs nothing but Eigen: every header that semiexplicit.hpp
+# leads to, once, where it is first included. FILE is written whole or not at all.
+set -euo pipefail
+
+if [ $# -ne 1 ]; then
+  echo "usage: bash cmake/amalgamate.sh FILE" >&2
+  exit 2
+fi
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+output=$1
+part=$output.part
+trap 'rm -f "$part"' EXIT
+
+version_part() { awk -v name="SEMIEXPLICIT_VERSION_$1" '$2 == name { print $3 }' "$root/include/semiexplicit/version.hpp"; }
+
+{
+  echo "// semiexplicit $(version_part MAJOR).$(version_part MINOR).$(version_part PATCH), the whole library in one header. Made by cmake/amalgamate.sh: do not edit."
+  echo "//"
+  sed -e 's|^|// |' -e 's| *$||' "$root/LICENSE"
+  echo
+  echo "#pragma once"
+  awk -v include="$root/include/" '
+    function unfold(header, line) {
+      if (header in seen) return
+      seen[header]
+      print "\n// ======== " header
+      while ((status = (getline line < (include header))) > 0) {
+        if (line ~ /^#include <semiexplicit\//) {
+          sub(/^#include </, "", line)
+          sub(/>.*/, "", line)
+          unfold(line)
+        } else if (line ~ /^#pragma once/) {
+        } else if (line ~ /^[ \t]*#[ \t]*include[ \t]*[<"]semiexplicit/) {
+          print header ": an include that is not at the beginning of its line: " line > "/dev/stderr"
+          exit 1
+        } else {
+          print line
+        }
+      }
+      if (status < 0) {
+        print include header ": cannot be read" > "/dev/stderr"
+        exit 1
+      }
+      close(include header)
+    }
+    BEGIN { unfold("semiexplicit/semiexplicit.hpp") }'
+} >"$part"
+mv "$part" "$output"

@@ -1,0 +1,128 @@
+// Kapitza's pendulum: a rigid one whose pivot shakes up and down, seen once a period of the shaking.
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <iostream>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <semiexplicit/semiexplicit.hpp>
+
+#include "common/arguments.hpp"
+#include "common/gnuplot.hpp"
+
+namespace {
+
+using namespace semiexplicit;
+using std::numbers::pi;
+
+/// Lengths in units of the pendulum's, times in units of √(length/g). Of the angle θ from the lowest position and its momentum
+/// p = θ' - aΩ sin(Ωt) sin θ, without what depends on the time only.
+auto pendulum(double amplitude, double frequency) {
+  return Autonomous(from_energy<1>([=](const auto& t, const auto& q, const auto& p) {
+    using std::cos, std::sin;
+    const auto velocity = p[0] + amplitude * frequency * sin(frequency * t) * sin(q[0]);
+    return velocity * velocity / 2 - cos(q[0]);
+  }));
+}
+using Pendulum = decltype(pendulum(0, 0));
+
+/// Half the trace of the derivative of the motion over a period, at the upper position: between -1 and 1 it is stable.
+double half_trace(const Semiexplicit<Pendulum>& method, double period, std::int64_t steps) {
+  auto stepper = method;
+  TangentMap tangent(stepper);
+  Eigen::Matrix2d product = Eigen::Matrix2d::Identity();
+  auto Z = stepper.hamiltonian().extended({pi, 0}, 0);
+  const double dt = period / static_cast<double>(steps);
+  for (std::int64_t n = 0; n < steps; ++n) {
+    const Status status = tangent.at(Z, dt);
+    if (status != Status::success) throw std::runtime_error("the tangent map: " + describe(status));
+    const auto& m =
+        tangent.matrix();  // of (θ, t, p, p_t), where θ and p depend on the time, but it not on them
+    const Eigen::Matrix2d block{{m(0, 0), m(0, 2)}, {m(2, 0), m(2, 2)}};
+    product = block * product;
+    integrate(stepper, Z, {.dt = dt, .steps = 1});
+  }
+  return product.trace() / 2;
+}
+
+void report_stability(double half_trace, double amplitude, double frequency) {
+  std::cout << "upside down: ";
+  if (std::abs(half_trace) < 1)
+    std::cout << "stable, swings at " << std::acos(half_trace) * frequency / (2 * pi);
+  else
+    std::cout << "unstable, parts at " << std::acosh(std::abs(half_trace)) * frequency / (2 * pi);
+  const double squared = amplitude * amplitude * frequency * frequency / 2 - 1;  // P. L. Kapitza (1951)
+  std::cout << "; averaged over the shaking: " << (squared > 0 ? "stable, " : "unstable, ")
+            << std::sqrt(std::abs(squared)) << '\n';
+}
+
+std::string script(const std::filesystem::path& png, const std::filesystem::path& csv, double fastest) {
+  return examples::gnuplot_prologue(png, 1100, 900) +
+         "set xlabel 'angle'\nset ylabel 'angular velocity'\nset xrange [-pi:pi]\nset yrange [-" +
+         std::to_string(fastest) + ":" + std::to_string(fastest) +
+         "]\nset key off\n"
+         "set xtics ('-π' -pi, '-π/2' -pi/2, '0' 0, 'π/2' pi/2, 'π' pi)\nunset colorbox\n"
+         "set palette defined (0 '#0072B2', 1 '#009E73', 2 '#E69F00', 3 '#D55E00', 4 '#CC79A7')\n"
+         "plot " +
+         examples::quoted(csv.string()) +
+         " using 2:3:1 skip 1 with points pointtype 7 pointsize 0.25 palette\n";
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  using namespace examples;
+  CLI::App app{
+      "Kapitza's pendulum, whose pivot shakes by a cos(Ωt): a section at every period of the shaking (g = "
+      "length = 1)."};
+  double amplitude = 0.2, frequency = 10;
+  std::int64_t orbits = 40, periods = 1000, steps = 40;
+  Settings settings;
+  const auto add = [&](const char* name, auto& value, const CLI::Validator& check, const char* about) {
+    app.add_option(name, value, about)->check(check)->capture_default_str();
+  };
+  add("--amplitude", amplitude, positive(), "of the shaking, in lengths of the pendulum");
+  add("--frequency", frequency, positive(), "of the shaking, in units of that of small swings at rest");
+  add("--orbits", orbits, whole_number(1, 10'000), "which start at rest, all around");
+  add("--periods", periods, whole_number(1, 1'000'000'000), "of the shaking, for each of them");
+  add("--steps", steps, whole_number(4, 1'000'000), "in a period");
+  app.add_option("--output", settings.output, "folder for the CSV file and the picture")
+      ->type_name("DIR")
+      ->capture_default_str();
+  app.add_flag("--no-plot", settings.no_plot, "leave the picture out");
+
+  return run_program(app, argc, argv, [&] {
+    const auto K = pendulum(amplitude, frequency);
+    Semiexplicit stepper(K, schemes::low_defect6_s13());
+    const double period = 2 * pi / frequency, dt = period / static_cast<double>(steps);
+    report_stability(half_trace(stepper, period, steps), amplitude, frequency);
+
+    settings.make_output_folder();
+    const std::filesystem::path csv = settings.output / "driven.csv", png = settings.output / "driven.png";
+    CsvWriter writer(csv, {"orbit", "angle", "velocity"});
+    double worst = 0;
+    for (std::int64_t k = 0; k < orbits; ++k) {
+      // At whole periods the pivot rests, and the momentum is the angular velocity.
+      const auto write = [&](double, const PhasePoint<double, 1>& z) {
+        writer.row({static_cast<double>(k), std::remainder(z.q()[0], 2 * pi), z.p()[0]});
+      };
+      auto section =
+          poincare_section(K, [=](const auto& q, const auto&) { return std::sin(frequency * q[1] / 2); },
+                           write, {.direction = CrossingDirection::both});
+      const double angle = 2 * pi * (static_cast<double>(k) + 0.5) / static_cast<double>(orbits);
+      auto Z = K.extended({angle, 0}, 0);
+      Invariants invariants(K);
+      integrate(stepper, Z, {.dt = dt, .steps = periods * steps + 1}, section, invariants);
+      worst = std::max(worst, invariants["energy"].worst);
+    }
+    writer.commit();
+    std::cout << "energy with the work of the pivot, worst relative error: " << worst << '\n'
+              << "section: " << csv.string() << '\n';
+    if (!settings.no_plot) draw(png, script(png, csv, 2 + amplitude * frequency));
+    return 0;
+  });
+}

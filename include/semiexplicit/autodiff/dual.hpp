@@ -1,0 +1,275 @@
+#pragma once
+
+#include <cmath>
+#include <concepts>
+#include <limits>
+
+#include <Eigen/Core>
+
+namespace semiexplicit::detail {
+
+/// A number with its derivatives in N directions (forward automatic differentiation): arithmetic and the functions below obey
+/// the chain rule. It is a plain value that owns its numbers. Eigen's AutoDiffScalar is not: what its operators give refers to
+/// their operands, and a function that returns `sum / 2` of a local sum hands out a reference to nothing.
+///
+/// Comparisons look at the value only. Where a function has no derivative, as sqrt and abs at 0, it comes out NaN or one-sided.
+///
+/// Source: Griewank, Walther, Evaluating Derivatives, 2nd ed. (SIAM 2008), chapter 3.
+template <class T, int N>
+struct Dual {
+  T value = T(0);
+  T derivative[N] = {};
+
+  Dual() = default;
+  template <class U>
+  requires(std::convertible_to<U, T>) Dual(const U& number)
+      : value(static_cast<T>(number)) {}  // NOLINT: a number is a constant
+
+  /// f(x), of which value f and slope f' are known.
+  Dual chain(const T& f, const T& slope) const {
+    Dual result(f);
+    for (int k = 0; k < N; ++k) result.derivative[k] = slope * derivative[k];
+    return result;
+  }
+  /// f(x, y), of which the value and both slopes are known.
+  static Dual chain(const T& f, const T& slope_x, const Dual& x, const T& slope_y, const Dual& y) {
+    Dual result(f);
+    for (int k = 0; k < N; ++k) result.derivative[k] = slope_x * x.derivative[k] + slope_y * y.derivative[k];
+    return result;
+  }
+
+  Dual operator+() const { return *this; }
+  Dual operator-() const { return chain(-value, T(-1)); }
+  friend Dual operator+(const Dual& x, const Dual& y) {
+    Dual result(x.value + y.value);
+    for (int k = 0; k < N; ++k) result.derivative[k] = x.derivative[k] + y.derivative[k];
+    return result;
+  }
+  friend Dual operator-(const Dual& x, const Dual& y) {
+    Dual result(x.value - y.value);
+    for (int k = 0; k < N; ++k) result.derivative[k] = x.derivative[k] - y.derivative[k];
+    return result;
+  }
+  friend Dual operator*(const Dual& x, const Dual& y) {
+    return chain(x.value * y.value, y.value, x, x.value, y);
+  }
+  friend Dual operator/(const Dual& x, const Dual& y) {
+    const T inverse = T(1) / y.value, ratio = x.value * inverse;
+    return chain(x.value / y.value, inverse, x, -ratio * inverse, y);
+  }
+
+  // With a constant on one side there is half as much to do.
+  template <class U>
+  static constexpr bool constant = std::convertible_to<U, T> && !std::same_as<U, Dual>;
+  template <class U>
+  requires constant<U>
+  friend Dual operator+(Dual x, const U& c) {
+    x.value += static_cast<T>(c);
+    return x;
+  }
+  template <class U>
+  requires constant<U>
+  friend Dual operator+(const U& c, const Dual& x) { return x + c; }
+  template <class U>
+  requires constant<U>
+  friend Dual operator-(Dual x, const U& c) {
+    x.value -= static_cast<T>(c);
+    return x;
+  }
+  template <class U>
+  requires constant<U>
+  friend Dual operator-(const U& c, const Dual& x) { return -x + c; }
+  template <class U>
+  requires constant<U>
+  friend Dual operator*(const Dual& x, const U& c) {
+    return x.chain(x.value * static_cast<T>(c), static_cast<T>(c));
+  }
+  template <class U>
+  requires constant<U>
+  friend Dual operator*(const U& c, const Dual& x) { return x * c; }
+  template <class U>
+  requires constant<U>
+  friend Dual operator/(const Dual& x, const U& c) {
+    return x.chain(x.value / static_cast<T>(c), T(1) / static_cast<T>(c));
+  }
+  template <class U>
+  requires constant<U>
+  friend Dual operator/(const U& c, const Dual& x) {
+    const T ratio = static_cast<T>(c) / x.value;
+    return x.chain(ratio, -ratio / x.value);
+  }
+
+  template <class U>
+  Dual& operator+=(const U& y) {
+    return *this = *this + y;
+  }
+  template <class U>
+  Dual& operator-=(const U& y) {
+    return *this = *this - y;
+  }
+  template <class U>
+  Dual& operator*=(const U& y) {
+    return *this = *this * y;
+  }
+  template <class U>
+  Dual& operator/=(const U& y) {
+    return *this = *this / y;
+  }
+
+  friend bool operator==(const Dual& x, const Dual& y) { return x.value == y.value; }
+  friend bool operator<(const Dual& x, const Dual& y) { return x.value < y.value; }
+  friend bool operator>(const Dual& x, const Dual& y) { return x.value > y.value; }
+  friend bool operator<=(const Dual& x, const Dual& y) { return x.value <= y.value; }
+  friend bool operator>=(const Dual& x, const Dual& y) { return x.value >= y.value; }
+};
+
+// What an energy may call, found by argument-dependent lookup: `using std::sqrt; sqrt(x)`, or plain `sqrt(x)`.
+
+template <class T, int N>
+Dual<T, N> sqrt(const Dual<T, N>& x) {
+  using std::sqrt;
+  const T root = sqrt(x.value);
+  return x.chain(root, T(1) / (T(2) * root));
+}
+template <class T, int N>
+Dual<T, N> cbrt(const Dual<T, N>& x) {
+  using std::cbrt;
+  const T root = cbrt(x.value);
+  return x.chain(root, T(1) / (T(3) * root * root));
+}
+template <class T, int N>
+Dual<T, N> exp(const Dual<T, N>& x) {
+  using std::exp;
+  const T value = exp(x.value);
+  return x.chain(value, value);
+}
+template <class T, int N>
+Dual<T, N> expm1(const Dual<T, N>& x) {
+  using std::expm1;
+  const T value = expm1(x.value);
+  return x.chain(value, value + T(1));
+}
+template <class T, int N>
+Dual<T, N> log(const Dual<T, N>& x) {
+  using std::log;
+  return x.chain(log(x.value), T(1) / x.value);
+}
+template <class T, int N>
+Dual<T, N> log1p(const Dual<T, N>& x) {
+  using std::log1p;
+  return x.chain(log1p(x.value), T(1) / (x.value + T(1)));
+}
+template <class T, int N>
+Dual<T, N> sin(const Dual<T, N>& x) {
+  using std::cos, std::sin;
+  return x.chain(sin(x.value), cos(x.value));
+}
+template <class T, int N>
+Dual<T, N> cos(const Dual<T, N>& x) {
+  using std::cos, std::sin;
+  return x.chain(cos(x.value), -sin(x.value));
+}
+template <class T, int N>
+Dual<T, N> tan(const Dual<T, N>& x) {
+  using std::tan;
+  const T value = tan(x.value);
+  return x.chain(value, T(1) + value * value);
+}
+template <class T, int N>
+Dual<T, N> asin(const Dual<T, N>& x) {
+  using std::asin, std::sqrt;
+  return x.chain(asin(x.value), T(1) / sqrt(T(1) - x.value * x.value));
+}
+template <class T, int N>
+Dual<T, N> acos(const Dual<T, N>& x) {
+  using std::acos, std::sqrt;
+  return x.chain(acos(x.value), T(-1) / sqrt(T(1) - x.value * x.value));
+}
+template <class T, int N>
+Dual<T, N> atan(const Dual<T, N>& x) {
+  using std::atan;
+  return x.chain(atan(x.value), T(1) / (T(1) + x.value * x.value));
+}
+template <class T, int N>
+Dual<T, N> atan2(const Dual<T, N>& y, const Dual<T, N>& x) {
+  using std::atan2;
+  const T squared = x.value * x.value + y.value * y.value;
+  return Dual<T, N>::chain(atan2(y.value, x.value), x.value / squared, y, -y.value / squared, x);
+}
+template <class T, int N>
+Dual<T, N> sinh(const Dual<T, N>& x) {
+  using std::cosh, std::sinh;
+  return x.chain(sinh(x.value), cosh(x.value));
+}
+template <class T, int N>
+Dual<T, N> cosh(const Dual<T, N>& x) {
+  using std::cosh, std::sinh;
+  return x.chain(cosh(x.value), sinh(x.value));
+}
+template <class T, int N>
+Dual<T, N> tanh(const Dual<T, N>& x) {
+  using std::tanh;
+  const T value = tanh(x.value);
+  return x.chain(value, T(1) - value * value);
+}
+template <class T, int N>
+Dual<T, N> hypot(const Dual<T, N>& x, const Dual<T, N>& y) {
+  using std::hypot;
+  const T value = hypot(x.value, y.value);
+  return Dual<T, N>::chain(value, x.value / value, x, y.value / value, y);
+}
+template <class T, int N>
+Dual<T, N> abs(const Dual<T, N>& x) {
+  return x.value < T(0) ? -x : x;
+}
+template <class T, int N>
+Dual<T, N> fabs(const Dual<T, N>& x) {
+  return abs(x);
+}
+/// x^c with a constant exponent: also for negative x where c is an integer.
+template <class T, int N, class U>
+requires(Dual<T, N>::template constant<U>) Dual<T, N> pow(const Dual<T, N>& x, const U& c) {
+  using std::pow;
+  const T exponent = static_cast<T>(c);
+  if (exponent == T(0)) return Dual<T, N>(1);
+  return x.chain(pow(x.value, exponent), exponent * pow(x.value, exponent - T(1)));
+}
+template <class T, int N>
+Dual<T, N> pow(const Dual<T, N>& x, const Dual<T, N>& y) {
+  return exp(y * log(x));
+}
+template <class T, int N, class U>
+requires(Dual<T, N>::template constant<U>) Dual<T, N> pow(const U& c, const Dual<T, N>& y) {
+  using std::log;
+  return exp(y * log(static_cast<T>(c)));
+}
+template <class T, int N>
+bool isfinite(const Dual<T, N>& x) {
+  using std::isfinite;
+  return isfinite(x.value);
+}
+
+}  // namespace semiexplicit::detail
+
+// What Eigen has to know, so that q.squaredNorm(), q.dot(p) and 2.0 * q work.
+namespace Eigen {
+
+template <class T, int N>
+struct NumTraits<semiexplicit::detail::Dual<T, N>> : NumTraits<T> {
+  using Real = semiexplicit::detail::Dual<T, N>;
+  using NonInteger = Real;
+  using Nested = Real;
+  using Literal = Real;
+  enum { IsComplex = 0, IsInteger = 0, IsSigned = 1, RequireInitialization = 1 };
+  enum { ReadCost = N + 1, AddCost = N + 1, MulCost = 3 * N };
+};
+template <class T, int N, class Operation>
+struct ScalarBinaryOpTraits<semiexplicit::detail::Dual<T, N>, T, Operation> {
+  using ReturnType = semiexplicit::detail::Dual<T, N>;
+};
+template <class T, int N, class Operation>
+struct ScalarBinaryOpTraits<T, semiexplicit::detail::Dual<T, N>, Operation> {
+  using ReturnType = semiexplicit::detail::Dual<T, N>;
+};
+
+}  // namespace Eigen

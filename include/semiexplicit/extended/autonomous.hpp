@@ -1,0 +1,110 @@
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include <semiexplicit/core/hamiltonian.hpp>
+#include <semiexplicit/core/phase_point.hpp>
+
+namespace semiexplicit {
+
+/// An H that depends on the time, as an autonomous Hamiltonian in the extended phase space, of one degree of freedom more,
+/// whose coordinates are (q, t) and (p, p_t):
+///
+///     K = H(t, q, p) + p_t
+///
+/// Then dt/ds = 1, every copy of the doubled system carries a time of its own, and whatever takes a Hamiltonian takes
+/// this one, with its order and symplecticity.
+///
+///     Autonomous K(H);
+///     Semiexplicit stepper(K, schemes::low_defect6_s13());
+///     auto Z = K.extended(z, t0);
+///     integrate(stepper, Z, {.dt = dt, .steps = n, .t0 = t0}, observer);   // observer(t, Z)
+///     z = K.point(Z);  K.time(Z);
+///
+/// p_t changes by -∂H/∂t, so it is minus the energy that the driving has put in, and K stays what it was: the check that the
+/// energy is elsewhere. That takes `time_derivative(t, q, p)`. An H without it is integrated just as well, since neither
+/// q, p nor t depend on p_t; but p_t then stays at 0, and there is no energy() here because it would mean nothing.
+///
+/// Source: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, 2nd ed., section VIII.2.1 (with g = 1).
+template <TimeDependentHamiltonian H>
+class Autonomous {
+ public:
+  using Scalar = typename H::Scalar;
+  static constexpr int Dof = H::Dof == Eigen::Dynamic ? Eigen::Dynamic : H::Dof + 1;
+  using State = PhasePoint<Scalar, Dof>;
+  using Point = PhasePoint<Scalar, H::Dof>;
+
+  /// Whether H says ∂H/∂t, so that p_t and K mean something.
+  static constexpr bool follows_energy =
+      requires(const H& h, const Scalar& t, ConstRef<Scalar, H::Dof> q, ConstRef<Scalar, H::Dof> p) {
+    { h.time_derivative(t, q, p) } -> std::convertible_to<Scalar>;
+    { h.energy(t, q, p) } -> std::convertible_to<Scalar>;
+  };
+
+  explicit Autonomous(H hamiltonian) : hamiltonian_(std::move(hamiltonian)) {}
+
+  Eigen::Index dof() const {
+    if constexpr (H::Dof == Eigen::Dynamic)
+      return hamiltonian_.dof() + 1;
+    else
+      return Dof;
+  }
+
+  /// The extended point of z at the time t, with p_t = 0, so that K starts as H(t, z). Throws std::invalid_argument
+  /// where z has another size than H.
+  State extended(const Point& z, const Scalar& t) const {
+    if (z.dof() != dof() - 1)
+      throw std::invalid_argument("Autonomous: the state has " + std::to_string(z.dof()) +
+                                  " degrees of freedom and the Hamiltonian " + std::to_string(dof() - 1));
+    State extended(dof());
+    extended.q().head(z.dof()) = z.q();
+    extended.p().head(z.dof()) = z.p();
+    extended.q()[z.dof()] = t;
+    return extended;
+  }
+
+  /// The phase point (q, p), and the time, of an extended one.
+  Point point(const State& extended) const {
+    Point z(dof() - 1);
+    z.q() = head(extended.q());
+    z.p() = head(extended.p());
+    return z;
+  }
+  Scalar time(const State& extended) const { return extended.q()[dof() - 1]; }
+
+  /// K, which the exact motion keeps.
+  Scalar energy(const ConstRef<Scalar, Dof>& q,
+                const ConstRef<Scalar, Dof>& p) const requires follows_energy {
+    return hamiltonian_.energy(q[dof() - 1], head(q), head(p)) + p[dof() - 1];
+  }
+
+  void gradient(const ConstRef<Scalar, Dof>& q, const ConstRef<Scalar, Dof>& p, Ref<Scalar, Dof> dKdq,
+                Ref<Scalar, Dof> dKdp) const {
+    const Eigen::Index d = dof() - 1;
+    Ref<Scalar, H::Dof> dHdq = head(dKdq), dHdp = head(dKdp);
+    hamiltonian_.gradient(q[d], head(q), head(p), dHdq, dHdp);
+    dKdp[d] = Scalar(1);
+    if constexpr (follows_energy)
+      dKdq[d] = hamiltonian_.time_derivative(q[d], head(q), head(p));
+    else
+      dKdq[d] = Scalar(0);
+  }
+
+  const H& hamiltonian() const { return hamiltonian_; }
+
+ private:
+  /// (q) of (q, t), or (p) of (p, p_t).
+  template <class V>
+  static auto head(V&& v) {
+    if constexpr (Dof == Eigen::Dynamic)
+      return v.head(v.size() - 1);
+    else
+      return v.template head<H::Dof>();
+  }
+
+  H hamiltonian_;
+};
+
+}  // namespace semiexplicit

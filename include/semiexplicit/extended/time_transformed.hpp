@@ -1,0 +1,145 @@
+#pragma once
+
+#include <cmath>
+#include <concepts>
+#include <stdexcept>
+#include <utility>
+
+#include <semiexplicit/core/hamiltonian.hpp>
+#include <semiexplicit/core/phase_point.hpp>
+
+namespace semiexplicit {
+
+/// A monitor function g(q) > 0, the pace of time: g(q, dgdq) returns the value and writes the gradient.
+template <class G, class Scalar, int Dof>
+concept PositionMonitor = requires(const G& g, ConstRef<Scalar, Dof> q, Ref<Scalar, Dof> dgdq) {
+  { g(q, dgdq) } -> std::convertible_to<Scalar>;
+};
+
+/// A monitor function g(q, p) > 0: g(q, p, dgdq, dgdp) returns the value and writes both halves of the gradient.
+template <class G, class Scalar, int Dof>
+concept PhaseMonitor = requires(const G& g, ConstRef<Scalar, Dof> q, ConstRef<Scalar, Dof> p,
+                                Ref<Scalar, Dof> dgdq, Ref<Scalar, Dof> dgdp) {
+  { g(q, p, dgdq, dgdp) } -> std::convertible_to<Scalar>;
+};
+
+/// Poincaré's transformation of time: steps of equal size in a parameter s with dt = g ds, so small where g is small and
+/// symplectic still, which steps that are chosen as one goes are not. It is a Hamiltonian in the extended phase space, of
+/// one degree of freedom more, whose coordinates are (q, t) and (p, p_t):
+///
+///     K = g(q, p) (H(q, p) + p_t - energy)
+///
+/// On K = 0, where extended() starts, its orbits are those of H, and the physical time is carried by the integrator itself,
+/// to its order. K is not separable even where H is. p_t stays what it is.
+///
+///     TimeTransformed K(H, monitors::Distance{}, H.energy(z.q(), z.p()));       // monitors.hpp
+///     Semiexplicit stepper(K, schemes::low_defect8_s20());
+///     auto Z = K.extended(z, 0.0);
+///     integrate(stepper, Z, {.dt = ds, .steps = n}, at_times(K, times, observer));   // observer(t, z) in physical time
+///     z = K.point(Z);  K.time(Z);
+///
+/// H needs its energy. `energy` is its value on the orbit; extended() takes up what it is off by. A gradient of K is one
+/// gradient and one energy of H, and g. It works in memory of its own: threads need a copy each, as every stepper has.
+///
+/// Source: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, 2nd ed., section VIII.2.1; carrying the time as a
+/// coordinate: S. Mikkola, Celest. Mech. Dyn. Astron. 67 (1997) 145.
+template <HasEnergy H, class G>
+requires(PositionMonitor<G, typename H::Scalar, H::Dof> ||
+         PhaseMonitor<G, typename H::Scalar, H::Dof>) class TimeTransformed {
+ public:
+  using Scalar = typename H::Scalar;
+  static constexpr int Dof = H::Dof == Eigen::Dynamic ? Eigen::Dynamic : H::Dof + 1;
+  using State = PhasePoint<Scalar, Dof>;
+  using Point = PhasePoint<Scalar, H::Dof>;
+
+  TimeTransformed(H hamiltonian, G monitor, Scalar energy)
+      : hamiltonian_(std::move(hamiltonian)),
+        monitor_(std::move(monitor)),
+        energy_(energy),
+        dg_(dof_of(hamiltonian_)) {}
+
+  Eigen::Index dof() const { return dof_of(hamiltonian_) + 1; }
+
+  /// The extended point of z at the time t, on K = 0. Throws std::invalid_argument where z has another size than H, or H
+  /// or g is not finite at z, or g not positive.
+  State extended(const Point& z, const Scalar& t) const {
+    using std::isfinite;
+    if (z.dof() != dof_of(hamiltonian_))
+      throw std::invalid_argument("TimeTransformed: the state has another size than the Hamiltonian");
+    const Scalar energy = hamiltonian_.energy(z.q(), z.p());
+    const Scalar g = pace(z.q(), z.p());
+    if (!isfinite(energy) || !isfinite(g) || !(g > Scalar(0)))
+      throw std::invalid_argument(
+          "TimeTransformed: the energy or the monitor function is not finite here, or the monitor function "
+          "not "
+          "positive; check the initial data");
+    State extended(dof());
+    extended.q().head(z.dof()) = z.q();
+    extended.p().head(z.dof()) = z.p();
+    extended.q()[z.dof()] = t;
+    extended.p()[z.dof()] = energy_ - energy;
+    return extended;
+  }
+
+  /// The phase point (q, p), and the physical time, of an extended one.
+  Point point(const State& extended) const {
+    Point z(dof_of(hamiltonian_));
+    z.q() = head(extended.q());
+    z.p() = head(extended.p());
+    return z;
+  }
+  Scalar time(const State& extended) const { return extended.q()[dof() - 1]; }
+
+  /// K, which stays near 0.
+  Scalar energy(const ConstRef<Scalar, Dof>& q, const ConstRef<Scalar, Dof>& p) const {
+    return pace(head(q), head(p)) * surplus(q, p);
+  }
+
+  void gradient(const ConstRef<Scalar, Dof>& q, const ConstRef<Scalar, Dof>& p, Ref<Scalar, Dof> dKdq,
+                Ref<Scalar, Dof> dKdp) const {
+    const Eigen::Index d = dof() - 1;
+    hamiltonian_.gradient(head(q), head(p), head(dKdq), head(dKdp));
+    const Scalar g = pace(head(q), head(p)), above = surplus(q, p);
+    const Scalar* const dg = dg_.vector().data();
+    for (Eigen::Index i = 0; i < d; ++i) dKdq[i] = g * dKdq[i] + above * dg[i];
+    for (Eigen::Index i = 0; i < d; ++i) dKdp[i] = g * dKdp[i] + above * dg[d + i];
+    dKdq[d] = Scalar(0);
+    dKdp[d] = g;
+  }
+
+  const H& hamiltonian() const { return hamiltonian_; }
+
+ private:
+  /// (q) of (q, t), or (p) of (p, p_t).
+  template <class V>
+  static auto head(V&& v) {
+    if constexpr (Dof == Eigen::Dynamic)
+      return v.head(v.size() - 1);
+    else
+      return v.template head<H::Dof>();
+  }
+
+  /// H + p_t - energy.
+  Scalar surplus(const ConstRef<Scalar, Dof>& q, const ConstRef<Scalar, Dof>& p) const {
+    return (hamiltonian_.energy(head(q), head(p)) - energy_) + p[dof() - 1];
+  }
+
+  /// g, and its gradient to dg_.
+  template <class Q, class P>
+  Scalar pace(const Q& q, const P& p) const {
+    if constexpr (PhaseMonitor<G, Scalar, H::Dof>)
+      return monitor_(q, p, dg_.q(), dg_.p());
+    else
+      return monitor_(q, dg_.q());
+  }
+
+  H hamiltonian_;
+  G monitor_;
+  Scalar energy_;
+  mutable Point dg_;  // ∂g/∂q, ∂g/∂p; the latter stays zero for a g of q alone
+};
+
+template <HasEnergy H, class G, class Energy>
+TimeTransformed(H, G, Energy) -> TimeTransformed<H, G>;
+
+}  // namespace semiexplicit

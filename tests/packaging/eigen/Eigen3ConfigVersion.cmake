@@ -1,0 +1,5 @@
+set(PACKAGE_VERSION ${PRETENDED_EIGEN})
+# As those of Eigen itself: the same major version only.
+if(PACKAGE_FIND_VERSION AND NOT PACKAGE_FIND_VERSION_MAJOR EQUAL 5)
+  set(PACKAGE_VERSION_COMPATIBLE FALSE)
+endif()

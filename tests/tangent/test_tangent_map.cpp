@@ -1,0 +1,117 @@
+#include "catch.hpp"
+
+#include <cmath>
+
+#include <semiexplicit/semiexplicit.hpp>
+
+// The derivative of a step: symplectic, and the limit of differences of the step.
+
+namespace {
+
+using namespace semiexplicit;
+using Extended = long double;
+
+/// max |MᵀJM - J|.
+template <class Matrix>
+auto asymmetry(const Matrix& m) {
+  const Eigen::Index d = m.rows() / 2;
+  Matrix j = Matrix::Zero(m.rows(), m.cols());
+  j.topRightCorner(d, d).setIdentity();
+  j.bottomLeftCorner(d, d) = -j.topRightCorner(d, d);
+  return (m.transpose() * j * m - j).cwiseAbs().maxCoeff();
+}
+
+/// The derivative of stepper.step by differences, extrapolated from two steps h and h/2.
+template <class S>
+auto differences(S& stepper, const typename S::State& z, typename S::Scalar dt, typename S::Scalar h) {
+  using Scalar = typename S::Scalar;
+  const Eigen::Index size = z.vector().size();
+  Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic> m(size, size);
+  const auto slope = [&](Eigen::Index i, Scalar shift) {
+    auto above = z, below = z;
+    above.vector()[i] += shift;
+    below.vector()[i] -= shift;
+    REQUIRE(stepper.step(above, dt).ok());
+    REQUIRE(stepper.step(below, dt).ok());
+    return ((above.vector() - below.vector()) / (2 * shift)).eval();
+  };
+  for (Eigen::Index i = 0; i < size; ++i) m.col(i) = (4 * slope(i, h / 2) - slope(i, h)) / 3;
+  return m;
+}
+
+constexpr auto lattice_energy = [](const auto& q, const auto& p) {
+  typename std::decay_t<decltype(q)>::Scalar sum(0);
+  for (Eigen::Index i = 0; i < q.size(); ++i) {
+    const auto density = q[i] * q[i] + p[i] * p[i];
+    sum += density * density / 4;
+    if (i > 0)
+      sum -= (q[i - 1] * q[i - 1] - p[i - 1] * p[i - 1]) * (q[i] * q[i] - p[i] * p[i]) +
+             4 * q[i - 1] * p[i - 1] * q[i] * p[i];
+  }
+  return sum;
+};
+const PhasePoint<double, 3> lattice_point({0.8, -0.3, 0.5}, {0.2, 0.9, -0.6});
+
+}  // namespace
+
+TEST_CASE("The tangent map is symplectic and the limit of differences", "[tangent]") {
+  const auto H = from_energy<3>(lattice_energy);
+  const SimplifiedNewton tight{.stop = StoppingRule::product(1e-30)};
+  for (const auto& scheme : {schemes::strang(), schemes::low_defect6_s13()})
+    for (const double dt : {0.2, -0.05}) {
+      CAPTURE(scheme.name, dt);
+      Semiexplicit stepper(H, scheme, tight);
+      TangentMap tangent(stepper);
+      REQUIRE(tangent.at(lattice_point, dt) == Status::success);
+      CHECK(asymmetry(tangent.matrix()) <= 1e-13);
+      CHECK((tangent.matrix() - differences(stepper, lattice_point, dt, 1e-3)).cwiseAbs().maxCoeff() <=
+            1e-11);
+      // It is not the identity, nor the derivative of the step without projection.
+      CHECK((tangent.matrix() - Eigen::Matrix<double, 6, 6>::Identity()).norm() > 0.1);
+    }
+}
+
+TEST_CASE("Without a Hessian the tangent map is approximate, and symplectic still", "[tangent]") {
+  const systems::NlsLattice<double, 3> H;
+  static_assert(!HasHessian<decltype(H)>);
+  Semiexplicit stepper(from_energy<3>(lattice_energy), schemes::strang());
+  TangentMap exact(stepper);
+  TangentMap approximate(H, schemes::strang());
+  REQUIRE(exact.at(lattice_point, 0.2) == Status::success);
+  REQUIRE(approximate.at(lattice_point, 0.2) == Status::success);
+  CHECK(asymmetry(approximate.matrix()) <= 1e-13);
+  const double difference = (exact.matrix() - approximate.matrix()).cwiseAbs().maxCoeff();
+  CHECK(difference <= 1e-9);
+  CHECK(difference > 1e-14);
+}
+
+TEST_CASE("The tangent map has the precision of its numbers", "[tangent]") {
+  const systems::Product<Extended> H;
+  Semiexplicit stepper(H, schemes::blanes_moan4<Extended>(),
+                       SimplifiedNewton{.stop = StoppingRule::product(1e-38)});
+  TangentMap tangent(stepper);
+  const PhasePoint<Extended, 1> z(-1.5L, 0.4L);
+  REQUIRE(tangent.at(z, 0.2L) == Status::success);
+  CHECK(asymmetry(tangent.matrix()) <= 1e-18L);
+  CHECK((tangent.matrix() - differences(stepper, z, 0.2L, 1e-4L)).cwiseAbs().maxCoeff() <= 1e-14L);
+}
+
+TEST_CASE("Steps that hardly converge have a tangent map", "[tangent]") {
+  Semiexplicit stepper(systems::Product<Extended>(), schemes::strang<Extended>(),
+                       SimplifiedNewton{.stop = StoppingRule::product(1e-38), .max_iterations = 1000});
+  const PhasePoint<Extended, 1> z(-3, 0);
+  auto end = z;
+  CHECK(stepper.step(end, 0.36L).evaluations > 50);
+  TangentMap tangent(stepper);
+  REQUIRE(tangent.at(z, 0.36L) == Status::success);
+  CHECK(asymmetry(tangent.matrix()) <= 1e-16L);
+  CHECK((tangent.matrix() - differences(stepper, z, 0.36L, 1e-4L)).cwiseAbs().maxCoeff() <= 1e-10L);
+}
+
+TEST_CASE("A tangent map that cannot be had says why", "[tangent]") {
+  TangentMap tangent(systems::Product<Extended>(), schemes::strang<Extended>());
+  CHECK(tangent.at({1, 2}, 0) == Status::invalid_step);
+  CHECK(tangent.at({1, NAN}, 0.1L) == Status::invalid_state);
+  CHECK(tangent.at({1e4000L, 1e4000L}, 0.1L) == Status::not_finite);
+  CHECK(tangent.matrix() == Eigen::Matrix<Extended, 2, 2>::Identity());
+}

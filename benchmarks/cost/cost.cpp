@@ -163,5 +163,5 @@ int main(int argc, char** argv) {
   });
   print(row("\n%d of them outside a factor 3 of the target or 1.5 of the best cost; worst %.2f and %.2f.\n",
             wrong, worst_error, worst_cost));
-  std::ofstream(folder / "advice.md") << table;
+  examples::write_whole(folder / "advice.md", [&](std::ostream& out) { out << table; });
 }

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <sstream>
 
 #include "common/gnuplot.hpp"
 #include "common/table.hpp"
+#include "common/whole_file.hpp"
 #include "methods.hpp"
 #include "problems.hpp"
 
@@ -80,18 +80,19 @@ std::string grid() {
 std::string orders_script(const std::filesystem::path& folder, const Figure& figure, bool as_published,
                           bool is_short, const Results& results) {
   const std::filesystem::path csv = folder / (figure.name + ".csv");
-  std::ofstream table(csv);
-  table << "dt";
-  for (const std::string& name : figure.panels.front()) table << ",\"" << name << '"';
-  table << '\n';
-  for (const double dt : order_steps) {
-    table << dt;
-    for (const std::string& name : figure.panels.front()) {
-      const Result r = results.get(experiment(figure, name, dt, as_published, is_short));
-      table << ',' << (r.ok() ? r.worst.front() : std::numeric_limits<double>::quiet_NaN());
-    }
+  examples::write_whole(csv, [&](std::ostream& table) {
+    table << "dt";
+    for (const std::string& name : figure.panels.front()) table << ",\"" << name << '"';
     table << '\n';
-  }
+    for (const double dt : order_steps) {
+      table << dt;
+      for (const std::string& name : figure.panels.front()) {
+        const Result r = results.get(experiment(figure, name, dt, as_published, is_short));
+        table << ',' << (r.ok() ? r.worst.front() : std::numeric_limits<double>::quiet_NaN());
+      }
+      table << '\n';
+    }
+  });
   std::ostringstream out;
   out << grid()
       << "set logscale x\nset format x '10^{%T}'\nset xrange [0.0009:0.11]\nset xlabel 'dt'\n"

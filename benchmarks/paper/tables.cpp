@@ -1,12 +1,12 @@
 #include "tables.hpp"
 
 #include <algorithm>
-#include <fstream>
 #include <functional>
 #include <sstream>
 #include <stdexcept>
 
 #include "common/table.hpp"
+#include "common/whole_file.hpp"
 #include "methods.hpp"
 
 namespace paper {
@@ -77,12 +77,10 @@ std::vector<Quantity> quantities(const PublishedTable& table) {
 
 std::string number(double value) { return std::isnan(value) ? "" : formatted("%.5g", value); }
 
-/// Opens a file for writing, and complains when it could not be written.
+/// The file is whole or not there.
 void write_file(const std::filesystem::path& path, const std::string& text) {
   std::filesystem::create_directories(path.parent_path());
-  std::ofstream out(path);
-  out << text << std::flush;
-  if (!out) throw std::runtime_error(path.string() + ": cannot be written; is the disk full?");
+  examples::write_whole(path, [&](std::ostream& out) { out << text; });
 }
 
 std::string file_name(const PublishedTable& table) { return table.label.substr(table.label.find(':') + 1); }

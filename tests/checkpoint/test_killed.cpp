@@ -51,7 +51,7 @@ void run(const std::filesystem::path& folder, volatile Trace& trace) {
 
 }  // namespace
 
-TEST_CASE("A run that is killed loses an interval at most, and ends the same", "[checkpoint]") {
+TEST_CASE("A run that is killed loses an interval at most, and ends the same", "[checkpoint][long]") {
   const Folder folder, other;
   void* const shared =
       mmap(nullptr, sizeof(Trace), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);

@@ -138,9 +138,6 @@ TEST_CASE("A full memory starts anew from the current point", "[broyden]") {
       CHECK((found.visited[k] - expected[k]).norm() <= 1e-8);
     }
   }
-  // Nonsense in place of a memory is taken as one.
-  CHECK(limited_memory(f, 10, {.stop = StoppingRule::paper(1e-11), .memory = 0}).report.status ==
-        Status::success);
 }
 
 TEST_CASE("A singular update is left out", "[broyden]") {

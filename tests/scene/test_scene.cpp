@@ -219,6 +219,8 @@ TEST_CASE("An effect that is off is not called, an unknown one is refused with t
       "no effect is called 'rotating-frame'; the nearest names are rotating_frame, "));
   CHECK(refuses([&] { all.without("Kinetics"); }, "nearest names are kinetic,"));
   CHECK(refuses([&] { all.with_only({}); }, "no effect is on"));
+  const effects::lattice::OnSite<> nowhere{.sites = -1, .strength = 1};
+  CHECK(refuses([&] { RuntimeScene<double, Eigen::Dynamic>{nowhere}; }, "-1 degrees of freedom"));
   CHECK(refuses(
       [&] {
         (RuntimeScene<double, 2>{Kinetic<2>{}, Kinetic<2>{}});

@@ -3,11 +3,14 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <string>
 #include <type_traits>
 
 #include <semiexplicit/solver/broyden.hpp>
 #include <semiexplicit/solver/newton_krylov.hpp>
 #include <semiexplicit/solver/simplified_newton.hpp>
+
+#include "refusal.hpp"
 
 // The solvers by themselves, on small systems f(m) = 0 whose solutions are known.
 
@@ -124,12 +127,34 @@ TEST_CASE("max_iterations is exact: the last evaluation may still be accepted", 
     const auto report = solve(solver, residual);
     CHECK(report.status == Status::no_convergence);
     CHECK(report.evaluations == needed - 1);
-    for (const int few : {1, 0, -5}) {
-      solver.max_iterations = few;
-      CHECK(solve(solver, residual).status == Status::no_convergence);
-      CHECK(solve(solver, residual).evaluations == 1);
+    solver.max_iterations = 1;
+    CHECK(solve(solver, residual).status == Status::no_convergence);
+    CHECK(solve(solver, residual).evaluations == 1);
+  });
+}
+
+TEST_CASE("Options that make no sense are refused before a step is taken", "[solver]") {
+  with_each([](auto solver) {
+    Residual residual{mild(0.5)};
+    const auto refused = [&](auto options, const std::string& why) {
+      const std::string said = refusal([&] { solve(options, residual); });
+      return says(said, solver.name) && says(said, why);
+    };
+    for (const int none : {0, -5}) {
+      auto options = solver;
+      options.max_iterations = none;
+      CHECK(refused(options, "max_iterations is below 1"));
+    }
+    for (const double tolerance : {-1e-16, std::nan("")}) {
+      auto options = solver;
+      options.stop = StoppingRule::product(tolerance);
+      CHECK(refused(options, "the tolerance of the stopping rule is negative or NaN"));
     }
   });
+  Residual residual{mild(0.5)};
+  CHECK(refuses([&] { solve(Broyden{.memory = 0}, residual); }, "Broyden: memory is below 1"));
+  CHECK(refuses([&] { solve(NewtonKrylov{.directions = 0}, residual); },
+                "NewtonKrylov: directions is below 1"));
 }
 
 TEST_CASE("Corrections that no longer shrink are accepted at the level of rounding, and only there",

@@ -6,7 +6,8 @@
 
 #include <Eigen/Core>
 
-namespace semiexplicit::detail {
+// A namespace of its own, since functions as sqrt would hide the standard ones from the rest of detail.
+namespace semiexplicit::detail::autodiff {
 
 /// A number with its derivatives in N directions (forward automatic differentiation): arithmetic and the functions below obey
 /// the chain rule. It is a plain value that owns its numbers. Eigen's AutoDiffScalar is not: what its operators give refers to
@@ -250,7 +251,11 @@ bool isfinite(const Dual<T, N>& x) {
   return isfinite(x.value);
 }
 
-}  // namespace semiexplicit::detail
+}  // namespace semiexplicit::detail::autodiff
+
+namespace semiexplicit::detail {
+using autodiff::Dual;
+}
 
 // What Eigen has to know, so that q.squaredNorm(), q.dot(p) and 2.0 * q work.
 namespace Eigen {

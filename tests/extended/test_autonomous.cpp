@@ -102,6 +102,18 @@ TEST_CASE("A forced oscillator follows the closed form, and p_t the work", "[aut
   CHECK(invariants["energy"].worst <= 1e-12);
 }
 
+TEST_CASE("A wrong dH/dt is found by the check of the gradient", "[autonomous]") {
+  struct Wrong : ForcedOscillator {
+    double time_derivative(double t, ConstRef<double, 1> q, ConstRef<double, 1> p) const {
+      return -ForcedOscillator::time_derivative(t, q, p);
+    }
+  };
+  const Autonomous wrong{Wrong()};
+  const auto check = check_gradient(wrong, wrong.extended({0.3, 0.4}, 0.7));
+  CHECK(check.entries[1].wrong);  // dH/dq[1], by the time
+  CHECK_FALSE(check.entries[0].wrong);
+}
+
 TEST_CASE("Without dH/dt the motion is the same", "[autonomous]") {
   const Autonomous with{ForcedOscillator()};
   const Autonomous without{Undifferentiated()};

@@ -216,6 +216,17 @@ TEST_CASE("Nor does a step of a pack", "[heap]") {
 }
 #endif
 
+TEST_CASE("Nor does the tangent map of a fixed size", "[heap]") {
+  TangentMap tangent(systems::Product<double>(), schemes::strang());
+  LyapunovExponents lyapunov(tangent, 2);
+  const PhasePoint<double, 1> z(-3, 0);
+  lyapunov(0.0, z);
+  long count = 0;
+  REQUIRE_NOTHROW(count = allocations_of([&] { lyapunov(0.01, z); }));
+  CHECK(count == 0);
+  CHECK(lyapunov.exponents()[0] != 0);
+}
+
 TEST_CASE("A run allocates nothing a step", "[heap]") {
   systems::NlsLattice<double> h(10);
   PhasePoint<double, Eigen::Dynamic> z(10);

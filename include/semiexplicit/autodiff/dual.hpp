@@ -6,7 +6,8 @@
 
 #include <Eigen/Core>
 
-namespace semiexplicit::detail {
+// A namespace of its own, since functions as sqrt would hide the standard ones from the rest of detail.
+namespace semiexplicit::detail::autodiff {
 
 /// A number with its derivatives in N directions (forward automatic differentiation): arithmetic and the functions below obey
 /// the chain rule. It is a plain value that owns its numbers. Eigen's AutoDiffScalar is not: what its operators give refers to
@@ -18,7 +19,8 @@ namespace semiexplicit::detail {
 template <class T, int N>
 struct Dual {
   T value = T(0);
-  T derivative[N] = {};
+  Eigen::Array<T, N, 1> derivative =
+      Eigen::Array<T, N, 1>::Constant(T(0));  // in registers: g++ leaves loops scalar
 
   Dual() = default;
   template <class U>
@@ -28,13 +30,13 @@ struct Dual {
   /// f(x), of which value f and slope f' are known.
   Dual chain(const T& f, const T& slope) const {
     Dual result(f);
-    for (int k = 0; k < N; ++k) result.derivative[k] = slope * derivative[k];
+    result.derivative = slope * derivative;
     return result;
   }
   /// f(x, y), of which the value and both slopes are known.
   static Dual chain(const T& f, const T& slope_x, const Dual& x, const T& slope_y, const Dual& y) {
     Dual result(f);
-    for (int k = 0; k < N; ++k) result.derivative[k] = slope_x * x.derivative[k] + slope_y * y.derivative[k];
+    result.derivative = slope_x * x.derivative + slope_y * y.derivative;
     return result;
   }
 
@@ -42,12 +44,12 @@ struct Dual {
   Dual operator-() const { return chain(-value, T(-1)); }
   friend Dual operator+(const Dual& x, const Dual& y) {
     Dual result(x.value + y.value);
-    for (int k = 0; k < N; ++k) result.derivative[k] = x.derivative[k] + y.derivative[k];
+    result.derivative = x.derivative + y.derivative;
     return result;
   }
   friend Dual operator-(const Dual& x, const Dual& y) {
     Dual result(x.value - y.value);
-    for (int k = 0; k < N; ++k) result.derivative[k] = x.derivative[k] - y.derivative[k];
+    result.derivative = x.derivative - y.derivative;
     return result;
   }
   friend Dual operator*(const Dual& x, const Dual& y) {
@@ -249,7 +251,11 @@ bool isfinite(const Dual<T, N>& x) {
   return isfinite(x.value);
 }
 
-}  // namespace semiexplicit::detail
+}  // namespace semiexplicit::detail::autodiff
+
+namespace semiexplicit::detail {
+using autodiff::Dual;
+}
 
 // What Eigen has to know, so that q.squaredNorm(), q.dot(p) and 2.0 * q work.
 namespace Eigen {

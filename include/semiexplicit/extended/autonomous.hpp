@@ -1,5 +1,6 @@
 #pragma once
 
+#include <concepts>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -25,7 +26,8 @@ namespace semiexplicit {
 ///
 /// p_t changes by -∂H/∂t, so it is minus the energy that the driving has put in, and K stays what it was: the check that the
 /// energy is elsewhere. That takes `time_derivative(t, q, p)`. An H without it is integrated just as well, since neither
-/// q, p nor t depend on p_t; but p_t then stays at 0, and there is no energy() here because it would mean nothing.
+/// q, p nor t depend on p_t; but p_t then stays at 0, and there is no energy() here because it would mean nothing. Whether
+/// time_derivative is right check_gradient(K, Z) tells.
 ///
 /// Source: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, 2nd ed., section VIII.2.1 (with g = 1).
 template <TimeDependentHamiltonian H>
@@ -36,10 +38,14 @@ class Autonomous {
   using State = PhasePoint<Scalar, Dof>;
   using Point = PhasePoint<Scalar, H::Dof>;
 
-  /// Whether H says ∂H/∂t, so that p_t and K mean something.
-  static constexpr bool follows_energy =
+  /// Whether H says ∂H/∂t, so that p_t is followed, and whether there is K to check the run by.
+  static constexpr bool follows_work =
       requires(const H& h, const Scalar& t, ConstRef<Scalar, H::Dof> q, ConstRef<Scalar, H::Dof> p) {
     { h.time_derivative(t, q, p) } -> std::convertible_to<Scalar>;
+  };
+  static constexpr bool follows_energy =
+      follows_work &&
+      requires(const H& h, const Scalar& t, ConstRef<Scalar, H::Dof> q, ConstRef<Scalar, H::Dof> p) {
     { h.energy(t, q, p) } -> std::convertible_to<Scalar>;
   };
 
@@ -86,7 +92,7 @@ class Autonomous {
     Ref<Scalar, H::Dof> dHdq = head(dKdq), dHdp = head(dKdp);
     hamiltonian_.gradient(q[d], head(q), head(p), dHdq, dHdp);
     dKdp[d] = Scalar(1);
-    if constexpr (follows_energy)
+    if constexpr (follows_work)
       dKdq[d] = hamiltonian_.time_derivative(q[d], head(q), head(p));
     else
       dKdq[d] = Scalar(0);

@@ -64,7 +64,8 @@ class SecondDerivatives {
 ///
 /// Give H a Hessian, by hand or by from_energy(), if you can: without one it is taken from differences of the gradient, and M is
 /// off by about 1e-10 of its size in double, though symplectic still. Cost: two or three sweeps with a Hessian a kick and
-/// products of matrices, O(d³). Memory: O(d²).
+/// products of matrices, O(d³). Memory: O(d²). No heap use for a size known at compile time; otherwise Eigen's factorisation and
+/// products take some.
 template <Hamiltonian H>
 class TangentMap {
  public:

@@ -16,7 +16,7 @@
 #include <semiexplicit/semiexplicit.hpp>
 
 #include "common/arguments.hpp"
-#include "common/checkpoints.hpp"
+#include "common/finished_blocks.hpp"
 #include "common/sweep.hpp"
 #include "common/sweep_results.hpp"
 
@@ -46,7 +46,8 @@ struct Job {
 };
 
 /// The blocks that are still to be computed; the first process looks, and tells the others.
-std::vector<std::int64_t> missing_blocks(const World& world, const Job& job, const Checkpoints& checkpoints) {
+std::vector<std::int64_t> missing_blocks(const World& world, const Job& job,
+                                         const FinishedBlocks& checkpoints) {
   std::vector<std::int64_t> missing;
   if (world.first())
     for (std::int64_t b = 0; b < job.blocks(); ++b) try {
@@ -63,7 +64,7 @@ std::vector<std::int64_t> missing_blocks(const World& world, const Job& job, con
 }
 
 /// One line that is written over and over.
-void show_progress(const Job& job, const Checkpoints& checkpoints, std::int64_t before,
+void show_progress(const Job& job, const FinishedBlocks& checkpoints, std::int64_t before,
                    Clock::time_point start) {
   const std::int64_t done = checkpoints.count();
   const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
@@ -74,8 +75,8 @@ void show_progress(const Job& job, const Checkpoints& checkpoints, std::int64_t 
 }
 
 int run(const World& world, const Job& job) {
-  const Checkpoints checkpoints(job.output / "sweep",
-                                job.sweep.in_words() + ", block " + std::to_string(job.block));
+  const FinishedBlocks checkpoints(job.output / "sweep",
+                                   job.sweep.in_words() + ", block " + std::to_string(job.block));
   if (world.first()) {
     Settings{.output = checkpoints.folder()}.make_output_folder();
     std::cout << "checkpoints: " << checkpoints.folder().string() << std::endl;

@@ -28,7 +28,7 @@ std::string number(const char* format, double value) {
   return text;
 }
 
-/// One line of the picture: errors at 10, 20, 40, ... steps.
+/// One line of the picture: errors after 10, 20, 40, ... steps and at the end.
 struct Growth {
   std::string problem, method, quantity;
   std::vector<std::int64_t> n;
@@ -63,8 +63,8 @@ std::vector<Growth> grow(const std::string& problem, const std::string& method, 
     std::vector<double> first;
     for (const auto& quantity : quantities) first.push_back(quantity.second(z));
     std::size_t row = 0;
-    std::int64_t next = 10, n = 0;
-    while (next <= steps) {
+    std::int64_t next = std::min<std::int64_t>(10, steps), n = 0;
+    while (n < steps) {
       for (; n < next; ++n)
         if (!stepper.step(z, dt).ok()) throw std::runtime_error(problem + ", " + method + ": a step failed");
       for (std::size_t i = 0; i < lines.size(); ++i) {
@@ -76,7 +76,7 @@ std::vector<Growth> grow(const std::string& problem, const std::string& method, 
         lines[i].rms[row] += error * error;
       }
       ++row;
-      next *= 2;
+      next = std::min(2 * next, steps);
     }
   }
   for (Growth& line : lines) {
@@ -97,7 +97,7 @@ void append(std::vector<Growth>& all, std::vector<Growth> more) {
 void draw_growth(const std::filesystem::path& folder, const std::vector<Growth>& lines) {
   std::string script = examples::gnuplot_prologue(folder / "rounding.png", 1200, 560);
   script +=
-      "set logscale xy\nset format '10^{%T}'\nset xlabel 'steps'\nset key left top samplen 2 font ',11'\nset "
+      "set logscale xy\nset format '10^{%T}'\nset xlabel 'steps'\nset key right bottom samplen 2 font ',11'\nset "
       "grid lc "
       "rgb '#dddddd'\nset multiplot layout 1,2\n";
   for (const char* problem : {"product", "NLS"}) {

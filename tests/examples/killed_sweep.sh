@@ -42,6 +42,6 @@ find killed -name '*.block' | sort | head -1 | xargs truncate --size=-1
 "$mpiexec" -n 4 "$program" "${settings[@]}" --output "$folder/killed" >resumed.log 2>&1 || fail "$(cat resumed.log)"
 cat resumed.log
 grep -q "resumed: $((left - 1)) of 94 blocks" resumed.log || fail "it did not go on from $((left - 1)) good blocks"
-grep -q "damaged.*computed anew" resumed.log || fail "the damaged block went unnoticed"
+grep -q "block: .*computed anew" resumed.log || fail "the damaged block went unnoticed"
 for result in whole/sweep.*; do cmp "$result" "killed/${result#whole/}"; done
 if compgen -G "killed/*.checkpoints" || compgen -G "killed/*.part"; then fail "something was left behind"; fi

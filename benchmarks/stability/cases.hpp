@@ -9,6 +9,8 @@
 
 #include <semiexplicit/semiexplicit.hpp>
 
+#include "../cost/systems.hpp"
+
 /// Cases that are hard for long runs of systems that are not separable. The tests run them for a while, bench_stability for long
 /// and with every kind of method.
 namespace stability {
@@ -49,24 +51,7 @@ struct DoubleWell {
   }
 };
 
-/// Two rods of unit length with unit masses at their ends, in unit gravity.
-struct DoublePendulum {
-  using Scalar = double;
-  static constexpr int Dof = 2;
-  double energy(ConstRef<double, 2> q, ConstRef<double, 2> p) const {
-    const double c = std::cos(q[0] - q[1]), n = 2 - c * c;
-    return (p[0] * p[0] + 2 * p[1] * p[1] - 2 * p[0] * p[1] * c) / (2 * n) - 2 * std::cos(q[0]) -
-           std::cos(q[1]);
-  }
-  void gradient(ConstRef<double, 2> q, ConstRef<double, 2> p, Ref<double, 2> dHdq,
-                Ref<double, 2> dHdp) const {
-    const double c = std::cos(q[0] - q[1]), s = std::sin(q[0] - q[1]), n = 2 - c * c;
-    const double top = p[0] * p[0] + 2 * p[1] * p[1] - 2 * p[0] * p[1] * c;
-    const double turn = p[0] * p[1] * s / n - top * c * s / (n * n);  // by q₀ - q₁
-    dHdq << turn + 2 * std::sin(q[0]), -turn + std::sin(q[1]);
-    dHdp << (p[0] - p[1] * c) / n, (2 * p[1] - p[0] * c) / n;
-  }
-};
+using bench::DoublePendulum;
 
 /// H = |p|²/2 - 1/|q| in the plane.
 struct Kepler {

@@ -7,6 +7,7 @@
 
 #include <semiexplicit/core/hamiltonian.hpp>
 #include <semiexplicit/core/phase_point.hpp>
+#include <semiexplicit/extended/extended_phase_space.hpp>
 
 namespace semiexplicit {
 
@@ -31,12 +32,13 @@ namespace semiexplicit {
 ///
 /// Source: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, 2nd ed., section VIII.2.1 (with g = 1).
 template <TimeDependentHamiltonian H>
-class Autonomous {
+class Autonomous : public ExtendedPhaseSpace<typename H::Scalar, H::Dof> {
  public:
   using Scalar = typename H::Scalar;
-  static constexpr int Dof = H::Dof == Eigen::Dynamic ? Eigen::Dynamic : H::Dof + 1;
-  using State = PhasePoint<Scalar, Dof>;
-  using Point = PhasePoint<Scalar, H::Dof>;
+  using Space = ExtendedPhaseSpace<Scalar, H::Dof>;
+  using typename Space::Point;
+  using typename Space::State;
+  static constexpr int Dof = Space::Dof;
 
   /// Whether H says ∂H/∂t, so that p_t is followed, and whether there is K to check the run by.
   static constexpr bool follows_work =
@@ -64,36 +66,23 @@ class Autonomous {
     if (z.dof() != dof() - 1)
       throw std::invalid_argument("Autonomous: the state has " + std::to_string(z.dof()) +
                                   " degrees of freedom and the Hamiltonian " + std::to_string(dof() - 1));
-    State extended(dof());
-    extended.q().head(z.dof()) = z.q();
-    extended.p().head(z.dof()) = z.p();
-    extended.q()[z.dof()] = t;
-    return extended;
+    return Space::join(z, t, Scalar(0));
   }
-
-  /// The phase point (q, p), and the time, of an extended one.
-  Point point(const State& extended) const {
-    Point z(dof() - 1);
-    z.q() = head(extended.q());
-    z.p() = head(extended.p());
-    return z;
-  }
-  Scalar time(const State& extended) const { return extended.q()[dof() - 1]; }
 
   /// K, which the exact motion keeps.
   Scalar energy(const ConstRef<Scalar, Dof>& q,
                 const ConstRef<Scalar, Dof>& p) const requires follows_energy {
-    return hamiltonian_.energy(q[dof() - 1], head(q), head(p)) + p[dof() - 1];
+    return hamiltonian_.energy(q[dof() - 1], Space::head(q), Space::head(p)) + p[dof() - 1];
   }
 
   void gradient(const ConstRef<Scalar, Dof>& q, const ConstRef<Scalar, Dof>& p, Ref<Scalar, Dof> dKdq,
                 Ref<Scalar, Dof> dKdp) const {
     const Eigen::Index d = dof() - 1;
-    Ref<Scalar, H::Dof> dHdq = head(dKdq), dHdp = head(dKdp);
-    hamiltonian_.gradient(q[d], head(q), head(p), dHdq, dHdp);
+    Ref<Scalar, H::Dof> dHdq = Space::head(dKdq), dHdp = Space::head(dKdp);
+    hamiltonian_.gradient(q[d], Space::head(q), Space::head(p), dHdq, dHdp);
     dKdp[d] = Scalar(1);
     if constexpr (follows_work)
-      dKdq[d] = hamiltonian_.time_derivative(q[d], head(q), head(p));
+      dKdq[d] = hamiltonian_.time_derivative(q[d], Space::head(q), Space::head(p));
     else
       dKdq[d] = Scalar(0);
   }
@@ -101,15 +90,6 @@ class Autonomous {
   const H& hamiltonian() const { return hamiltonian_; }
 
  private:
-  /// (q) of (q, t), or (p) of (p, p_t).
-  template <class V>
-  static auto head(V&& v) {
-    if constexpr (Dof == Eigen::Dynamic)
-      return v.head(v.size() - 1);
-    else
-      return v.template head<H::Dof>();
-  }
-
   H hamiltonian_;
 };
 

@@ -7,6 +7,7 @@
 
 #include <semiexplicit/core/hamiltonian.hpp>
 #include <semiexplicit/core/phase_point.hpp>
+#include <semiexplicit/extended/extended_phase_space.hpp>
 
 namespace semiexplicit {
 
@@ -45,12 +46,14 @@ concept PhaseMonitor = requires(const G& g, ConstRef<Scalar, Dof> q, ConstRef<Sc
 /// coordinate: S. Mikkola, Celest. Mech. Dyn. Astron. 67 (1997) 145.
 template <HasEnergy H, class G>
 requires(PositionMonitor<G, typename H::Scalar, H::Dof> ||
-         PhaseMonitor<G, typename H::Scalar, H::Dof>) class TimeTransformed {
+         PhaseMonitor<G, typename H::Scalar, H::Dof>) class TimeTransformed
+    : public ExtendedPhaseSpace<typename H::Scalar, H::Dof> {
  public:
   using Scalar = typename H::Scalar;
-  static constexpr int Dof = H::Dof == Eigen::Dynamic ? Eigen::Dynamic : H::Dof + 1;
-  using State = PhasePoint<Scalar, Dof>;
-  using Point = PhasePoint<Scalar, H::Dof>;
+  using Space = ExtendedPhaseSpace<Scalar, H::Dof>;
+  using typename Space::Point;
+  using typename Space::State;
+  static constexpr int Dof = Space::Dof;
 
   TimeTransformed(H hamiltonian, G monitor, Scalar energy)
       : hamiltonian_(std::move(hamiltonian)),
@@ -71,35 +74,20 @@ requires(PositionMonitor<G, typename H::Scalar, H::Dof> ||
     if (!isfinite(energy) || !isfinite(g) || !(g > Scalar(0)))
       throw std::invalid_argument(
           "TimeTransformed: the energy or the monitor function is not finite here, or the monitor function "
-          "not "
-          "positive; check the initial data");
-    State extended(dof());
-    extended.q().head(z.dof()) = z.q();
-    extended.p().head(z.dof()) = z.p();
-    extended.q()[z.dof()] = t;
-    extended.p()[z.dof()] = energy_ - energy;
-    return extended;
+          "not positive; check the initial data");
+    return Space::join(z, t, energy_ - energy);
   }
-
-  /// The phase point (q, p), and the physical time, of an extended one.
-  Point point(const State& extended) const {
-    Point z(dof_of(hamiltonian_));
-    z.q() = head(extended.q());
-    z.p() = head(extended.p());
-    return z;
-  }
-  Scalar time(const State& extended) const { return extended.q()[dof() - 1]; }
 
   /// K, which stays near 0.
   Scalar energy(const ConstRef<Scalar, Dof>& q, const ConstRef<Scalar, Dof>& p) const {
-    return pace(head(q), head(p)) * surplus(q, p);
+    return pace(Space::head(q), Space::head(p)) * surplus(q, p);
   }
 
   void gradient(const ConstRef<Scalar, Dof>& q, const ConstRef<Scalar, Dof>& p, Ref<Scalar, Dof> dKdq,
                 Ref<Scalar, Dof> dKdp) const {
     const Eigen::Index d = dof() - 1;
-    hamiltonian_.gradient(head(q), head(p), head(dKdq), head(dKdp));
-    const Scalar g = pace(head(q), head(p)), above = surplus(q, p);
+    hamiltonian_.gradient(Space::head(q), Space::head(p), Space::head(dKdq), Space::head(dKdp));
+    const Scalar g = pace(Space::head(q), Space::head(p)), above = surplus(q, p);
     const Scalar* const dg = dg_.vector().data();
     for (Eigen::Index i = 0; i < d; ++i) dKdq[i] = g * dKdq[i] + above * dg[i];
     for (Eigen::Index i = 0; i < d; ++i) dKdp[i] = g * dKdp[i] + above * dg[d + i];
@@ -110,18 +98,9 @@ requires(PositionMonitor<G, typename H::Scalar, H::Dof> ||
   const H& hamiltonian() const { return hamiltonian_; }
 
  private:
-  /// (q) of (q, t), or (p) of (p, p_t).
-  template <class V>
-  static auto head(V&& v) {
-    if constexpr (Dof == Eigen::Dynamic)
-      return v.head(v.size() - 1);
-    else
-      return v.template head<H::Dof>();
-  }
-
   /// H + p_t - energy.
   Scalar surplus(const ConstRef<Scalar, Dof>& q, const ConstRef<Scalar, Dof>& p) const {
-    return (hamiltonian_.energy(head(q), head(p)) - energy_) + p[dof() - 1];
+    return (hamiltonian_.energy(Space::head(q), Space::head(p)) - energy_) + p[dof() - 1];
   }
 
   /// g, and its gradient to dg_.

@@ -10,6 +10,10 @@ fi
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 output=$1
 part=$output.part
+if [ ! -d "$(dirname "$output")" ]; then
+  echo "amalgamate.sh: there is no folder $(dirname "$output"); make it first" >&2
+  exit 2
+fi
 trap 'rm -f "$part"' EXIT
 
 version_part() { awk -v name="SEMIEXPLICIT_VERSION_$1" '$2 == name { print $3 }' "$root/include/semiexplicit/version.hpp"; }

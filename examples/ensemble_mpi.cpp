@@ -177,7 +177,9 @@ int run_job(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  MPI_Init(&argc, &argv);
+  int provided = MPI_THREAD_SINGLE;
+  MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED,
+                  &provided);  // only the first thread of a process calls MPI
   const int code = run_job(argc, argv);
   MPI_Finalize();
   return code;

@@ -97,7 +97,8 @@ void append(std::vector<Growth>& all, std::vector<Growth> more) {
 void draw_growth(const std::filesystem::path& folder, const std::vector<Growth>& lines) {
   std::string script = examples::gnuplot_prologue(folder / "rounding.png", 1200, 560);
   script +=
-      "set logscale xy\nset format '10^{%T}'\nset xlabel 'steps'\nset key right bottom samplen 2 font ',11'\nset "
+      "set logscale xy\nset format '10^{%T}'\nset xlabel 'steps'\nset key right bottom samplen 2 font "
+      "',11'\nset "
       "grid lc "
       "rgb '#dddddd'\nset multiplot layout 1,2\n";
   for (const char* problem : {"product", "NLS"}) {

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # run.sh [OPTION...]: the hard cases with every method, and the growth of rounding errors over 10^8 steps; tables and figures in
-# results/ and README.md of this folder. About twenty minutes on one core (CORE=2 chooses it). Options go to the program (see
+# results/ and README.md of this folder. About half an hour on one core (CORE=2 chooses it). Options go to the program (see
 # build/release/benchmarks/bench_stability --help).
 set -euo pipefail
 # shellcheck source=cmake/stage.sh

@@ -44,6 +44,19 @@ concept Stepper = requires(S& stepper, typename S::State& state, const typename 
 
 namespace detail {
 
+/// Refuses an observer that counts on having seen a run from its start, and has not: one with a member fresh() that is true.
+template <class Observer>
+void require_restored(const Observer& observer, std::int64_t steps) {
+  if constexpr (requires {
+                  { observer.fresh() } -> std::same_as<bool>;
+                })
+    if (observer.fresh())
+      throw std::invalid_argument(
+          "integrate: the run goes on after step " + std::to_string(steps) +
+          ", and an observer knows nothing of what came before; name it among those of "
+          "Checkpoints");
+}
+
 /// Calls an observer as (t, state) or (t, state, step report), whichever it takes; false: it wants the run to stop.
 template <class Observer, class Scalar, class State>
 bool notify(Observer& observer, const Scalar& t, const State& state, const StepReport& report) {
@@ -140,6 +153,7 @@ IntegrationReport integrate(S& stepper, typename S::State& state,
                                 " steps are done, and not 0 to " + std::to_string(options.steps) +
                                 " of them; steps counts those of the earlier part, too");
   const auto start = std::chrono::steady_clock::now();
+  if (options.done.steps > 0) (detail::require_restored(observers, options.done.steps), ...);
   IntegrationReport report = options.done;
   Scalar t = options.t0;
   if (report.steps > 0) t += Scalar(report.steps) * options.dt;

@@ -106,3 +106,24 @@ TEST_CASE("What cannot be checked is refused", "[check_gradient]") {
   CHECK(refuses([&] { check_gradient(H, Point({1, 2, NAN}, {3, 4, 5})); }, "energy at z is NaN or Inf"));
   CHECK(check_gradient(H, Point(3)).ok());  // all zero
 }
+
+TEST_CASE("A variable that is zero up to rounding hides nothing", "[check_gradient]") {
+  const auto energy = [](const auto& q, const auto& p) { return q[0] + q[1] * q[1] + p[0] * p[0] + p[1]; };
+  const auto wrong =
+      make_hamiltonian<double, 2>(energy, [](const auto&, const auto& p, auto& dHdq, auto& dHdp) {
+        dHdq << -3, 2;
+        dHdp << 2 * p[0], 1;
+      });
+  const PhasePoint<double, 2> z({std::cos(std::acos(0.0)), 1}, {1, 0.5});
+  const auto check = check_gradient(wrong, z);
+  CHECK(check.entries[0].wrong);
+  CHECK_FALSE(check.entries[1].wrong);
+  // And a NaN is wrong where the differences are NaN as well.
+  const auto root =
+      make_hamiltonian<double, 1>([](const auto& q, const auto& p) { return std::sqrt(q[0]) + p[0]; },
+                                  [](const auto& q, const auto&, auto& dHdq, auto& dHdp) {
+                                    dHdq[0] = 0 / q[0];
+                                    dHdp[0] = 1;
+                                  });
+  CHECK_FALSE(check_gradient(root, PhasePoint<double, 1>(0, 1)).ok());
+}

@@ -156,3 +156,25 @@ TEST_CASE("Automatic gradients have the precision of their numbers", "[autodiff]
   const auto gradient = gradient_of(H, z);
   CHECK(std::abs(gradient[0] - 0.2L * std::exp(0.1L * 0.2L)) <= 1e-19L);
 }
+
+TEST_CASE("Powers have second derivatives at and below zero, mixed arguments theirs", "[autodiff]") {
+  const auto h = from_energy<1>([](const auto& q, const auto& p) {
+    using std::pow, std::atan2, std::hypot, std::asinh;
+    return pow(q[0], 3) + pow(q[0], 2) + pow(q[0], 4.0) + atan2(p[0], 2.0) + hypot(3.0, p[0]) + asinh(p[0]);
+  });
+  for (const double q : {-1.5, 0.0, 0.7}) {
+    CAPTURE(q);
+    const double p = 0.4;
+    const PhasePoint<double, 1> z(q, p);
+    PhasePoint<double, 1> g(0, 0);
+    Eigen::Matrix2d second;
+    h.gradient(z.q(), z.p(), g.q(), g.p());
+    h.hessian(z.q(), z.p(), second);
+    CHECK(g.q()[0] == Approx(3 * q * q + 2 * q + 4 * q * q * q));
+    CHECK(second(0, 0) == Approx(6 * q + 2 + 12 * q * q));
+    const double r = std::sqrt(9 + p * p);
+    CHECK(g.p()[0] == Approx(2 / (4 + p * p) + p / r + 1 / std::sqrt(1 + p * p)));
+    CHECK(second(1, 1) ==
+          Approx(-4 * p / std::pow(4 + p * p, 2) + 9 / (r * r * r) - p / std::pow(1 + p * p, 1.5)));
+  }
+}

@@ -302,3 +302,65 @@ TEST_CASE("A CSV file goes on where the checkpoint has it, byte for byte", "[che
   CHECK_FALSE(fs::exists(part));
   CHECK_FALSE(fs::exists(file));
 }
+
+TEST_CASE("Rows that a checkpoint counts on stay where a run is stopped", "[checkpoint]") {
+  const Folder folder;
+  const fs::path csv = folder.path / "run.csv";
+  const systems::Product<double> h;
+  const IntegrationOptions<double> fresh{.dt = 0.1, .steps = 30};
+  const auto run = [&](bool stops) {
+    auto options = fresh;
+    Semiexplicit stepper(h, schemes::blanes_moan4());
+    PhasePoint<double, 1> z(-3, 0);
+    CsvTrajectory trajectory(csv, 1);
+    Checkpoints checkpoints(folder.path / "run.checkpoint", {.every = 10}, stepper, options, trajectory);
+    options.done = checkpoints.resume(z);
+    const auto report = integrate(stepper, z, options, trajectory, checkpoints,
+                                  [&](double t, const auto&) { return !(stops && t > 1.45); });
+    if (report.status == Status::success) trajectory.commit();
+    return report.steps;
+  };
+  CHECK(run(true) == 15);
+  CHECK(fs::exists(csv.string() + ".part"));
+  CHECK(run(false) == 30);
+  CHECK(fs::exists(csv));
+}
+
+TEST_CASE("Sections and exponents go on, and what was not named is refused", "[checkpoint]") {
+  const Folder folder;
+  const auto h =
+      from_energy<1>([](const auto& q, const auto& p) { return (q[0] * q[0] + 1) * (p[0] * p[0] + 1) / 2; });
+  const IntegrationOptions<double> fresh{.dt = 0.05, .steps = 400};
+  struct Result {
+    std::int64_t crossings;
+    double exponent;
+  };
+  const auto run = [&](std::int64_t stop_at, bool named) {
+    auto options = fresh;
+    Semiexplicit stepper(h, schemes::blanes_moan4());
+    PhasePoint<double, 1> z(-3, 0);
+    auto section = poincare_section(
+        h, [](const auto& q, const auto&) { return q[0]; }, [](double, const auto&) {});
+    LyapunovExponents lyapunov(stepper, 1);
+    Checkpoints checkpoints(folder.path / "run.checkpoint", {.every = 50}, stepper, options, section,
+                            lyapunov);
+    options.done = checkpoints.resume(z);
+    const auto stop = [&](double, const auto&, const IntegrationReport& so_far) {
+      return so_far.steps != stop_at;
+    };
+    LyapunovExponents other(stepper, 1);
+    if (named)
+      integrate(stepper, z, options, section, lyapunov, checkpoints, stop);
+    else
+      integrate(stepper, z, options, section, other, checkpoints, stop);
+    return Result{section.count(), lyapunov.exponents()[0]};
+  };
+  const Result whole = run(-1, true);
+  fs::remove(folder.path / "run.checkpoint");
+  run(170, true);
+  CHECK(refuses([&] { run(-1, false); }, "goes on after step 150"));
+  const Result resumed = run(-1, true);
+  CHECK(whole.crossings > 3);
+  CHECK(resumed.crossings == whole.crossings);
+  CHECK(resumed.exponent == whole.exponent);
+}

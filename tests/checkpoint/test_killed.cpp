@@ -84,6 +84,10 @@ TEST_CASE("A run that is killed loses an interval at most, and ends the same", "
     int status = 0;
     waitpid(child, &status, 0);
     done = WIFEXITED(status);
+    if (done)
+      REQUIRE(WEXITSTATUS(status) == 0);
+    else
+      REQUIRE(WTERMSIG(status) == SIGKILL);
     if (!done) ++kills;
     if (trace.from < 0) continue;  // killed before it had begun
     last_from = trace.from;

@@ -60,6 +60,28 @@ std::vector<PhasePoint<double, N>> starts(Eigen::Index sites) {
   return list;
 }
 
+/// The time goes in and changes nothing.
+template <class S>
+struct Driven {
+  using Scalar = S;
+  static constexpr int Dof = 1;
+  void gradient(const S&, ConstRef<S, 1> q, ConstRef<S, 1> p, Ref<S, 1> dHdq, Ref<S, 1> dHdp) const {
+    Product<S>().gradient(q, p, dHdq, dHdp);
+  }
+};
+
+/// As the README has it: one template parameter for both halves of the gradient.
+struct Deduced {
+  using Scalar = double;
+  using PackGradientOf = Deduced;
+  static constexpr int Dof = 1;
+  template <class Q, class D>
+  void gradient(const Q& q, const Q& p, D&& dHdq, D&& dHdp) const {
+    dHdq[0] = q[0] * (p[0] * p[0] + 1.0);
+    dHdp[0] = p[0] * (q[0] * q[0] + 1.0);
+  }
+};
+
 }  // namespace
 
 TEST_CASE("A lane takes the very step of the plain stepper") {
@@ -149,6 +171,41 @@ TEST_CASE("A step that cannot be is refused in every lane, and lanes that are no
   Scheme<double> edited = schemes::strang<double>();
   edited.b[0] = 0.9;
   CHECK(refuses([&] { SemiexplicitPack(Product<RegisterPack<double>>{}, edited); }, "b sums to 0.9"));
+}
+
+TEST_CASE("A lane of a driven system judges itself by q and p, not by the time") {
+  // As Semiexplicit does: at a late time the size of t would loosen every tolerance.
+  const Autonomous driven(Driven<double>{});
+  const Autonomous driven_lanes(Driven<RegisterPack<double>>{});
+  for (const double t0 : {0.0, 1e6}) {
+    CAPTURE(t0);
+    const SimplifiedNewton solver{.stop = StoppingRule::product(1e-24)};
+    Semiexplicit plain(driven, schemes::blanes_moan4(), solver);
+    SemiexplicitPack pack(driven_lanes, schemes::blanes_moan4(), solver);
+    PackPoint<2> point(2);
+    auto z = driven.extended({1, 0.5}, t0);
+    for (std::size_t k = 0; k < lanes; ++k) point.set_lane(k, z);
+    for (int n = 0; n < 20; ++n) {
+      const auto one = plain.step(z, 0.1);
+      const auto many = pack.step(point, 0.1);
+      REQUIRE(one.ok());
+      CHECK(one.evaluations == many[0].evaluations);
+    }
+    CHECK((point.lane(0).vector() - z.vector()).norm() < 1e-9);
+  }
+}
+
+TEST_CASE("A gradient that deduces one type for both halves takes packs") {
+  SemiexplicitPack deduced(Deduced{}, schemes::blanes_moan4());
+  SemiexplicitPack written(Product<RegisterPack<double>>{}, schemes::blanes_moan4());
+  PackPoint<1> x(1), y(1);
+  for (std::size_t k = 0; k < lanes; ++k) {
+    x.set_lane(k, {-1, 0.5});
+    y.set_lane(k, {-1, 0.5});
+  }
+  CHECK(deduced.step(x, 0.05)[0].ok());
+  CHECK(written.step(y, 0.05)[0].ok());
+  CHECK(same_bits(x.lane(0), y.lane(0)));
 }
 
 #endif

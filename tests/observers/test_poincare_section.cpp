@@ -146,3 +146,26 @@ TEST_CASE("A driven system is cut at equal phases of the driving", "[section]") 
     CHECK(momenta[k] == Approx(1 - std::sin(0.1) / 2).epsilon(1e-11));  // p' = cos(t)/2
   }
 }
+
+TEST_CASE("A run that goes on counts no crossing twice", "[section]") {
+  const systems::Product<double> h;
+  const auto surface = [](const auto& q, const auto&) { return q[0]; };
+  const auto count = [&](const std::vector<int>& parts, double late) {
+    int crossings = 0;
+    auto section = poincare_section(h, surface, [&](double, const auto&) { ++crossings; });
+    Semiexplicit stepper(h, schemes::blanes_moan6());
+    PhasePoint<double, 1> z(-3, 0);
+    double t = 0;
+    for (const int steps : parts) {
+      integrate(stepper, z, {.dt = 0.01, .steps = steps, .t0 = t}, section);
+      t += steps * 0.01 * (1 + late);
+    }
+    return crossings;
+  };
+  const int whole = count({3000}, 0);
+  CHECK(whole > 5);
+  // Parts that end in every place, also just behind a crossing, and times that meet but for rounding.
+  CHECK(count(std::vector<int>(300, 10), 0) == whole);
+  CHECK(count(std::vector<int>(1000, 3), 0) == whole);
+  CHECK(count(std::vector<int>(300, 10), 1e-16) == whole);
+}

@@ -128,3 +128,12 @@ TEST_CASE("Lyapunov exponents say what they cannot do", "[lyapunov]") {
   }
   CHECK(says(message, "no tangent map of the step to t = 1e+200"));
 }
+
+TEST_CASE("Lyapunov exponents refuse a time that turns round", "[lyapunov]") {
+  const auto h = from_energy<1>([](const auto& q, const auto& p) { return (q[0] * q[0] + p[0] * p[0]) / 2; });
+  Semiexplicit stepper(h, schemes::strang());
+  LyapunovExponents lyapunov(stepper, 1);
+  PhasePoint<double, 1> z(1, 0);
+  integrate(stepper, z, {.dt = 0.1, .steps = 5}, lyapunov);
+  CHECK(refuses([&] { integrate(stepper, z, {.dt = 0.1, .steps = 5}, lyapunov); }, "an observer of its own"));
+}

@@ -115,3 +115,20 @@ TEST_CASE("A tangent map that cannot be had says why", "[tangent]") {
   CHECK(tangent.at({1e4000L, 1e4000L}, 0.1L) == Status::not_finite);
   CHECK(tangent.matrix() == Eigen::Matrix<Extended, 2, 2>::Identity());
 }
+
+TEST_CASE("The time of a driven system does not loosen its tangent map, nor does a start from rest",
+          "[tangent]") {
+  const Autonomous driven(from_energy<1>([](const auto& t, const auto& q, const auto& p) {
+    using std::cos;
+    return (q[0] * q[0] + 1) * (p[0] * p[0] + 1) / 2 - q[0] * cos(t);
+  }));
+  Semiexplicit stepper(driven, schemes::blanes_moan4());
+  TangentMap tangent(stepper);
+  const double late = 6.283185307179586 * 1e9;  // the same phase, to 1e-6
+  REQUIRE(tangent.at(driven.extended({1, 0.5}, 0.0), 0.1) == Status::success);
+  const auto early = tangent.matrix();
+  REQUIRE(tangent.at(driven.extended({1, 0.5}, late), 0.1) == Status::success);
+  CHECK((tangent.matrix() - early).topLeftCorner(1, 1).norm() < 1e-5);
+  CHECK(asymmetry(tangent.matrix()) < 1e-9);
+  CHECK(tangent.at(driven.extended({0, 0}, 0.0), 0.1) == Status::success);
+}

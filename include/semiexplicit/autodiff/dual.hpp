@@ -215,10 +215,42 @@ Dual<T, N> tanh(const Dual<T, N>& x) {
   return x.chain(value, T(1) - value * value);
 }
 template <class T, int N>
+Dual<T, N> asinh(const Dual<T, N>& x) {
+  using std::asinh, std::sqrt;
+  return x.chain(asinh(x.value), T(1) / sqrt(x.value * x.value + T(1)));
+}
+template <class T, int N>
+Dual<T, N> acosh(const Dual<T, N>& x) {
+  using std::acosh, std::sqrt;
+  return x.chain(acosh(x.value), T(1) / sqrt(x.value * x.value - T(1)));
+}
+template <class T, int N>
+Dual<T, N> atanh(const Dual<T, N>& x) {
+  using std::atanh;
+  return x.chain(atanh(x.value), T(1) / (T(1) - x.value * x.value));
+}
+template <class T, int N>
 Dual<T, N> hypot(const Dual<T, N>& x, const Dual<T, N>& y) {
   using std::hypot;
   const T value = hypot(x.value, y.value);
   return Dual<T, N>::chain(value, x.value / value, x, y.value / value, y);
+}
+// With a constant on one side.
+template <class T, int N, class U>
+requires(Dual<T, N>::template constant<U>) Dual<T, N> atan2(const Dual<T, N>& y, const U& x) {
+  return atan2(y, Dual<T, N>(x));
+}
+template <class T, int N, class U>
+requires(Dual<T, N>::template constant<U>) Dual<T, N> atan2(const U& y, const Dual<T, N>& x) {
+  return atan2(Dual<T, N>(y), x);
+}
+template <class T, int N, class U>
+requires(Dual<T, N>::template constant<U>) Dual<T, N> hypot(const Dual<T, N>& x, const U& y) {
+  return hypot(x, Dual<T, N>(y));
+}
+template <class T, int N, class U>
+requires(Dual<T, N>::template constant<U>) Dual<T, N> hypot(const U& x, const Dual<T, N>& y) {
+  return hypot(Dual<T, N>(x), y);
 }
 template <class T, int N>
 Dual<T, N> abs(const Dual<T, N>& x) {
@@ -232,9 +264,9 @@ Dual<T, N> fabs(const Dual<T, N>& x) {
 template <class T, int N, class U>
 requires(Dual<T, N>::template constant<U>) Dual<T, N> pow(const Dual<T, N>& x, const U& c) {
   using std::pow;
-  const T exponent = static_cast<T>(c);
-  if (exponent == T(0)) return Dual<T, N>(1);
-  return x.chain(pow(x.value, exponent), exponent * pow(x.value, exponent - T(1)));
+  if (c == U(0)) return Dual<T, N>(1);
+  // c stays a plain number, so that a dual of duals comes back here, and not to the exponential function.
+  return x.chain(static_cast<T>(pow(x.value, c)), static_cast<T>(c) * static_cast<T>(pow(x.value, c - U(1))));
 }
 template <class T, int N>
 Dual<T, N> pow(const Dual<T, N>& x, const Dual<T, N>& y) {

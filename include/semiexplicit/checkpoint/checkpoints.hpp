@@ -32,7 +32,8 @@ struct CheckpointOptions {
 
 /// An observer that saves a run from time to time, so that it can be gone on with after a crash: bit for bit the same
 /// trajectory, times and reports. It saves the state, what the stepper carries from step to step, and the memory of the
-/// observers that are named (HasMemory: Invariants, CsvTrajectory, CsvWriter, every() of these, or your own).
+/// observers that are named (HasMemory: Invariants, CsvTrajectory, CsvWriter, LyapunovExponents, at_times(), poincare_section(),
+/// every() of any observer, or your own). integrate() refuses to go on with one of these that was not named.
 ///
 ///     IntegrationOptions<double> options{.dt = 0.01, .steps = 1'000'000'000};
 ///     Checkpoints checkpoints("run.checkpoint", {.every = 1'000'000}, stepper, options, invariants, csv);

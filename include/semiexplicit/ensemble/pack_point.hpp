@@ -132,7 +132,9 @@ void pack_gradient_at(const H& hamiltonian, const Many* at, Many* gradient, Eige
     hamiltonian.gradient(Eigen::Map<const Column>(at, dof), Eigen::Map<const Column>(at + dof, dof),
                          Eigen::Map<Column>(gradient, dof), Eigen::Map<Column>(gradient + dof, dof));
   } else {
-    hamiltonian.gradient(at, at + dof, gradient, gradient + dof);
+    const Many *const q = at, *const p = at + dof;  // named, for gradients that deduce one type for both
+    Many *const dHdq = gradient, *const dHdp = gradient + dof;
+    hamiltonian.gradient(q, p, dHdq, dHdp);
   }
 }
 

@@ -33,7 +33,8 @@ class SemiexplicitPack {
   static constexpr int Dof = H::Dof;
   using State = PackPoint<Dof>;
 
-  /// Throws std::invalid_argument, saying what is wrong, unless the scheme passes its own check.
+  /// Throws std::invalid_argument, saying what is wrong, unless the scheme passes its own check and the solver's options make
+  /// sense.
   SemiexplicitPack(H hamiltonian, Scheme<double> scheme, SimplifiedNewton solver = {})
       : SemiexplicitPack(std::move(hamiltonian), std::move(scheme), solver, Checked{}) {
     scheme_.check();
@@ -52,7 +53,7 @@ class SemiexplicitPack {
     if (!detail::valid_step(dt)) return failed(report, Status::invalid_step);
     if (state.z.size() != size()) return failed(report, Status::invalid_state);
     const Mask in_play(wanted.data(), std::experimental::element_aligned);
-    const Many size_z = detail::norm(state.z.data(), length());
+    const Many size_z = state_size(state);
     Many e = detail::call_inlined([&] { return sweep(state.z.data(), nullptr, dt); });
     Mask ok = in_play;
     if (all_of(accepted(e, 0.0, size_z) || !in_play)) {
@@ -87,7 +88,19 @@ class SemiexplicitPack {
         moved_(f_),
         m_(f_),
         kept_(f_) {
+    detail::require_options(SimplifiedNewton::name, solver.stop, solver.max_iterations);
     if constexpr (!small) a_ = b_ = gradient_ = f_;
+  }
+
+  /// detail::state_size() in every lane.
+  Many state_size(const State& state) const {
+    const Many* const z = state.z.data();
+    if constexpr (requires(const H& h, const PhasePoint<typename H::Scalar, Dof>& point) { h.time(point); }) {
+      const Many halves[2] = {detail::norm(z, dof() - 1), detail::norm(z + dof(), dof() - 1)};
+      return detail::norm(halves, 2);
+    } else {
+      return detail::norm(z, length());
+    }
   }
 
   Eigen::Index length() const { return 2 * dof(); }

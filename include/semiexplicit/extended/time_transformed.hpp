@@ -40,7 +40,8 @@ concept PhaseMonitor = requires(const G& g, ConstRef<Scalar, Dof> q, ConstRef<Sc
 ///     z = K.point(Z);  K.time(Z);
 ///
 /// H needs its energy. `energy` is its value on the orbit; extended() takes up what it is off by. A gradient of K is one
-/// gradient and one energy of H, and g. It works in memory of its own: threads need a copy each, as every stepper has.
+/// gradient and one energy of H, and g. One of dynamic size works in memory of its own: threads need a copy each, as every
+/// stepper has.
 ///
 /// Source: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, 2nd ed., section VIII.2.1; carrying the time as a
 /// coordinate: S. Mikkola, Celest. Mech. Dyn. Astron. 67 (1997) 145.
@@ -70,7 +71,8 @@ requires(PositionMonitor<G, typename H::Scalar, H::Dof> ||
     if (z.dof() != dof_of(hamiltonian_))
       throw std::invalid_argument("TimeTransformed: the state has another size than the Hamiltonian");
     const Scalar energy = hamiltonian_.energy(z.q(), z.p());
-    const Scalar g = pace(z.q(), z.p());
+    auto&& dg = work();
+    const Scalar g = pace(z.q(), z.p(), dg);
     if (!isfinite(energy) || !isfinite(g) || !(g > Scalar(0)))
       throw std::invalid_argument(
           "TimeTransformed: the energy or the monitor function is not finite here, or the monitor function "
@@ -80,17 +82,18 @@ requires(PositionMonitor<G, typename H::Scalar, H::Dof> ||
 
   /// K, which stays near 0.
   Scalar energy(const ConstRef<Scalar, Dof>& q, const ConstRef<Scalar, Dof>& p) const {
-    return pace(Space::head(q), Space::head(p)) * surplus(q, p);
+    auto&& dg = work();
+    return pace(Space::head(q), Space::head(p), dg) * surplus(q, p);
   }
 
   void gradient(const ConstRef<Scalar, Dof>& q, const ConstRef<Scalar, Dof>& p, Ref<Scalar, Dof> dKdq,
                 Ref<Scalar, Dof> dKdp) const {
     const Eigen::Index d = dof() - 1;
     hamiltonian_.gradient(Space::head(q), Space::head(p), Space::head(dKdq), Space::head(dKdp));
-    const Scalar g = pace(Space::head(q), Space::head(p)), above = surplus(q, p);
-    const Scalar* const dg = dg_.vector().data();
-    for (Eigen::Index i = 0; i < d; ++i) dKdq[i] = g * dKdq[i] + above * dg[i];
-    for (Eigen::Index i = 0; i < d; ++i) dKdp[i] = g * dKdp[i] + above * dg[d + i];
+    auto&& dg = work();
+    const Scalar g = pace(Space::head(q), Space::head(p), dg), above = surplus(q, p);
+    for (Eigen::Index i = 0; i < d; ++i) dKdq[i] = g * dKdq[i] + above * dg.vector()[i];
+    for (Eigen::Index i = 0; i < d; ++i) dKdp[i] = g * dKdp[i] + above * dg.vector()[d + i];
     dKdq[d] = Scalar(0);
     dKdp[d] = g;
   }
@@ -103,19 +106,27 @@ requires(PositionMonitor<G, typename H::Scalar, H::Dof> ||
     return (hamiltonian_.energy(Space::head(q), Space::head(p)) - energy_) + p[dof() - 1];
   }
 
-  /// g, and its gradient to dg_.
-  template <class Q, class P>
-  Scalar pace(const Q& q, const P& p) const {
-    if constexpr (PhaseMonitor<G, Scalar, H::Dof>)
-      return monitor_(q, p, dg_.q(), dg_.p());
+  /// Where ∂g/∂q, ∂g/∂p come to lie; the latter stays zero for a g of q alone.
+  decltype(auto) work() const {
+    if constexpr (Dof == Eigen::Dynamic)
+      return (dg_);
     else
-      return monitor_(q, dg_.q());
+      return Point{};
+  }
+
+  /// g, and its gradient to dg.
+  template <class Q, class P>
+  Scalar pace(const Q& q, const P& p, Point& dg) const {
+    if constexpr (PhaseMonitor<G, Scalar, H::Dof>)
+      return monitor_(q, p, dg.q(), dg.p());
+    else
+      return monitor_(q, dg.q());
   }
 
   H hamiltonian_;
   G monitor_;
   Scalar energy_;
-  mutable Point dg_;  // ∂g/∂q, ∂g/∂p; the latter stays zero for a g of q alone
+  mutable Point dg_;  // of dynamic size only, where a gradient must not use the heap
 };
 
 template <HasEnergy H, class G, class Energy>

@@ -22,8 +22,8 @@ namespace semiexplicit {
 
 /// Writes a table of doubles as CSV: a header, then rows, each number with as many digits as it takes to read it back
 /// exactly. The rows go to `path` + ".part"; commit() gives the file its name, so that a file of that name is always whole.
-/// Without commit() nothing is left behind, except where an exception ends the run: its rows are then in the .part. Throws
-/// std::runtime_error, naming the file, where writing fails.
+/// Without commit() nothing is left behind, except where an exception ends the run or a checkpoint counts on the rows: they are
+/// then in the .part. Throws std::runtime_error, naming the file, where writing fails.
 class CsvWriter {
  public:
   CsvWriter(std::filesystem::path path, const std::vector<std::string>& columns)
@@ -39,6 +39,7 @@ class CsvWriter {
     if (committed_) return;
     out_.close();
     std::error_code ignored;
+    if (saved_) return;
     const bool own = begun_ ? std::uncaught_exceptions() <= exceptions_
                             : std::filesystem::file_size(part_, ignored) == 0;  // not an earlier run's
     if (own) std::filesystem::remove(part_, ignored);
@@ -66,6 +67,9 @@ class CsvWriter {
     row(std::span<const double>(values.begin(), values.size()));
   }
 
+  /// Whether there are no rows yet: a run that goes on would lose those of its beginning.
+  bool fresh() const { return !begun_; }
+
   /// Ends the file and gives it its name.
   void commit() {
     begin();
@@ -91,6 +95,7 @@ class CsvWriter {
     visit(length);
     visit(sum);
     if (length != length_ || sum != sum_) go_on_from(length, sum);
+    saved_ = begun_;
   }
 
  private:
@@ -146,6 +151,7 @@ class CsvWriter {
   std::ofstream out_;
   std::string line_;  ///< the header, until that is written
   bool begun_ = false, committed_ = false;
+  bool saved_ = false;  ///< whether a checkpoint counts on what is there
   int exceptions_ = std::uncaught_exceptions();
   std::uint64_t length_ = 0, sum_ = detail::checksum("");  ///< of the .part when it was last saved
 };
@@ -163,6 +169,7 @@ class CsvTrajectory {
     writer_.row(values_);
   }
   void commit() { writer_.commit(); }
+  bool fresh() const { return writer_.fresh(); }
 
   /// See CsvWriter.
   template <class Visitor>

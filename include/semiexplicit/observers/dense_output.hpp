@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <stdexcept>
 #include <string>
@@ -17,7 +18,8 @@ namespace semiexplicit {
 /// h^{2 nodes}: four nodes do for methods up to order 8. A gradient is called only where something is interpolated.
 ///
 /// It says nothing beyond the states it holds, end() included: ready() tells whether these are as many as were asked for.
-/// A state at another time than one step further in the same direction starts it anew.
+/// The state that it saw last, shown again as a run goes on from it, changes nothing; a time that turns round, or another state
+/// at the same time, starts it anew.
 template <Hamiltonian H>
 class DenseOutput {
  public:
@@ -35,8 +37,15 @@ class DenseOutput {
   }
 
   /// Takes in the next state.
-  void operator()(const Scalar& t, const State& z) {
-    if (size_ > 0 && t == end()) --size_;  // a run that goes on shows its last state again
+  void operator()(const Scalar& t, const State& z) { push(t, z); }
+  /// The same; whether there is one more interval to look at.
+  bool push(const Scalar& t, const State& z) {
+    using std::abs;
+    // The times of two runs that meet may differ by rounding.
+    if (size_ > 0 && abs(t - end()) <= 4 * Eigen::NumTraits<Scalar>::epsilon() * abs(t)) {
+      if (z.vector() == node(size_ - 1).z.vector()) return false;
+      size_ = 0;
+    }
     if (size_ > 1 && (t > end()) != (end() > begin())) size_ = 0;
     if (size_ == wanted_) {
       first_ = (first_ + 1) % wanted_;
@@ -46,7 +55,7 @@ class DenseOutput {
     next.t = t;
     next.z = z;
     next.has_field = false;
-    ++size_;
+    return ++size_ > 1;
   }
 
   /// The number of states it holds, and the i-th of them, the oldest first.
@@ -77,6 +86,19 @@ class DenseOutput {
   }
 
   const H& hamiltonian() const { return hamiltonian_; }
+
+  /// The states that it keeps; see CheckpointMemory.
+  template <class Visitor>
+  void visit_memory(Visitor&& visit) {
+    for (Node& one : kept_) {
+      visit(one.t);
+      visit(one.z.vector());
+      visit(one.field);
+      visit(one.has_field);
+    }
+    visit(first_);
+    visit(size_);
+  }
 
  private:
   struct Node {
@@ -140,8 +162,7 @@ class AtTimes {
   }
 
   void operator()(const Scalar& s, const State& z) {
-    dense_(s, z);
-    detail::look_at_new_intervals(dense_, begun_, [this](std::size_t i) { look(i); });
+    if (dense_.push(s, z)) detail::look_at_new_intervals(dense_, begun_, [this](std::size_t i) { look(i); });
   }
 
   /// Serves the times of a run that ended before it had as many states as the interpolation has nodes.
@@ -153,6 +174,17 @@ class AtTimes {
 
   /// How many of the times were served.
   std::size_t served() const { return next_; }
+
+  /// Whether it has seen nothing yet: a run that goes on would miss the times before.
+  bool fresh() const { return dense_.size() == 0; }
+
+  /// The states between which it interpolates, and how many times were served; see CheckpointMemory.
+  template <class Visitor>
+  void visit_memory(Visitor&& visit) {
+    dense_.visit_memory(visit);
+    visit(next_);
+    visit(begun_);
+  }
 
  private:
   /// Time of a state: its own, where it carries one.

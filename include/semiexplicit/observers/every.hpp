@@ -21,7 +21,15 @@ class Every {
     return calls_++ % n_ != 0 || detail::notify(observer_, t, state, report);
   }
 
-  /// Its count and what the observer has; see CheckpointMemory.
+  /// Whether the observer has seen nothing yet and cannot do without; see integrate().
+  bool fresh() const {
+    if constexpr (requires { observer_.fresh(); })
+      return observer_.fresh();
+    else
+      return false;
+  }
+
+  /// Its count, and what the observer says that it remembers; see CheckpointMemory.
   template <class Visitor>
   void visit_memory(Visitor&& visit) {
     visit(calls_);

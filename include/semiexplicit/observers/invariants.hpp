@@ -68,6 +68,9 @@ class Invariants {
     for (Row& row : rows_) row = {.name = std::move(row.name), .value = std::move(row.value)};
   }
 
+  /// Whether it has no first values yet: a run that goes on would take its errors from there.
+  bool fresh() const { return !rows_.empty() && !rows_.front().started; }
+
   /// First values and errors so far, in the order of the rows; see CheckpointMemory.
   template <class Visitor>
   void visit_memory(Visitor&& visit) {

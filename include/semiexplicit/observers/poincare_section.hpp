@@ -34,8 +34,8 @@ class PoincareSection {
   /// Takes in the next state; false where the observer asked to stop.
   bool operator()(const Scalar& t, const State& z, const StepReport& report) {
     bool go_on = true;
-    dense_(t, z);
-    detail::look_at_new_intervals(dense_, begun_, [&](std::size_t i) { go_on = look(i, report) && go_on; });
+    if (dense_.push(t, z))
+      detail::look_at_new_intervals(dense_, begun_, [&](std::size_t i) { go_on = look(i, report) && go_on; });
     return go_on;
   }
 
@@ -48,6 +48,17 @@ class PoincareSection {
 
   /// How many crossings there were.
   std::int64_t count() const { return count_; }
+
+  /// Whether it has seen nothing yet: a run that goes on would miss the crossings before.
+  bool fresh() const { return dense_.size() == 0; }
+
+  /// The states between which it interpolates, and the count; see CheckpointMemory.
+  template <class Visitor>
+  void visit_memory(Visitor&& visit) {
+    dense_.visit_memory(visit);
+    visit(count_);
+    visit(begun_);
+  }
 
  private:
   bool look(std::size_t i, const StepReport& report) {

@@ -54,9 +54,13 @@ class LyapunovExponents {
   explicit LyapunovExponents(const Semiexplicit<H, Solver>& stepper)
       : LyapunovExponents(stepper, 2 * stepper.dof()) {}
 
-  /// Takes in the next state. Throws std::runtime_error, saying what is wrong, where the step has no tangent map.
+  /// Takes in the next state. Throws std::runtime_error, saying what is wrong, where the step has no tangent map,
+  /// and std::invalid_argument where the time turns round.
   void operator()(const Scalar& t, const State& z) {
     if (started_ && t != time_) {
+      if (time_ != begin_ && (t > time_) != (time_ > begin_))
+        throw std::invalid_argument(
+            "LyapunovExponents: the time turned round; every run wants an observer of its own");
       const Status status = tangent_.at(previous_, t - time_);
       if (status != Status::success) {
         std::ostringstream text;
@@ -72,6 +76,20 @@ class LyapunovExponents {
     started_ = true;
     time_ = t;
     previous_ = z;
+  }
+
+  /// Whether it has seen nothing yet: a run that goes on would give the exponents of its end only.
+  bool fresh() const { return !started_; }
+
+  /// The vectors that it carries along and what they have grown; see CheckpointMemory.
+  template <class Visitor>
+  void visit_memory(Visitor&& visit) {
+    visit(frame_);
+    visit(sums_);
+    visit(previous_.vector());
+    visit(begin_);
+    visit(time_);
+    visit(started_);
   }
 
   /// The estimates up to now; zero before the first step.

@@ -79,6 +79,7 @@ class TangentMap {
         scheme_(std::move(scheme)),
         size_(2 * dof_of(hamiltonian_)),
         second_(dof_of(hamiltonian_)),
+        correction_(dof()),
         a_(State(dof()).vector()),
         b_(a_),
         m_(a_),
@@ -104,22 +105,25 @@ class TangentMap {
     using std::pow;
     if (!detail::valid_step(dt)) return Status::invalid_step;
     if (z.vector().size() != size_ || !z.vector().allFinite()) return Status::invalid_state;
-    // At a multiplier that is off by this M is off by this times dt and third derivatives.
-    const Scalar close = pow(Eigen::NumTraits<Scalar>::epsilon(), Scalar(0.75)) * detail::norm(z.vector());
+    Scalar close(0);
     m_.setZero();
     for (int iteration = 0; iteration < 20; ++iteration) {
       sweep(z, dt);
       slope_ = da_.rightCols(size_) - db_.rightCols(size_) + 2 * Matrix::Identity(size_, size_);
       solver_.compute(slope_);
+      // At a multiplier that is off by this M is off by this times dt and third derivatives.
+      if (iteration == 0)
+        close = pow(Eigen::NumTraits<Scalar>::epsilon(), Scalar(0.75)) *
+                (detail::state_size(hamiltonian_, z) + detail::norm(a_ - z.vector()));
       gradient_ = a_ - b_ + 2 * m_;  // f
-      a_ = solver_.solve(gradient_);
-      const Scalar correction = detail::norm(a_);
+      correction_.vector() = solver_.solve(gradient_);
+      const Scalar correction = detail::state_size(hamiltonian_, correction_);
       if (!isfinite(correction)) return Status::not_finite;
       if (correction <= close) {
         finish();
         return matrix_.allFinite() ? Status::success : Status::not_finite;
       }
-      m_ -= a_;
+      m_ -= correction_.vector();
     }
     return Status::no_convergence;
   }
@@ -174,6 +178,7 @@ class TangentMap {
   Scheme<Scalar> scheme_;
   Eigen::Index size_;
   detail::SecondDerivatives<H> second_;
+  State correction_;
   Vec a_, b_, m_, gradient_;
   Matrix hessian_, slope_, solution_, matrix_;
   Columns da_, db_;  // ∂a/∂(z, m), ∂b/∂(z, m)

@@ -1,0 +1,43 @@
+// Oscillators of many stiffnesses, H = (1 + q²)(p² + k q²)/2 near the origin, each against a stepper of its own.
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <vector>
+
+#include <semiexplicit/semiexplicit.hpp>
+
+using namespace semiexplicit;
+
+template <class S>
+struct Oscillator {  // S is double, or a pack of them
+  using Scalar = S;
+  static constexpr int Dof = 1;
+  S k;
+  void gradient(ConstRef<S, 1> q, ConstRef<S, 1> p, Ref<S, 1> dHdq, Ref<S, 1> dHdp) const {
+    dHdq[0] = q[0] * (p[0] * p[0] + k * q[0] * q[0]) + k * q[0] * (q[0] * q[0] + 1.0);
+    dHdp[0] = p[0] * (q[0] * q[0] + 1.0);
+  }
+};
+
+int main() {
+  constexpr int members = 21;
+  Eigen::MatrixXd parameters(1, members);  // a column a member
+  std::vector<PhasePoint<double, 1>> starts;
+  for (int i = 0; i < members; ++i) {
+    parameters(0, i) = 0.5 + 0.1 * i;
+    starts.emplace_back(0.3, 0.1);
+  }
+  Ensemble ensemble([]<class S>(const S* k) { return Oscillator<S>{k[0]}; }, parameters, starts,
+                    schemes::low_defect6_s13<double>());
+  ensemble.run({.dt = 0.1, .steps = 200});
+
+  double worst = 0;
+  for (int i = 0; i < members; ++i) {
+    Semiexplicit alone(Oscillator<double>{parameters(0, i)}, schemes::low_defect6_s13<double>());
+    PhasePoint<double, 1> z(0.3, 0.1);
+    integrate(alone, z, {.dt = 0.1, .steps = 200});
+    worst = std::max(worst, (ensemble.state(i).vector() - z.vector()).norm());
+  }
+  std::cout << members << " members, largest difference from a run alone: " << worst << '\n';
+  return worst < 1e-12 ? 0 : 1;
+}

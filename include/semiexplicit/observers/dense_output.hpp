@@ -42,7 +42,7 @@ class DenseOutput {
   bool push(const Scalar& t, const State& z) {
     using std::abs;
     // The times of two runs that meet may differ by rounding.
-    if (size_ > 0 && abs(t - end()) <= 4 * Eigen::NumTraits<Scalar>::epsilon() * abs(t)) {
+    if (size_ > 0 && abs(t - end()) <= 64 * Eigen::NumTraits<Scalar>::epsilon() * abs(t)) {
       if (z.vector() == node(size_ - 1).z.vector()) return false;
       size_ = 0;
     }

@@ -111,10 +111,14 @@ class TangentMap {
       sweep(z, dt);
       slope_ = da_.rightCols(size_) - db_.rightCols(size_) + 2 * Matrix::Identity(size_, size_);
       solver_.compute(slope_);
-      // At a multiplier that is off by this M is off by this times dt and third derivatives.
-      if (iteration == 0)
-        close = pow(Eigen::NumTraits<Scalar>::epsilon(), Scalar(0.75)) *
-                (detail::state_size(hamiltonian_, z) + detail::norm(a_ - z.vector()));
+      // At a multiplier that is off by this M is off by this times dt and third derivatives. The time of an extended
+      // point may be large, and its rounding then is what is left.
+      if (iteration == 0) {
+        const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon();
+        close = pow(epsilon, Scalar(0.75)) *
+                    (detail::state_size(hamiltonian_, z) + detail::norm(a_ - z.vector())) +
+                8 * epsilon * detail::norm(z.vector());
+      }
       gradient_ = a_ - b_ + 2 * m_;  // f
       correction_.vector() = solver_.solve(gradient_);
       const Scalar correction = detail::state_size(hamiltonian_, correction_);

@@ -168,9 +168,9 @@ class SemiexplicitPack {
 
   /// What Convergence asks of a residual, in one lane.
   struct LaneSizes {
-    double state, distance;
+    double state, all, distance;  // all: with the time, where that is a coordinate
     double state_size() const { return state; }
-    double rounding_level() const { return 100 * Eigen::NumTraits<double>::epsilon() * (state + distance); }
+    double rounding_level() const { return 100 * Eigen::NumTraits<double>::epsilon() * (all + distance); }
   };
 
   /// Goes on from the first evaluation, whose corrections are e; gives the lanes that came to a good end.
@@ -181,10 +181,12 @@ class SemiexplicitPack {
     Mask going = in_play;
     bool first = true;
     Many size_m = 0.0;
+    const Many size_all = detail::norm(state.z.data(), length());
     for (;;) {
       const Many distance = detail::norm(moved_.data(), length()) / 2.0;
       for (std::size_t k = 0; k < Many::size(); ++k)
-        if (going[k]) going[k] = !lanes[k]->done(e[k], size_m[k], LaneSizes{size_z[k], distance[k]});
+        if (going[k])
+          going[k] = !lanes[k]->done(e[k], size_m[k], LaneSizes{size_z[k], size_all[k], distance[k]});
       if (none_of(going)) break;
       // All multipliers move on; lanes that are done keep their moves of the copies.
       if (first)

@@ -275,7 +275,7 @@ TEST_CASE("Steps and states that a Gauss method refuses", "[gauss]") {
   }
 }
 
-TEST_CASE("A Gauss method keeps a quadratic invariant to rounding", "[gauss]") {
+TEST_CASE("A Gauss method keeps a quadratic invariant to rounding", "[gauss][long]") {
   const auto worst = [](const GaussLegendreOptions& options, double dt, std::int64_t steps) {
     auto z = lattice_start;
     Invariants invariants(lattice);

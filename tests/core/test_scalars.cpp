@@ -87,7 +87,7 @@ TEST_CASE("long double", "[scalars]") {
   CHECK(order_of<long double>(schemes::kahan_li6<long double>(), 10) == Approx(6).margin(0.3));
 }
 
-TEST_CASE("Fifty decimal digits", "[scalars]") {
+TEST_CASE("Fifty decimal digits", "[scalars][long]") {
   using H = systems::NlsLattice<Wide, 2>;
   const Wide epsilon = std::numeric_limits<Wide>::epsilon();
   const auto rule = StoppingRule::product(1e-104);

@@ -145,7 +145,7 @@ TEST_CASE("Driven steps have the order of the scheme", "[autonomous]") {
   CHECK(error(Semiexplicit(driven_product, schemes::sofroniou_spaletta10()), 64) <= 1e-12);
 }
 
-TEST_CASE("K strays no further over a long run, and quadratic invariants stay", "[autonomous]") {
+TEST_CASE("K strays no further over a long run, and quadratic invariants stay", "[autonomous][long]") {
   Semiexplicit stepper(central, schemes::blanes_moan4());
   auto Z = central.extended({{1, 0}, {0.2, 0.9}}, 0.0);
   const double momentum = angular_momentum(Z);

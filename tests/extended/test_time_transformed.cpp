@@ -64,7 +64,7 @@ struct Worst {
 }  // namespace
 
 TEST_CASE("Kepler's orbits of any eccentricity: a hundred of them, in a hundred steps each",
-          "[time transformed]") {
+          "[time transformed][long]") {
   const Kepler<2> h;
   for (const double e : {0.9, 0.99, 0.999}) {
     CAPTURE(e);

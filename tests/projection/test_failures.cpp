@@ -285,7 +285,7 @@ TEST_CASE("States of any size are stepped to the same relative accuracy", "[fail
   });
 }
 
-TEST_CASE("The size of a system does not change its steps", "[failures]") {
+TEST_CASE("The size of a system does not change its steps", "[failures][long]") {
   // Sites of the lattice that are empty stay so: 70000 sites of which five are taken are these five. Vectors of that
   // length are worked on in another way than short ones.
   const PhasePoint<double, 5> five({3, 0.01, 0.02, -0.01, 0.5}, {1, 0, 0.1, 0, -0.2});

@@ -100,8 +100,8 @@ Scheme<double> good() {
 
 }  // namespace
 
-TEMPLATE_TEST_CASE("Named schemes satisfy their order conditions at the precision of the scalar", "[scheme]",
-                   float, double, long double, Wide) {
+TEMPLATE_TEST_CASE("Named schemes satisfy their order conditions at the precision of the scalar",
+                   "[scheme][long]", float, double, long double, Wide) {
   using T = detail::ConditionScalar<TestType>;
   for (const std::string& name : schemes::names()) {
     CAPTURE(name);

@@ -85,7 +85,7 @@ TEST_CASE("Simplified Newton gives up near 1.85 radians a step with Strang; the 
 }
 
 TEST_CASE("A stiff lattice, frequencies over four decades, ten radians a step for the fastest",
-          "[stability]") {
+          "[stability][long]") {
   const StiffLattice h;
   const double dt = 0.01;
   const auto run = [&](const auto& solver, double& worst) {

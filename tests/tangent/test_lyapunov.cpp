@@ -42,7 +42,7 @@ Semiexplicit henon_heiles(HenonHeiles{}, schemes::low_defect6_s13());
 
 }  // namespace
 
-TEST_CASE("A ring of eight vortices parts at Havelock's rate", "[lyapunov]") {
+TEST_CASE("A ring of eight vortices parts at Havelock's rate", "[lyapunov][long]") {
   // The fastest mode m = 4 of N = 8 grows at Γ/(4πR²) √(m(N - m)(m(N - m) - 2(N - 1))): T. H. Havelock, Phil. Mag. 11 (1931) 617.
   const systems::PointVortices<double, 8> vortices(Vector<double, 8>::Constant(2 * std::numbers::pi));
   Vector<double, 8> x, y;
@@ -92,7 +92,7 @@ TEST_CASE("The growth is that of the variational equations by another integrator
   CHECK(first.exponents()[0] == Approx(lyapunov.exponents()[0]).epsilon(1e-12));
 }
 
-TEST_CASE("Chaos has a positive exponent, order has none, and they come in pairs", "[lyapunov]") {
+TEST_CASE("Chaos has a positive exponent, order has none, and they come in pairs", "[lyapunov][long]") {
   const auto exponents = [](double y, int steps) {
     auto z = HenonHeiles::point(y);
     LyapunovExponents lyapunov(henon_heiles);

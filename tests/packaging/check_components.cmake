@@ -1,4 +1,5 @@
-# cmake -D PREFIX=<where it is installed> -D BUILD=<folder> -D Eigen3_DIR=... -P check_components.cmake
+# cmake -D PREFIX=<where it is installed> -D BUILD=<folder> -D GENERATOR=... -D COMPILER=... -D Eigen3_DIR=...
+#   -P check_components.cmake
 #
 # What find_package(semiexplicit COMPONENTS ...) gives and what it refuses, and the versions of Eigen that it takes.
 
@@ -8,8 +9,8 @@ function(looks)
   cmake_parse_arguments(PARSE_ARGV 0 arg "" "COMPLAINT;SAYS" "")
   file(REMOVE_RECURSE ${BUILD})
   execute_process(
-    COMMAND ${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR}/components -B ${BUILD} -D CMAKE_PREFIX_PATH=${PREFIX}
-      -D Eigen3_DIR=${Eigen3_DIR} ${arg_UNPARSED_ARGUMENTS}
+    COMMAND ${CMAKE_COMMAND} -G ${GENERATOR} -S ${CMAKE_CURRENT_LIST_DIR}/components -B ${BUILD}
+      -D CMAKE_CXX_COMPILER=${COMPILER} -D CMAKE_PREFIX_PATH=${PREFIX} -D Eigen3_DIR=${Eigen3_DIR} ${arg_UNPARSED_ARGUMENTS}
     RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE complaint)
   string(REGEX REPLACE "[ \n]+" " " complaint "${complaint}") # CMake breaks the lines of a message
   message("${arg_UNPARSED_ARGUMENTS}: ${result}, ${complaint}")

@@ -16,22 +16,13 @@
 
 #include <semiexplicit/semiexplicit.hpp>
 
+#include "../batches.hpp"
+
 using namespace semiexplicit;
+using bench::quantile;
+using bench::seconds;
 
 namespace {
-
-template <class Work>
-double seconds(int times, const Work& work) {
-  const auto start = std::chrono::steady_clock::now();
-  for (int i = 0; i < times; ++i) work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-double quantile(std::vector<double> values, double q) {
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
 
 /// Times of two works in alternation: the median of the first in nanoseconds, and the quartiles of the ratio.
 template <class First, class Second>

@@ -15,7 +15,11 @@
 
 #include <semiexplicit/semiexplicit.hpp>
 
+#include "../batches.hpp"
+
 using namespace semiexplicit;
+using bench::quantile;
+using bench::seconds;
 
 namespace {
 
@@ -30,19 +34,6 @@ struct Plain {
     system.gradient(q, p, dHdq, dHdp);
   }
 };
-
-template <class Work>
-double seconds(const Work& work) {
-  const auto start = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-double quantile(std::vector<double> values, double q) {
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
 
 void print_ratio(const char* what, const std::vector<double>& ratios) {
   std::printf("  %-38s %6.2f (quartiles %.2f, %.2f)\n", what, quantile(ratios, 0.5), quantile(ratios, 0.25),
@@ -70,16 +61,15 @@ void compare(const char* name, const H& system, const PhasePoint<double, H::Dof>
   std::int64_t evaluations = 0, steps = 0, failed = 0;
   constexpr int batch = 64;
   for (int i = 0; i < rounds; ++i) {
-    const double in_ensemble = seconds([&] {
-                                 const auto run = ensemble.run({.dt = dt, .steps = batch, .threads = 1});
-                                 evaluations += run.evaluations, steps += run.steps, failed += run.failed;
-                               }) /
-                               (batch * members);
+    const double in_ensemble =
+        seconds(1,
+                [&] {
+                  const auto run = ensemble.run({.dt = dt, .steps = batch, .threads = 1});
+                  evaluations += run.evaluations, steps += run.steps, failed += run.failed;
+                }) /
+        (batch * members);
     const auto alone = [&](auto& stepper, auto& state) {
-      return seconds([&] {
-               for (int n = 0; n < 8 * batch; ++n) stepper.step(state, dt);
-             }) /
-             (8 * batch);
+      return seconds(8 * batch, [&] { stepper.step(state, dt); }) / (8 * batch);
     };
     times.push_back(in_ensemble);
     against_plain.push_back(alone(plain, plain_z) / in_ensemble);

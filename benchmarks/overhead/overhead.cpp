@@ -13,7 +13,11 @@
 
 #include <semiexplicit/semiexplicit.hpp>
 
+#include "../batches.hpp"
+
 using namespace semiexplicit;
+using bench::quantile;
+using bench::seconds;
 
 namespace {
 
@@ -69,19 +73,6 @@ class ByHand {
   Scheme<double> scheme_;
   Storage z_, a_, b_, gradient_;
 };
-
-template <class Work>
-double seconds(int steps, const Work& work) {
-  const auto start = std::chrono::steady_clock::now();
-  for (int i = 0; i < steps; ++i) work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-double quantile(std::vector<double> values, double q) {
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
 
 template <class H>
 void compare(const char* name, const H& hamiltonian, const PhasePoint<double, H::Dof>& z0, double dt,

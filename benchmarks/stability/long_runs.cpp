@@ -11,6 +11,7 @@
 
 #include <semiexplicit/semiexplicit.hpp>
 
+#include "../batches.hpp"
 #include "common/gnuplot.hpp"
 #include "common/whole_file.hpp"
 
@@ -215,9 +216,9 @@ std::string ratio(const H& hamiltonian, const PhasePoint<double, H::Dof>& start,
     const double first = time(compensated), second = time(plain);
     ratios.push_back(first / second);
   }
-  std::sort(ratios.begin(), ratios.end());
-  return number("%.3f", ratios[50]) + " | " + number("%.3f", ratios[25]) + " to " +
-         number("%.3f", ratios[75]);
+  return number("%.3f", bench::quantile(ratios, 0.5)) + " | " +
+         number("%.3f", bench::quantile(ratios, 0.25)) + " to " +
+         number("%.3f", bench::quantile(ratios, 0.75));
 }
 
 }  // namespace

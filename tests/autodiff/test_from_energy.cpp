@@ -6,6 +6,7 @@
 
 #include <semiexplicit/semiexplicit.hpp>
 
+#include "lattice_energy.hpp"
 #include "refusal.hpp"
 
 // Gradients from energies: against those written by hand and against closed forms.
@@ -13,19 +14,6 @@
 namespace {
 
 using namespace semiexplicit;
-
-/// As in systems::NlsLattice.
-constexpr auto lattice_energy = [](const auto& q, const auto& p) {
-  typename std::decay_t<decltype(q)>::Scalar sum(0);
-  for (Eigen::Index i = 0; i < q.size(); ++i) {
-    const auto density = q[i] * q[i] + p[i] * p[i];
-    sum += density * density / 4;
-    if (i > 0)
-      sum -= (q[i - 1] * q[i - 1] - p[i - 1] * p[i - 1]) * (q[i] * q[i] - p[i] * p[i]) +
-             4 * q[i - 1] * p[i - 1] * q[i] * p[i];
-  }
-  return sum;
-};
 
 template <int Dof>
 PhasePoint<double, Dof> some_point(Eigen::Index dof) {

@@ -4,6 +4,8 @@
 
 #include <semiexplicit/semiexplicit.hpp>
 
+#include "lattice_energy.hpp"
+
 // The derivative of a step: symplectic, and the limit of differences of the step.
 
 namespace {
@@ -39,17 +41,6 @@ auto differences(S& stepper, const typename S::State& z, typename S::Scalar dt, 
   return m;
 }
 
-constexpr auto lattice_energy = [](const auto& q, const auto& p) {
-  typename std::decay_t<decltype(q)>::Scalar sum(0);
-  for (Eigen::Index i = 0; i < q.size(); ++i) {
-    const auto density = q[i] * q[i] + p[i] * p[i];
-    sum += density * density / 4;
-    if (i > 0)
-      sum -= (q[i - 1] * q[i - 1] - p[i - 1] * p[i - 1]) * (q[i] * q[i] - p[i] * p[i]) +
-             4 * q[i - 1] * p[i - 1] * q[i] * p[i];
-  }
-  return sum;
-};
 const PhasePoint<double, 3> lattice_point({0.8, -0.3, 0.5}, {0.2, 0.9, -0.6});
 
 }  // namespace

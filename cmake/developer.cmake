@@ -5,7 +5,7 @@ option(SEMIEXPLICIT_NATIVE "Compile the examples and benchmarks for this machine
 
 # For code that must be free of warnings whatever the options say.
 add_library(semiexplicit_warnings INTERFACE)
-target_compile_options(semiexplicit_warnings INTERFACE -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror)
+target_compile_options(semiexplicit_warnings INTERFACE -Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wshadow -Werror)
 
 # For every test and program.
 add_library(semiexplicit_developer INTERFACE)

@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <concepts>
 #include <cstdint>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
 
-#include <semiexplicit/core/report.hpp>
+#include <semiexplicit/core/checkpointable.hpp>
+#include <semiexplicit/core/observer.hpp>
+#include <semiexplicit/core/stepper.hpp>
 
 namespace semiexplicit {
 
@@ -35,60 +36,16 @@ struct IntegrationOptions {
   IntegrationReport done{};
 };
 
-/// Anything that moves a state by a step: Semiexplicit, MidpointProjection and GaussLegendre a PhasePoint, Pihajoki and Tao
-/// an ExtendedPoint.
-template <class S>
-concept Stepper = requires(S& stepper, typename S::State& state, const typename S::Scalar& dt) {
-  { stepper.step(state, dt) } -> std::same_as<StepReport>;
-};
-
 namespace detail {
 
-/// Refuses an observer that counts on having seen a run from its start, and has not: one with a member fresh() that is true.
+/// Refuses an observer that counts on having seen a run from its start, and has not.
 template <class Observer>
 void require_restored(const Observer& observer, std::int64_t steps) {
-  if constexpr (requires {
-                  { observer.fresh() } -> std::same_as<bool>;
-                })
-    if (observer.fresh())
-      throw std::invalid_argument(
-          "integrate: the run goes on after step " + std::to_string(steps) +
-          ", and an observer knows nothing of what came before; name it among those of "
-          "Checkpoints");
+  if (is_fresh(observer))
+    throw std::invalid_argument("integrate: the run is resumed after step " + std::to_string(steps) +
+                                ", and an observer knows nothing of what came before; name it among those of "
+                                "Checkpoints");
 }
-
-/// Calls an observer as (t, state) or (t, state, step report), whichever it takes; false: it wants the run to stop.
-template <class Observer, class Scalar, class State>
-bool notify(Observer& observer, const Scalar& t, const State& state, const StepReport& report) {
-  const auto call = [&]() -> decltype(auto) {
-    if constexpr (std::invocable<Observer&, const Scalar&, const State&, const StepReport&>)
-      return observer(t, state, report);
-    else
-      return observer(t, state);
-  };
-  if constexpr (std::same_as<std::remove_cvref_t<decltype(call())>, bool>)
-    return call();
-  else {
-    call();
-    return true;
-  }
-}
-
-/// The same for an observer of integrate(), which may take the report of the run so far instead of the step's.
-template <class Observer, class Scalar, class State>
-bool notify_of_run(Observer& observer, const Scalar& t, const State& state, const IntegrationReport& so_far) {
-  if constexpr (std::invocable<Observer&, const Scalar&, const State&, const IntegrationReport&> &&
-                !std::invocable<Observer&, const Scalar&, const State&, const StepReport&>) {
-    const auto known = [&](const Scalar& at, const State& z) { return observer(at, z, so_far); };
-    return notify(known, t, state, so_far.last);
-  } else {
-    return notify(observer, t, state, so_far.last);
-  }
-}
-
-}  // namespace detail
-
-namespace detail {
 
 /// The failed step from `state` as 2, 4, ... equal ones, the first number that succeeds; adds to the report what they cost.
 template <class S>
@@ -126,22 +83,11 @@ bool step_in_parts(S& stepper, typename S::State& state,
   return false;
 }
 
-}  // namespace detail
-
-/// Takes `steps` steps of size dt and calls every observer, in order, at the start and after each step. An observer is any
-/// callable (t, state), or (t, state, StepReport), or (t, state, IntegrationReport), which is the run's so far but for
-/// status, t and seconds; one that returns the bool false ends the run there (status `stopped`).
-///
-///     PhasePoint<double, 1> z(-3, 0);
-///     integrate(stepper, z, {.dt = 0.01, .steps = 1000}, [](double t, const auto& z) { std::cout << t << ' ' << z.q() << '\n'; });
-///
-/// Times are t0 + n dt, without accumulated rounding. A step that fails leaves `state` at the last good one and throws
-/// IntegrationError, or ends the run (OnFailure::stop). An exception of a gradient or an observer passes through, with the
-/// state likewise. Throws std::invalid_argument for a negative number of steps
-/// and a senseless `subdivide`.
-template <Stepper S, class... Observers>
-IntegrationReport integrate(S& stepper, typename S::State& state,
-                            const IntegrationOptions<typename S::Scalar>& options, Observers&&... observers) {
+/// integrate(), whose arguments are what they should be.
+template <class S, class... Observers>
+IntegrationReport integrate_checked(S& stepper, typename S::State& state,
+                                    const IntegrationOptions<typename S::Scalar>& options,
+                                    Observers&... observers) {
   using Scalar = typename S::Scalar;
   if (!(options.subdivide >= 0 && options.subdivide <= 30))
     throw std::invalid_argument(
@@ -153,14 +99,15 @@ IntegrationReport integrate(S& stepper, typename S::State& state,
                                 " steps are done, and not 0 to " + std::to_string(options.steps) +
                                 " of them; steps counts those of the earlier part, too");
   const auto start = std::chrono::steady_clock::now();
-  if (options.done.steps > 0) (detail::require_restored(observers, options.done.steps), ...);
+  if (options.done.steps > 0) (require_restored(observers, options.done.steps), ...);
   IntegrationReport report = options.done;
+  report.dt = static_cast<double>(options.dt);
   Scalar t = options.t0;
   if (report.steps > 0) t += Scalar(report.steps) * options.dt;
   // Every observer hears of every step, also when one before it asks to stop.
   const auto wanted = [&] {
     bool go_on = true;
-    ((go_on = detail::notify_of_run(observers, t, state, report) && go_on), ...);
+    ((go_on = notify(observers, t, state, report) && go_on), ...);
     return go_on;
   };
   const auto finish = [&](Status status) {
@@ -176,7 +123,7 @@ IntegrationReport integrate(S& stepper, typename S::State& state,
     report.last = stepper.step(state, options.dt);
     report.evaluations += report.last.evaluations;
     report.gradients += report.last.gradients;
-    if (!report.last.ok() && !detail::step_in_parts(stepper, state, options, report)) {
+    if (!report.last.ok() && !step_in_parts(stepper, state, options, report)) {
       finish(report.last.status);
       if (options.on_failure == OnFailure::raise)
         throw IntegrationError(report, static_cast<double>(options.dt));
@@ -188,6 +135,31 @@ IntegrationReport integrate(S& stepper, typename S::State& state,
     if (!wanted()) return finish(Status::stopped);
   }
   return finish(Status::success);
+}
+
+}  // namespace detail
+
+/// Takes `steps` steps of size dt and calls every observer, in order, at the start and after each step. An observer is any
+/// callable (t, state), or (t, state, StepReport), or (t, state, IntegrationReport), which is the run's so far but for
+/// status, t and seconds; one that returns the bool false ends the run there (status `stopped`).
+///
+///     PhasePoint<double, 1> z(-3, 0);
+///     integrate(stepper, z, {.dt = 0.01, .steps = 1000}, [](double t, const auto& z) { std::cout << t << ' ' << z.q() << '\n'; });
+///
+/// Times are t0 + n dt, without accumulated rounding. A step that fails leaves `state` at the last good one and throws
+/// IntegrationError, or ends the run (OnFailure::stop). An exception of a gradient or an observer passes through, with the
+/// state likewise. Throws std::invalid_argument for a negative number of steps
+/// and a senseless `subdivide`.
+template <class S, class State, class... Observers>
+IntegrationReport integrate(S& stepper, State& state,
+                            const IntegrationOptions<typename detail::StepperScalar<S>::Type>& options,
+                            Observers&&... observers) {
+  using Scalar = typename detail::StepperScalar<S>::Type;
+  if constexpr (!detail::is_stepper_of<S, State>() ||
+                !(detail::is_observer<std::remove_reference_t<Observers>, Scalar, State>() && ...))
+    return {};
+  else
+    return detail::integrate_checked(stepper, state, options, observers...);
 }
 
 }  // namespace semiexplicit

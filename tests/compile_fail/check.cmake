@@ -1,36 +1,45 @@
 # cmake -D SOURCE=... -D COMPILER=... -D INCLUDES=... -P check.cmake
 #
-# Compiles SOURCE and holds the compiler to the file's first line, which is one of
-#   // compiles
-#   // error names: TEXT
-# A message must name TEXT, and be short: at most three errors (g++ makes three of a failed deduction) in 40 lines.
-file(STRINGS "${SOURCE}" lines LIMIT_COUNT 1)
+# Compiles SOURCE once for each of its lines "// case NAME: TEXT", with the macro NAME. The first line with "error:" of what the
+# compiler says must contain TEXT; "// case NAME: compiles" must compile.
 list(TRANSFORM INCLUDES PREPEND -I)
-set(ENV{LC_ALL} C)  # messages in English
-execute_process(COMMAND ${COMPILER} -std=c++20 -fsyntax-only ${INCLUDES} ${SOURCE}
-  RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
-message("${output}")
-
-if(lines STREQUAL "// compiles")
-  if(NOT result EQUAL 0)
-    message(FATAL_ERROR "${SOURCE} must compile.")
+set(ENV{LC_ALL} C) # messages in English
+set(failures "")
+set(count 0)
+# A list of CMake is parted by semicolons, which the texts have, too.
+file(READ "${SOURCE}" rest)
+while(rest MATCHES "^// case ([a-z_]+): ([^\n]+)\n")
+  set(name "${CMAKE_MATCH_1}")
+  set(text "${CMAKE_MATCH_2}")
+  string(FIND "${rest}" "\n" end)
+  math(EXPR end "${end} + 1")
+  string(SUBSTRING "${rest}" ${end} -1 rest)
+  math(EXPR count "${count} + 1")
+  execute_process(COMMAND ${COMPILER} -std=c++20 -fsyntax-only -D${name} ${INCLUDES} ${SOURCE}
+    RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  if(text STREQUAL "compiles")
+    if(NOT result EQUAL 0)
+      message("${name} must compile:\n${output}")
+      list(APPEND failures ${name})
+    endif()
+    continue()
   endif()
-  return()
-endif()
-
-if(NOT lines MATCHES "^// error names: (.+)$")
-  message(FATAL_ERROR "The first line of ${SOURCE} must say '// compiles' or '// error names: TEXT'.")
-endif()
-set(text "${CMAKE_MATCH_1}")
-string(FIND "${output}" "${text}" found)
-string(REGEX MATCHALL "error: " errors "${output}")
-list(LENGTH errors error_count)
-string(REGEX MATCHALL "\n" newlines "${output}")
-list(LENGTH newlines line_count)
-if(result EQUAL 0)
-  message(FATAL_ERROR "${SOURCE} must not compile.")
-elseif(found EQUAL -1)
-  message(FATAL_ERROR "The compiler's message does not name '${text}'.")
-elseif(error_count GREATER 3 OR line_count GREATER 40)
-  message(FATAL_ERROR "The message is too long: ${error_count} errors in ${line_count} lines.")
+  string(FIND "${output}" "error: " begin)
+  set(first "nothing")
+  if(NOT begin EQUAL -1)
+    string(SUBSTRING "${output}" ${begin} -1 first)
+    string(FIND "${first}" "\n" end)
+    string(SUBSTRING "${first}" 0 ${end} first)
+  endif()
+  string(FIND "${first}" "${text}" found)
+  message("${name}: ${first}")
+  if(result EQUAL 0 OR found EQUAL -1)
+    message("  must be an error that names '${text}'")
+    list(APPEND failures ${name})
+  endif()
+endwhile()
+if(count EQUAL 0)
+  message(FATAL_ERROR "${SOURCE} lists no cases")
+elseif(failures)
+  message(FATAL_ERROR "${SOURCE}: ${failures}")
 endif()

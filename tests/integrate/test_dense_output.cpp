@@ -48,7 +48,7 @@ TEST_CASE("Dense output has the order of its nodes", "[dense output]") {
   CHECK(refuses([] { DenseOutput dense(rotor, 9); }, "9 nodes"));
 }
 
-TEST_CASE("Dense output starts anew where a run turns round", "[dense output]") {
+TEST_CASE("Dense output goes back from its last state where a run turns round", "[dense output]") {
   DenseOutput dense(rotor, 3);
   for (int n = 0; n < 5; ++n) dense(n * 0.1, exact(n * 0.1));
   CHECK(dense.ready());
@@ -57,8 +57,9 @@ TEST_CASE("Dense output starts anew where a run turns round", "[dense output]") 
   CHECK(dense.end() == 0.4);
   dense(0.3, exact(0.3));
   dense(0.2, exact(0.2));
-  CHECK(dense.size() == 2);
-  CHECK(dense.begin() == 0.3);
+  CHECK(dense.size() == 3);
+  CHECK(dense.begin() == 0.4);
+  CHECK(dense.end() == 0.2);
 }
 
 TEST_CASE("Output at times between the steps", "[dense output]") {

@@ -135,7 +135,52 @@ TEST_CASE("Lyapunov exponents refuse a time that turns round", "[lyapunov]") {
   LyapunovExponents lyapunov(stepper, 1);
   PhasePoint<double, 1> z(1, 0);
   integrate(stepper, z, {.dt = 0.1, .steps = 5}, lyapunov);
-  CHECK(refuses([&] { integrate(stepper, z, {.dt = 0.1, .steps = 5}, lyapunov); }, "an observer of its own"));
+  CHECK(
+      refuses([&] { integrate(stepper, z, {.dt = -0.1, .steps = 5, .t0 = 0.5}, lyapunov); }, "turned round"));
+}
+
+TEST_CASE("Lyapunov exponents of a run in two parts, in whatever time the second one counts", "[lyapunov]") {
+  Semiexplicit stepper(HenonHeiles(), schemes::blanes_moan4<double>());
+  const auto start = HenonHeiles::point(1.0 / 6);
+  auto z = start;
+  LyapunovExponents whole(stepper, 2);
+  integrate(stepper, z, {.dt = 0.05, .steps = 2000}, whole);
+  for (const double t0 : {50.0, 0.0}) {
+    LyapunovExponents parts(stepper, 2);
+    z = start;
+    integrate(stepper, z, {.dt = 0.05, .steps = 1000}, parts);
+    integrate(stepper, z, {.dt = 0.05, .steps = 1000, .t0 = t0}, parts);
+    for (const int k : {0, 1}) CHECK(parts.exponents()[k] == Approx(whole.exponents()[k]).epsilon(1e-9));
+  }
+}
+
+TEST_CASE("Lyapunov exponents want every step of one orbit", "[lyapunov]") {
+  Semiexplicit stepper(HenonHeiles(), schemes::blanes_moan4<double>());
+  auto z = HenonHeiles::point(0.1);
+  LyapunovExponents some(stepper, 1), two(stepper, 1);
+  CHECK(refuses([&] { integrate(stepper, z, {.dt = 0.05, .steps = 30}, every(3, some)); },
+                "only some of the steps"));
+  integrate(stepper, z, {.dt = 0.05, .steps = 30}, two);
+  z = HenonHeiles::point(0.12);
+  CHECK(refuses([&] { integrate(stepper, z, {.dt = 0.05, .steps = 30}, two); }, "another orbit begins"));
+}
+
+TEST_CASE("Lyapunov exponents of a backward run, the largest growth first", "[lyapunov]") {
+  // H = (p² - q²)/2 at its saddle: the exponents 1 and -1, which the first vectors take time to find.
+  const auto saddle = make_hamiltonian<double, 1>(
+      [](const auto& q, const auto& p) { return (p[0] * p[0] - q[0] * q[0]) / 2; },
+      [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+        dHdq[0] = -q[0];
+        dHdp[0] = p[0];
+      });
+  Semiexplicit stepper(saddle, schemes::low_defect6_s13<double>());
+  for (const double dt : {0.1, -0.1}) {
+    LyapunovExponents lyapunov(stepper, 2);
+    PhasePoint<double, 1> z(0, 0);
+    integrate(stepper, z, {.dt = dt, .steps = 10'000}, lyapunov);
+    CHECK(lyapunov.exponents()[0] == Approx(1).epsilon(0.005));
+    CHECK(lyapunov.exponents()[1] == Approx(-1).epsilon(0.005));
+  }
 }
 
 namespace {

@@ -22,12 +22,11 @@ namespace semiexplicit {
 /// Source: Hairer, Lubich, Wanner, Geometric Numerical Integration, II.5 and V.3. Memory: five vectors of length 2d.
 template <class H>
 class ExplicitSplitting {
+ public:
+  using Scalar = typename detail::HamiltonianDoor<H>::Scalar;
+  static constexpr int Dof = detail::HamiltonianDoor<H>::Dof;
   static_assert(SeparableHamiltonian<H>,
                 "ExplicitSplitting needs H::separable, position_gradient and momentum_gradient");
-
- public:
-  using Scalar = typename H::Scalar;
-  static constexpr int Dof = H::Dof;
   using State = PhasePoint<Scalar, Dof>;
   static constexpr const char* name = "ExplicitSplitting";
 
@@ -53,6 +52,7 @@ class ExplicitSplitting {
   /// whole gradients, as for the other steppers: the 2s + 1 halves make s + 1, rounded up.
   StepReport step(State& z, const Scalar& dt) {
     if (!detail::valid_step(dt)) return {.status = Status::invalid_step};
+    if (scheme_.b.empty()) return {.status = Status::invalid_stepper};
     if (z.vector().size() != at_.size()) return {.status = Status::invalid_state};
     detail::inlined<Scalar>([&] { run(z, dt); });
     StepReport report{.evaluations = 1, .gradients = position_gradients() + 1};
@@ -69,6 +69,13 @@ class ExplicitSplitting {
   const H& hamiltonian() const { return hamiltonian_; }
   const Scheme<Scalar>& scheme() const { return scheme_; }
 
+  /// See Describable.
+  template <class List>
+  void describe(List& list) const {
+    list("degrees of freedom", dof());
+    list("scheme", scheme());
+    list.function("Hamiltonian", detail::GradientSize(hamiltonian()));
+  }
   /// Hands visit() every number that goes on from step to step; see CheckpointMemory.
   template <class Visitor>
   void visit_memory(Visitor&& visit) {

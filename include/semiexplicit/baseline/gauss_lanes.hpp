@@ -58,6 +58,8 @@ class GaussLegendreLanes {
     StepReport report;
     if (!detail::valid_step(dt))
       report.status = Status::invalid_step;
+    else if (gradients_.empty())
+      report.status = Status::invalid_stepper;
     else if (z.vector().size() != size())
       report.status = Status::invalid_state;
     if (!report.ok()) return report;
@@ -88,6 +90,17 @@ class GaussLegendreLanes {
   const GaussLegendreOptions& options() const { return options_; }
   const GaussTableau<Scalar>& tableau() const { return tableau_; }
 
+  /// See Describable.
+  template <class List>
+  void describe(List& list) const {
+    list("degrees of freedom", dof());
+    list("stages", options_.stages);
+    list("stage solver", options_.solver);
+    list("tolerance", options_.tolerance);
+    list("max_iterations", options_.max_iterations);
+    list("extrapolate", options_.extrapolate);
+    list.function("Hamiltonian", detail::GradientSize(hamiltonian()));
+  }
   /// Hands visit() every number that goes on from step to step; see CheckpointMemory.
   template <class Visitor>
   void visit_memory(Visitor&& visit) {
@@ -202,7 +215,7 @@ class GaussLegendreLanes {
   void move(const State& z, Many& moved, Many& displaced) {
     const std::size_t d = at(dof());
     const Scalar* const state = z.vector().data();
-    Many weight[Stages];
+    Many weight[std::size_t(Stages)];
     for (int j = 0; j < Stages; ++j) weight[j] = weight_[j];
     const auto put = [&](std::size_t i, const Many& displacement) {
       using std::abs;

@@ -42,11 +42,9 @@ struct GaussLegendreOptions {
 /// Numer. Algorithms 76 (2017) 861.
 template <class H>
 class GaussLegendre {
-  static_assert(Hamiltonian<H>);
-
  public:
-  using Scalar = typename H::Scalar;
-  static constexpr int Dof = H::Dof;
+  using Scalar = typename detail::HamiltonianDoor<H>::Scalar;
+  static constexpr int Dof = detail::HamiltonianDoor<H>::Dof;
   using State = PhasePoint<Scalar, Dof>;
   static constexpr const char* name = "GaussLegendre";
 
@@ -78,6 +76,8 @@ class GaussLegendre {
     StepReport report;
     if (!detail::valid_step(dt))
       report.status = Status::invalid_step;
+    else if (weights_.size() == 0)
+      report.status = Status::invalid_stepper;
     else if (z.vector().size() != point_.size())
       report.status = Status::invalid_state;
     if (!report.ok()) return report;
@@ -106,6 +106,17 @@ class GaussLegendre {
   const GaussLegendreOptions& options() const { return options_; }
   const GaussTableau<Scalar>& tableau() const { return tableau_; }
 
+  /// See Describable.
+  template <class List>
+  void describe(List& list) const {
+    list("degrees of freedom", dof());
+    list("stages", options_.stages);
+    list("stage solver", options_.solver);
+    list("tolerance", options_.tolerance);
+    list("max_iterations", options_.max_iterations);
+    list("extrapolate", options_.extrapolate);
+    list.function("Hamiltonian", detail::GradientSize(hamiltonian()));
+  }
   /// Hands visit() every number that goes on from step to step; see CheckpointMemory.
   template <class Visitor>
   void visit_memory(Visitor&& visit) {
@@ -144,7 +155,7 @@ class GaussLegendre {
   template <Eigen::Index Block, class Put>
   static void combine_block(const Dense& matrix, Eigen::Index i, const Stages& stages, Eigen::Index begin,
                             Eigen::Index size, const Put& put) {
-    Scalar sum[Block];
+    Scalar sum[std::size_t(Block)];
     for (Eigen::Index k = 0; k < Block; ++k) sum[k] = Scalar(0);
     for (Eigen::Index j = 0; j < stages.cols(); ++j) {
       const Scalar factor = matrix(i, j);
@@ -220,12 +231,9 @@ class GaussLegendre {
 
   /// Gradient i at point_. Its halves are exchanged, so that with sign_ it is the vector field X = (∂H/∂p, -∂H/∂q).
   void evaluate(Eigen::Index i) {
-    using Half = Vector<Scalar, Dof>;
     const Eigen::Index d = dof();
     Scalar* const gradient = gradients_.data() + i * gradients_.rows();
-    hamiltonian_.gradient(Eigen::Map<const Half>(point_.data(), d),
-                          Eigen::Map<const Half>(point_.data() + d, d), Eigen::Map<Half>(gradient + d, d),
-                          Eigen::Map<Half>(gradient, d));
+    detail::gradient_at(hamiltonian_, point_.data(), point_.data() + d, gradient + d, gradient, d);
   }
 
   /// One sweep over the stages; returns the sum of the absolute values of what changed.

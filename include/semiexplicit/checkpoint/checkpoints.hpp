@@ -14,11 +14,9 @@
 #include <utility>
 
 #include <semiexplicit/checkpoint/file.hpp>
-#include <semiexplicit/checkpoint/fingerprint.hpp>
-#include <semiexplicit/checkpoint/memory.hpp>
+#include <semiexplicit/core/checkpointable.hpp>
 #include <semiexplicit/core/phase_point.hpp>
 #include <semiexplicit/integrate.hpp>
-#include <semiexplicit/splitting/kick_chain.hpp>
 
 namespace semiexplicit {
 
@@ -32,8 +30,9 @@ struct CheckpointOptions {
 
 /// An observer that saves a run from time to time, so that it can be gone on with after a crash: bit for bit the same
 /// trajectory, times and reports. It saves the state, what the stepper carries from step to step, and the memory of the
-/// observers that are named (HasMemory: Invariants, CsvTrajectory, CsvWriter, LyapunovExponents, at_times(), poincare_section(),
-/// every() of any observer, or your own). integrate() refuses to go on with one of these that was not named.
+/// observers that are named (Checkpointable: Invariants, Record, CsvTrajectory, LyapunovExponents, at_times(),
+/// poincare_section(), every() of any observer, or your own). A run with other options of the stepper, its solver or these
+/// observers is refused, and integrate() refuses to resume with one of them that was not named.
 ///
 ///     IntegrationOptions<double> options{.dt = 0.01, .steps = 1'000'000'000};
 ///     Checkpoints checkpoints("run.checkpoint", {.every = 1'000'000}, stepper, options, invariants, csv);
@@ -46,9 +45,10 @@ struct CheckpointOptions {
 /// disk before it takes the place of the one before; where that fails, std::runtime_error is thrown and the old one stays.
 /// Refers to the stepper and the observers, which must outlive it. `steps` may grow from run to run. A checkpoint holds for
 /// the compiler and the flags that the program was built with, as the last bits of any floating-point result do.
-template <Stepper S, HasMemory... Observers>
+template <class S, class... Observers>
 class Checkpoints {
  public:
+  static_assert(detail::is_checkpointable<S>() && (detail::is_checkpointable<Observers>() && ...));
   using Scalar = typename S::Scalar;
   using State = typename S::State;
 
@@ -58,9 +58,8 @@ class Checkpoints {
       : path_(std::move(path)),
         options_(std::move(options)),
         stepper_(stepper),
-        fingerprint_(detail::Fingerprint(stepper, run, options_.run).text()),
+        fingerprint_(fingerprint(stepper, run, options_.run, observers...)),
         observers_(observers...) {
-    static_assert(HasMemory<S>, "Checkpoints needs a stepper with visit_memory(); see checkpoint/memory.hpp");
     if (options_.every < 0) throw std::invalid_argument("Checkpoints: every is negative; give steps, or 0");
     if (!(options_.seconds > 0))
       throw std::invalid_argument("Checkpoints: seconds is not positive; give a time, 60 say");
@@ -132,7 +131,7 @@ class Checkpoints {
   void visit_head(CheckpointMemory& memory, IntegrationReport& report, State& z) {
     std::string fingerprint = fingerprint_;
     memory(fingerprint);  // of the file, where this reads
-    if (const std::string other = detail::Fingerprint::difference(fingerprint, fingerprint_); !other.empty())
+    if (const std::string other = detail::difference_of_lines(fingerprint, fingerprint_); !other.empty())
       throw std::invalid_argument("it belongs to another run: " + other +
                                   "; give it the same settings, or another file");
     std::uint64_t start_state = start_state_;
@@ -140,10 +139,11 @@ class Checkpoints {
     if (start_state != start_state_)
       throw std::invalid_argument(
           "it belongs to a run from another initial state; give it the same one, or another file");
-    if (z.dof() != stepper_.dof())
+    std::int64_t dof = z.dof();
+    memory(dof);
+    if (dof != z.dof())
       throw std::invalid_argument("the state handed in has " + std::to_string(z.dof()) +
-                                  " degrees of freedom, and the stepper has " +
-                                  std::to_string(stepper_.dof()));
+                                  " degrees of freedom, and the one that was saved " + std::to_string(dof));
     for (auto* count : {&report.steps, &report.evaluations, &report.gradients, &report.subdivided}) {
       memory(*count);
       if (*count < 0 || *count > std::int64_t{1} << 62)
@@ -153,15 +153,49 @@ class Checkpoints {
     visit_state(memory, z);
     if (!z.q().allFinite() || !z.p().allFinite())
       throw std::invalid_argument("its state is NaN or Inf; start anew without it");
-    // Tells another H, to the rounding of another compiler.
-    const Scalar here = size_of_gradient(z);
-    Scalar there = here;
-    memory(there);
-    using std::abs;
-    if (!(abs(there - here) <= std::sqrt(std::numeric_limits<Scalar>::epsilon()) * abs(here)) && here == here)
-      throw std::invalid_argument("it belongs to another Hamiltonian: the norm of the gradient is " +
-                                  detail::in_words(there, 9) + " there, " + detail::in_words(here, 9) +
-                                  " here; give H the same parameters, or the run another file");
+    visit_functions(memory, z);
+  }
+
+  /// The values of H's gradient and of the observers' functions where the run was saved: equal but for the rounding of another
+  /// compiler, or they are other functions.
+  void visit_functions(CheckpointMemory& memory, const State& z) {
+    detail::FunctionValues<State> here(z);
+    list_all(here, stepper_, observers_);
+    for (std::size_t i = 0; i < here.values().size(); ++i) {
+      const Scalar value = here.values()[i];
+      Scalar there = value;
+      memory(there);
+      using std::abs;
+      if (value == value && !(abs(there - value) <=
+                              std::pow(std::numeric_limits<Scalar>::epsilon(), Scalar(0.75)) * abs(value)))
+        throw std::invalid_argument("it belongs to another " + here.names()[i] +
+                                    ": where it was saved this is " + detail::in_words(there, 9) +
+                                    " there, " + detail::in_words(value, 9) +
+                                    " here; give it the same parameters, or the run another file");
+    }
+  }
+
+  /// Lists the stepper and the observers, all that tells this trajectory and what is seen of it from others beside H and the
+  /// initial state.
+  template <class List>
+  static void list_all(List& list, const S& stepper, const std::tuple<Observers&...>& observers) {
+    list("stepper", stepper.name);
+    stepper.describe(list);
+    int count = 0;
+    std::apply([&](const auto&... observer) { (list("observer " + std::to_string(++count), observer), ...); },
+               observers);
+  }
+
+  static std::string fingerprint(const S& stepper, const IntegrationOptions<Scalar>& run,
+                                 const std::string& label, Observers&... observers) {
+    detail::OptionText list;
+    list("run", label);
+    list("bits of a number", std::numeric_limits<Scalar>::digits);
+    list("dt", run.dt);
+    list("t0", run.t0);
+    list("subdivide", run.subdivide);
+    list_all(list, stepper, std::tuple<Observers&...>(observers...));
+    return list.text();
   }
 
   static void visit_state(CheckpointMemory& memory, State& z) {
@@ -176,14 +210,6 @@ class Checkpoints {
     CheckpointMemory memory;
     visit_state(memory, z);
     return detail::checksum(memory.bytes());
-  }
-
-  Scalar size_of_gradient(const State& z) const {
-    PhasePoint<Scalar, S::Dof> at(stepper_.dof()), gradient = at;
-    at.q() = z.q();
-    at.p() = z.p();
-    detail::gradient_at(stepper_.hamiltonian(), at.vector().data(), gradient.vector().data(), at.dof());
-    return detail::norm(gradient.vector());
   }
 
   void visit_all(CheckpointMemory& memory) {

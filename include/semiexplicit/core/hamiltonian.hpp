@@ -14,11 +14,21 @@ concept HasScalar = requires {
   typename H::Scalar;
 };
 
+namespace detail {
+
+/// Dof is an ordinary member, which no type can be made of.
+template <class H>
+concept HasDofOfEachObject = requires {
+  requires std::is_member_object_pointer_v<decltype(&H::Dof)>;
+};
+
+}  // namespace detail
+
 /// H names its degrees of freedom d, so that q and p lie in R^d: `static constexpr int Dof = 5;`, or
 /// Eigen::Dynamic.
 template <class H>
-concept HasDof = requires {
-  { H::Dof } -> std::convertible_to<int>;
+concept HasDof = !detail::HasDofOfEachObject<H> && requires {
+  typename std::integral_constant<int, H::Dof>;
   requires(H::Dof > 0 || H::Dof == Eigen::Dynamic);
 };
 
@@ -28,12 +38,21 @@ concept HasRuntimeDof = requires(const H& h) {
   { h.dof() } -> std::convertible_to<Eigen::Index>;
 };
 
+namespace detail {
+
+/// What the members of a Hamiltonian are called with: columns in somebody else's memory.
+template <class H>
+using InColumn = Eigen::Map<const Vector<typename H::Scalar, H::Dof>>;
+template <class H>
+using OutColumn = Eigen::Map<Vector<typename H::Scalar, H::Dof>>;
+
+}  // namespace detail
+
 /// H writes both halves of its gradient, ∂H/∂q and ∂H/∂p, into the caller's storage in one call. This is the
 /// only thing that an integrator ever asks of it, and the unit in which work is counted.
 template <class H>
-concept HasGradient = requires(const H& h, ConstRef<typename H::Scalar, H::Dof> q,
-                               ConstRef<typename H::Scalar, H::Dof> p, Ref<typename H::Scalar, H::Dof> dHdq,
-                               Ref<typename H::Scalar, H::Dof> dHdp) {
+concept HasGradient = requires(const H& h, const detail::InColumn<H>& q, const detail::InColumn<H>& p,
+                               detail::OutColumn<H>& dHdq, detail::OutColumn<H>& dHdp) {
   h.gradient(q, p, dHdq, dHdp);
 };
 
@@ -42,9 +61,8 @@ concept HasGradient = requires(const H& h, ConstRef<typename H::Scalar, H::Dof> 
 /// `time_derivative(t, q, p)`.
 template <class H>
 concept TimeDependentHamiltonian = std::copy_constructible<H> && HasScalar<H> && HasDof<H> &&
-    requires(const H& h, const typename H::Scalar& t, ConstRef<typename H::Scalar, H::Dof> q,
-             ConstRef<typename H::Scalar, H::Dof> p, Ref<typename H::Scalar, H::Dof> dHdq,
-             Ref<typename H::Scalar, H::Dof> dHdp) {
+    requires(const H& h, const typename H::Scalar& t, const detail::InColumn<H>& q,
+             const detail::InColumn<H>& p, detail::OutColumn<H>& dHdq, detail::OutColumn<H>& dHdp) {
   h.gradient(t, q, p, dHdq, dHdp);
 } &&(H::Dof != Eigen::Dynamic || HasRuntimeDof<H>);
 
@@ -73,7 +91,7 @@ concept Hamiltonian =
 /// Optional: the value H(q, p), for the energy error of a run. No integrator needs it.
 template <class H>
 concept HasEnergy = Hamiltonian<H> &&
-    requires(const H& h, ConstRef<typename H::Scalar, H::Dof> q, ConstRef<typename H::Scalar, H::Dof> p) {
+    requires(const H& h, const detail::InColumn<H>& q, const detail::InColumn<H>& p) {
   { h.energy(q, p) } -> std::convertible_to<typename H::Scalar>;
 };
 
@@ -93,7 +111,7 @@ concept HasRangeGradient = Hamiltonian<H> && std::same_as<typename H::RangeGradi
 /// baselines uses it.
 template <class H>
 concept HasHessian = Hamiltonian<H> &&
-    requires(const H& h, ConstRef<typename H::Scalar, H::Dof> q, ConstRef<typename H::Scalar, H::Dof> p,
+    requires(const H& h, const detail::InColumn<H>& q, const detail::InColumn<H>& p,
              Eigen::Ref<Eigen::Matrix<typename H::Scalar, twice(H::Dof), twice(H::Dof)>> hessian) {
   h.hessian(q, p, hessian);
 };
@@ -105,19 +123,38 @@ template <class H>
 concept SeparableHamiltonian =
     Hamiltonian<H> && std::same_as<typename H::SeparableGradientOf, H> && requires {
   requires bool(H::separable);
-} && requires(const H& h, ConstRef<typename H::Scalar, H::Dof> at, Ref<typename H::Scalar, H::Dof> half) {
+} && requires(const H& h, const detail::InColumn<H>& at, detail::OutColumn<H>& half) {
   h.position_gradient(at, half);  // ∂V/∂q at q
   h.momentum_gradient(at, half);  // ∂T/∂p at p
 };
 
 /// The degrees of freedom of `h`: known to the type, or asked of the value.
-template <Hamiltonian H>
+template <class H>
 constexpr Eigen::Index dof_of(const H& h) {
   if constexpr (H::Dof == Eigen::Dynamic)
     return h.dof();
   else
     return H::Dof;
 }
+
+namespace detail {
+
+/// One gradient call with each column wherever it lies. The only place where gradient() is called with four columns.
+template <class H>
+void gradient_at(const H& hamiltonian, const typename H::Scalar* q, const typename H::Scalar* p,
+                 typename H::Scalar* dHdq, typename H::Scalar* dHdp, Eigen::Index dof) {
+  OutColumn<H> by_q(dHdq, dof), by_p(dHdp, dof);
+  hamiltonian.gradient(InColumn<H>(q, dof), InColumn<H>(p, dof), by_q, by_p);
+}
+
+/// One gradient call at the contiguous phase point `at`, written to the contiguous pair (∂H/∂q, ∂H/∂p).
+template <class H>
+void gradient_at(const H& hamiltonian, const typename H::Scalar* at, typename H::Scalar* gradient,
+                 Eigen::Index dof) {
+  gradient_at(hamiltonian, at, at + dof, gradient, gradient + dof, dof);
+}
+
+}  // namespace detail
 
 /// A Hamiltonian made of two callables; see make_hamiltonian().
 template <class ScalarType, int DofValue, class Energy, class Gradient>

@@ -114,18 +114,4 @@ struct ExtendedPoint {
 template <class Scalar, int Dof>
 ExtendedPoint(const PhasePoint<Scalar, Dof>&) -> ExtendedPoint<Scalar, Dof>;
 
-namespace detail {
-
-/// The size that tolerances are relative to: ‖z‖, for an extended H without its last degree of freedom, (t, p_t). After a
-/// long time t would outweigh all else, and every tolerance with it.
-template <class H, class Scalar, int Dof>
-Scalar state_size(const H& h, const PhasePoint<Scalar, Dof>& z) {
-  if constexpr (requires { h.time(z); }) {
-    return norm(Vector<Scalar, 2>(norm(z.q().head(z.dof() - 1)), norm(z.p().head(z.dof() - 1))));
-  } else {
-    return norm(z.vector());
-  }
-}
-
-}  // namespace detail
 }  // namespace semiexplicit

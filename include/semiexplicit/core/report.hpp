@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <sstream>
 #include <stdexcept>
 #include <string>
+
+#include <semiexplicit/core/words.hpp>
 
 namespace semiexplicit {
 
@@ -19,8 +20,9 @@ enum class Status {
   not_finite,      ///< a gradient or a copy became NaN or Inf within the step
   invalid_state,   ///< the state has the wrong size, or is NaN or Inf itself
   invalid_step,    ///< dt is zero, NaN or Inf
-  stopped,         ///< a run only: an observer returned false
-  gradient_threw   ///< a member of an Ensemble only: its gradient threw an exception
+  invalid_stepper,  ///< the stepper was moved from
+  stopped,          ///< a run only: an observer returned false
+  gradient_threw    ///< a member of an Ensemble only: its gradient threw an exception
 };
 
 /// What happened, in words, with the remedy.
@@ -41,6 +43,8 @@ inline std::string describe(Status status) {
       return "the state has another size than the Hamiltonian, or holds NaN or Inf; check the initial data";
     case Status::invalid_step:
       return "dt is zero, NaN or Inf; give a finite step other than zero";
+    case Status::invalid_stepper:
+      return "the stepper was moved from; use the one that it was moved to, or make a new one";
     case Status::stopped:
       return "stopped by an observer";
     case Status::gradient_threw:
@@ -74,10 +78,23 @@ struct StepReport {
   bool ok() const { return status == Status::success || status == Status::rounding_limited; }
 };
 
+/// What a solver did with the equation of the projection.
+template <class Scalar>
+struct SolverReport {
+  Status status = Status::no_convergence;
+  std::int64_t evaluations = 0;  ///< of the residual
+  Scalar correction = 0;         ///< size e of the next correction
+  Scalar rate = 0;               ///< e over the one before it; 0 after a single evaluation
+  int escalations = 0;           ///< solvers that failed before the one that made this report; see Robust
+
+  bool ok() const { return status == Status::success || status == Status::rounding_limited; }
+};
+
 /// What a run did.
 struct IntegrationReport {
   Status status = Status::success;  ///< success, stopped, or why the last step failed
   double t = 0;                     ///< time of the state that is left in z
+  double dt = 0;                    ///< the step that was asked for
   std::int64_t steps = 0;           ///< completed
   std::int64_t evaluations = 0;     ///< sum over the steps, a failed one included
   std::int64_t gradients = 0;       ///< likewise
@@ -99,19 +116,21 @@ class IntegrationError : public std::runtime_error {
 
  private:
   static std::string message(const IntegrationReport& r, double dt) {
-    std::ostringstream out;
-    out.precision(9);
-    out << "integrate: step " << r.steps + 1 << " failed at t = " << r.t << " (dt = " << dt
-        << "): " << describe(r.status);
+    using detail::in_words;
+    std::string text = "integrate: step " + std::to_string(r.steps + 1) +
+                       " failed at t = " + in_words(r.t, 9) + " (dt = " + in_words(dt, 9) +
+                       "): " + describe(r.status);
     if (r.last.correction > 0) {
-      out.precision(3);
-      out << " (last correction " << r.last.correction << " after " << r.last.evaluations << " evaluations";
-      if (r.last.rate > 0) out << ", changing by a factor " << r.last.rate << " each";
-      out << ")";
+      text += " (last correction " + in_words(r.last.correction, 3) + " after " +
+              std::to_string(r.last.evaluations) + " evaluations";
+      if (r.last.rate > 0) text += ", changing by a factor " + in_words(r.last.rate, 3) + " each";
+      text += ")";
       if (r.status == Status::no_convergence && r.last.rate > 0.5)
-        out << "; dt = " << r.last.advised_step(dt) << " may converge";
+        text += "; take a dt of " + in_words(r.last.advised_step(dt), 3) + " or less";
     }
-    return out.str();
+    if (r.status == Status::no_convergence || r.status == Status::not_finite)
+      text += "; where no dt helps, check_gradient(H, z) tells whether the gradient is right";
+    return text;
   }
   IntegrationReport report_;
 };

@@ -118,8 +118,13 @@ class Ensemble {
   }
 
   Eigen::Index size() const { return size_; }
-  State state(Eigen::Index member) const { return pack_of(member).lane(lane(member)); }
+  /// Members count from 0; std::out_of_range, naming the member, is thrown beyond size() - 1, here and below.
+  State state(Eigen::Index member) const {
+    require_member(member);
+    return points_[static_cast<std::size_t>(member / width)].lane(lane(member));
+  }
   void set_state(Eigen::Index member, const State& state) {
+    require_member(member);
     if (state.dof() != first_.dof())
       throw std::invalid_argument("Ensemble: member " + std::to_string(member) + " has " +
                                   std::to_string(state.dof()) + " degrees of freedom and the Hamiltonian " +
@@ -128,15 +133,20 @@ class Ensemble {
   }
   /// Of the last run, whose wall clock it does not tell.
   const IntegrationReport& report(Eigen::Index member) const {
+    require_member(member);
     return reports_[static_cast<std::size_t>(member)];
   }
   /// Why a member failed in the last run, in words.
   std::string failure(Eigen::Index member) const {
+    require_member(member);
     const std::string& thrown = thrown_[static_cast<std::size_t>(member)];
     return thrown.empty() ? describe(report(member).status) : thrown;
   }
   /// A member's own Hamiltonian, of plain numbers.
-  auto hamiltonian(Eigen::Index member) const { return family_(parameters_.col(member).data()); }
+  auto hamiltonian(Eigen::Index member) const {
+    require_member(member);
+    return family_(parameters_.col(member).data());
+  }
   const Scheme<double>& scheme() const { return first_.scheme(); }
 
  private:
@@ -144,8 +154,11 @@ class Ensemble {
   using Stepper = SemiexplicitPack<PackH>;
 
   static std::size_t lane(Eigen::Index member) { return static_cast<std::size_t>(member % width); }
-  const PackPoint<Dof>& pack_of(Eigen::Index member) const {
-    return points_[static_cast<std::size_t>(member / width)];
+  void require_member(Eigen::Index member) const {
+    if (member < 0 || member >= static_cast<Eigen::Index>(reports_.size()))
+      throw std::out_of_range("Ensemble: there is no member " + std::to_string(member) +
+                              "; they count from 0 to " +
+                              std::to_string(static_cast<Eigen::Index>(reports_.size()) - 1));
   }
 
   Eigen::Index checked(const std::vector<State>& starts) const {

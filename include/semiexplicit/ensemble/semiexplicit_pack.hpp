@@ -95,7 +95,7 @@ class SemiexplicitPack {
   /// detail::state_size() in every lane.
   Many state_size(const State& state) const {
     const Many* const z = state.z.data();
-    if constexpr (requires(const H& h, const PhasePoint<typename H::Scalar, Dof>& point) { h.time(point); }) {
+    if constexpr (InExtendedPhaseSpace<H>) {
       const Many halves[2] = {detail::norm(z, dof() - 1), detail::norm(z + dof(), dof() - 1)};
       return detail::norm(halves, 2);
     } else {
@@ -126,7 +126,8 @@ class SemiexplicitPack {
   /// moved together. Gives ‖f‖/4.
   Many sweep(const Many* z, const Many* m, double dt) {
     if constexpr (small) {
-      Many a[2 * Dof], b[2 * Dof], gradient[2 * Dof], moved[2 * Dof], f[2 * Dof];
+      constexpr auto length = std::size_t(2 * Dof);
+      Many a[length], b[length], gradient[length], moved[length], f[length];
       run(z, m, dt, a, b, gradient, moved, f, Dof);
       for (int i = 0; i < 2 * Dof; ++i) {
         f_[std::size_t(i)] = f[i];

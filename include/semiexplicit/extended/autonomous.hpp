@@ -5,9 +5,9 @@
 #include <string>
 #include <utility>
 
+#include <semiexplicit/core/extended_phase_space.hpp>
 #include <semiexplicit/core/hamiltonian.hpp>
 #include <semiexplicit/core/phase_point.hpp>
-#include <semiexplicit/extended/extended_phase_space.hpp>
 
 namespace semiexplicit {
 

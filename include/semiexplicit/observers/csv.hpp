@@ -26,6 +26,8 @@ namespace semiexplicit {
 /// then in the .part. Throws std::runtime_error, naming the file, where writing fails.
 class CsvWriter {
  public:
+  static constexpr const char* name = "CsvWriter";
+
   CsvWriter(std::filesystem::path path, const std::vector<std::string>& columns)
       : path_(std::move(path)),
         part_(path_.string() + ".part"),
@@ -81,6 +83,11 @@ class CsvWriter {
     committed_ = true;
   }
 
+  /// See Describable.
+  template <class List>
+  void describe(List& list) const {
+    list("columns", columns_);
+  }
   /// How long the .part is, and its checksum; see CheckpointMemory. What is saved is on the disk first. What is put back
   /// cuts the .part of the earlier run to that length and goes on there; throws std::invalid_argument where it is
   /// not what it was.
@@ -159,6 +166,8 @@ class CsvWriter {
 /// An observer that writes the trajectory, as doubles: t, q0, q1, ..., p0, p1, .... Call commit() after the run.
 class CsvTrajectory {
  public:
+  static constexpr const char* name = "CsvTrajectory";
+
   CsvTrajectory(const std::filesystem::path& path, Eigen::Index dof) : writer_(path, columns(dof)) {}
 
   template <class Scalar, class State>
@@ -171,6 +180,11 @@ class CsvTrajectory {
   void commit() { writer_.commit(); }
   bool fresh() const { return writer_.fresh(); }
 
+  /// See Describable.
+  template <class List>
+  void describe(List& list) const {
+    writer_.describe(list);
+  }
   /// See CsvWriter.
   template <class Visitor>
   void visit_memory(Visitor&& visit) {

@@ -1,15 +1,22 @@
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
-#include <semiexplicit/core/hamiltonian.hpp>
+#include <semiexplicit/core/checkpointable.hpp>
+#include <semiexplicit/core/extended_phase_space.hpp>
+#include <semiexplicit/core/hamiltonian_door.hpp>
+#include <semiexplicit/core/observer.hpp>
 #include <semiexplicit/core/phase_point.hpp>
 #include <semiexplicit/core/root.hpp>
+#include <semiexplicit/observers/run_clock.hpp>
 
 namespace semiexplicit {
 
@@ -18,43 +25,60 @@ namespace semiexplicit {
 /// h^{2 nodes}: four nodes do for methods up to order 8. A gradient is called only where something is interpolated.
 ///
 /// It says nothing beyond the states it holds, end() included: ready() tells whether these are as many as were asked for.
-/// The state that it saw last, shown again as a run goes on from it, changes nothing; a time that turns round, or another state
-/// at the same time, starts it anew.
-template <Hamiltonian H>
+/// The state that it saw last, shown again as a run continues, changes nothing. Where the time turns round that state is the
+/// first of the way back; another orbit starts it anew.
+///
+/// The time between two states comes from the run's dt where the times themselves are rounded too coarsely (late times, float).
+template <class H>
 class DenseOutput {
  public:
-  using Scalar = typename H::Scalar;
-  using State = PhasePoint<Scalar, H::Dof>;
+  using Scalar = typename detail::HamiltonianDoor<H>::Scalar;
+  static constexpr int Dof = detail::HamiltonianDoor<H>::Dof;
+  using State = PhasePoint<Scalar, Dof>;
+  static constexpr const char* name = "DenseOutput";
 
   /// Throws std::invalid_argument unless nodes is 2 to 8.
   explicit DenseOutput(H hamiltonian, int nodes = 4)
       : hamiltonian_(std::move(hamiltonian)), wanted_(static_cast<std::size_t>(nodes)) {
-    if (nodes < 2 || nodes > 8)
+    if (nodes < 2 || nodes > max_nodes)
       throw std::invalid_argument("DenseOutput: " + std::to_string(nodes) +
                                   " nodes; give 2 to 8, half the order of the method or a little more");
     const State zero(dof_of(hamiltonian_));
-    kept_.assign(wanted_, Node{.z = zero, .field = zero.vector()});
+    for (std::size_t i = 0; i < wanted_; ++i) kept_[i] = Node{.z = zero, .field = zero.vector()};
   }
 
   /// Takes in the next state.
-  void operator()(const Scalar& t, const State& z) { push(t, z); }
-  /// The same; whether there is one more interval to look at.
-  bool push(const Scalar& t, const State& z) {
-    using std::abs;
-    // The times of two runs that meet may differ by rounding.
-    if (size_ > 0 && abs(t - end()) <= 64 * Eigen::NumTraits<Scalar>::epsilon() * abs(t)) {
-      if (z.vector() == node(size_ - 1).z.vector()) return false;
+  void operator()(const Scalar& t, const State& z, const IntegrationReport& run = {}) {
+    push(t, z, run, [](bool) {});
+  }
+
+  /// The same; where z does not continue what it holds, done(other) is called first: nothing more comes between the states held,
+  /// and z belongs to another orbit, or else to the way back. Whether there is one more interval to look at.
+  template <class Done>
+  bool push(const Scalar& t, const State& z, const IntegrationReport& run, const Done& done) {
+    using Next = typename detail::RunClock<Scalar>::Next;
+    const bool equal = size_ > 0 && z.vector() == node(size_ - 1).z.vector();
+    const Next next = clock_.relation(t, equal, run);
+    const Scalar after = next == Next::follows ? clock_.interval(t, run) : Scalar(0);
+    clock_.set(t, run);
+    if (next == Next::again) return false;
+    if (next != Next::follows) {
+      done(true);
       size_ = 0;
+    } else if (size_ > 1 && (after > Scalar(0)) != (node(size_ - 1).after > Scalar(0))) {
+      done(false);
+      first_ = (first_ + size_ - 1) % wanted_;  // the last state stays
+      size_ = 1;
     }
-    if (size_ > 1 && (t > end()) != (end() > begin())) size_ = 0;
     if (size_ == wanted_) {
       first_ = (first_ + 1) % wanted_;
       --size_;
     }
-    Node& next = node(size_);
-    next.t = t;
-    next.z = z;
-    next.has_field = false;
+    Node& newest = node(size_);
+    newest.t = t;
+    newest.after = after;
+    newest.z = z;
+    newest.has_field = false;
     return ++size_ > 1;
   }
 
@@ -62,6 +86,8 @@ class DenseOutput {
   std::size_t size() const { return size_; }
   const Scalar& time(std::size_t i) const { return node(i).t; }
   const State& state(std::size_t i) const { return node(i).z; }
+  /// The time from state i to the next one.
+  const Scalar& interval(std::size_t i) const { return node(i + 1).after; }
 
   /// Whether it holds as many states as it was told to; before that the interpolation is of a lower degree.
   bool ready() const { return size_ == wanted_; }
@@ -70,39 +96,59 @@ class DenseOutput {
 
   /// z becomes the interpolated state at t, which must not lie outside begin() to end().
   void at(const Scalar& t, State& z) {
+    std::size_t i = 0;
+    while (i + 2 < size_ && (end() > begin() ? time(i + 1) <= t : time(i + 1) >= t)) ++i;
+    after(i, t - time(i), z);
+  }
+
+  /// z becomes the interpolated state at the time x, from 0 to interval(i), after state i.
+  void after(std::size_t i, const Scalar& x, State& z) {
+    Scalar place[max_nodes];  // of the nodes, from state i on
+    place[i] = Scalar(0);
+    for (std::size_t k = i; k + 1 < size_; ++k) place[k + 1] = place[k] + interval(k);
+    for (std::size_t k = i; k > 0; --k) place[k - 1] = place[k] - interval(k - 1);
     z.vector().setZero();
     for (std::size_t j = 0; j < size_; ++j) {
-      // Lagrange's polynomial of node j at t, and its slope at the node.
+      // Lagrange's polynomial of node j at x, and its slope at the node.
       Scalar polynomial(1), slope(0);
       for (std::size_t k = 0; k < size_; ++k) {
         if (k == j) continue;
-        polynomial *= (t - time(k)) / (time(j) - time(k));
-        slope += 1 / (time(j) - time(k));
+        polynomial *= (x - place[k]) / (place[j] - place[k]);
+        slope += 1 / (place[j] - place[k]);
       }
-      const Scalar squared = polynomial * polynomial, after = t - time(j);
-      z.vector() += (squared * (1 - 2 * after * slope)) * node(j).z.vector();
-      z.vector() += (squared * after) * field(node(j));
+      const Scalar squared = polynomial * polynomial, beyond = x - place[j];
+      z.vector() += (squared * (1 - 2 * beyond * slope)) * node(j).z.vector();
+      z.vector() += (squared * beyond) * field(node(j));
     }
   }
 
   const H& hamiltonian() const { return hamiltonian_; }
 
+  /// See Describable.
+  template <class List>
+  void describe(List& list) const {
+    list("nodes", wanted_);
+  }
   /// The states that it keeps; see CheckpointMemory.
   template <class Visitor>
   void visit_memory(Visitor&& visit) {
-    for (Node& one : kept_) {
+    for (std::size_t i = 0; i < wanted_; ++i) {
+      Node& one = kept_[i];
       visit(one.t);
+      visit(one.after);
       visit(one.z.vector());
       visit(one.field);
       visit(one.has_field);
     }
     visit(first_);
     visit(size_);
+    clock_.visit_memory(visit);
   }
 
  private:
+  static constexpr std::size_t max_nodes = 8;
   struct Node {
-    Scalar t = Scalar(0);
+    Scalar t = Scalar(0), after = Scalar(0);  ///< the time, and the time since the node before
     State z;
     typename State::Storage field;  ///< dz/dt, where has_field
     bool has_field = false;
@@ -115,8 +161,8 @@ class DenseOutput {
     if (!at.has_field) {
       const Eigen::Index d = at.z.dof();
       Scalar* const x = at.field.data();
-      using Column = Eigen::Map<Vector<Scalar, H::Dof>>;
-      hamiltonian_.gradient(at.z.q(), at.z.p(), Column(x + d, d), Column(x, d));
+      const Scalar* const z = at.z.vector().data();
+      detail::gradient_at(hamiltonian_, z, z + d, x + d, x, d);
       for (Eigen::Index i = d; i < 2 * d; ++i) x[i] = -x[i];
       at.has_field = true;
     }
@@ -125,123 +171,177 @@ class DenseOutput {
 
   H hamiltonian_;
   std::size_t wanted_, first_ = 0, size_ = 0;
-  std::vector<Node> kept_;
+  std::array<Node, max_nodes> kept_;
+  detail::RunClock<Scalar> clock_;
 };
 
 namespace detail {
 
-/// Hands the intervals of a run to look(dense, i), from state i to i + 1, each once, as soon as they can be interpolated to the
-/// full degree.
-template <class H, class Look>
-void look_at_new_intervals(DenseOutput<H>& dense, bool& begun, const Look& look) {
-  if (!dense.ready()) {
-    begun = false;
-    return;
+/// The intervals of a run, each once, as soon as they can be interpolated to the full degree: what at_times() and
+/// poincare_section() look at.
+template <class H>
+class Intervals {
+ public:
+  using Scalar = typename DenseOutput<H>::Scalar;
+  using State = typename DenseOutput<H>::State;
+
+  Intervals(H hamiltonian, int nodes) : dense(std::move(hamiltonian), nodes) {}
+
+  /// Takes in the next state, and hands look(i) the intervals from state i of `dense` to the next one.
+  template <class Look>
+  void take(const Scalar& t, const State& z, const IntegrationReport& run, const Look& look) {
+    const auto done = [&](bool other) {
+      finish(look);
+      begun_ = false;
+      orbits_ += other ? 1 : 0;
+    };
+    if (!dense.push(t, z, run, done) || !dense.ready()) return;
+    for (std::size_t i = begun_ ? dense.size() - 2 : 0; i + 1 < dense.size(); ++i) look(i);
+    begun_ = true;
   }
-  for (std::size_t i = begun ? dense.size() - 2 : 0; i + 1 < dense.size(); ++i) look(i);
-  begun = true;
-}
+
+  /// Hands on the intervals of a run that ended before it had as many states as the interpolation has nodes.
+  template <class Look>
+  void finish(const Look& look) {
+    if (begun_) return;
+    for (std::size_t i = 0; i + 1 < dense.size(); ++i) look(i);
+    begun_ = true;
+  }
+
+  /// Whether it has seen nothing yet.
+  bool fresh() const { return dense.size() == 0; }
+
+  template <class Visitor>
+  void visit_memory(Visitor&& visit) {
+    dense.visit_memory(visit);
+    visit(begun_);
+    visit(orbits_);
+  }
+
+  /// How many orbits were begun.
+  std::int64_t orbits() const { return orbits_; }
+
+  DenseOutput<H> dense;
+
+ private:
+  bool begun_ = false;
+  std::int64_t orbits_ = 0;
+};
 
 }  // namespace detail
 
 /// Calls another observer at given times instead of after every step; see at_times().
-template <Hamiltonian H, class Observer>
+template <class H, class Observer>
 class AtTimes {
  public:
-  using Scalar = typename H::Scalar;
-  using State = PhasePoint<Scalar, H::Dof>;
+  using Scalar = typename DenseOutput<H>::Scalar;
+  using State = typename DenseOutput<H>::State;
+  static constexpr const char* name = "at_times";
 
   AtTimes(H hamiltonian, std::vector<Scalar> times, Observer&& observer, int nodes)
-      : dense_(std::move(hamiltonian), nodes),
+      : intervals_(std::move(hamiltonian), nodes),
         times_(std::move(times)),
         observer_(std::forward<Observer>(observer)),
-        between_(dof_of(dense_.hamiltonian())) {
-    for (std::size_t i = 1; i < times_.size(); ++i)
-      if (!((times_[i] > times_[i - 1]) == (times_[1] > times_[0]) && times_[i] != times_[i - 1]))
+        between_(dof_of(system())) {
+    using std::isfinite;
+    for (std::size_t i = 0; i < times_.size(); ++i) {
+      if (!isfinite(times_[i]))
+        throw std::invalid_argument("at_times: time " + std::to_string(i) +
+                                    " is NaN or Inf; give finite ones");
+      if (i > 0 && !((times_[i] > times_[i - 1]) == (times_[1] > times_[0]) && times_[i] != times_[i - 1]))
         throw std::invalid_argument("at_times: the times neither rise nor fall throughout; sort them");
+    }
   }
 
-  void operator()(const Scalar& s, const State& z) {
-    if (dense_.push(s, z)) detail::look_at_new_intervals(dense_, begun_, [this](std::size_t i) { look(i); });
+  void operator()(const Scalar& s, const State& z, const IntegrationReport& run = {}) {
+    intervals_.take(s, z, run, [&](std::size_t i) { look(i, run); });
   }
 
   /// Serves the times of a run that ended before it had as many states as the interpolation has nodes.
   void finish() {
-    if (begun_) return;
-    for (std::size_t i = 0; i + 1 < dense_.size(); ++i) look(i);
-    begun_ = true;
+    intervals_.finish([this](std::size_t i) { look(i, {}); });
   }
 
   /// How many of the times were served.
   std::size_t served() const { return next_; }
 
-  /// Whether it has seen nothing yet: a run that goes on would miss the times before.
-  bool fresh() const { return dense_.size() == 0; }
+  /// Whether it has seen nothing yet: a resumed run would miss the times before.
+  bool fresh() const { return intervals_.fresh(); }
 
+  /// See Describable.
+  template <class List>
+  void describe(List& list) const {
+    list("times", times_);
+    intervals_.dense.describe(list);
+  }
   /// The states between which it interpolates, and how many times were served; see CheckpointMemory.
   template <class Visitor>
   void visit_memory(Visitor&& visit) {
-    dense_.visit_memory(visit);
+    intervals_.visit_memory(visit);
     visit(next_);
-    visit(begun_);
   }
 
  private:
-  /// Time of a state: its own, where it carries one.
-  Scalar clock(const Scalar& s, const State& z) const {
-    if constexpr (requires { dense_.hamiltonian().time(z); })
-      return dense_.hamiltonian().time(z);
+  static constexpr bool extended = InExtendedPhaseSpace<H>;
+  const H& system() const { return intervals_.dense.hamiltonian(); }
+
+  /// Time of state i: its own, where it carries one.
+  Scalar clock(std::size_t i) const {
+    if constexpr (extended)
+      return system().time(intervals_.dense.state(i));
     else
-      return s;
+      return intervals_.dense.time(i);
   }
 
-  void look(std::size_t i) {
-    const Scalar from = clock(dense_.time(i), dense_.state(i));
-    const Scalar to = clock(dense_.time(i + 1), dense_.state(i + 1));
-    const bool forward = to > from;
+  void look(std::size_t i, const IntegrationReport& run) {
+    const Scalar from = clock(i), to = clock(i + 1);
+    const bool forward = intervals_.dense.interval(i) > Scalar(0);
     while (next_ < times_.size()) {
-      const Scalar& t = times_[next_];
+      const Scalar t = times_[next_];
       if (forward ? t > to : t < to) return;
       if (forward ? t < from : t > from)
         throw std::invalid_argument("at_times: a time lies before the start of the run; leave it out");
-      dense_.at(where(i, t, from, to), between_);
+      intervals_.dense.after(i, where(i, t, from, to), between_);
       ++next_;
-      if constexpr (requires { dense_.hamiltonian().point(between_); })
-        observer_(t, dense_.hamiltonian().point(between_));
+      if constexpr (extended)
+        detail::notify(observer_, t, system().point(between_), run);
       else
-        observer_(t, std::as_const(between_));
+        detail::notify(observer_, t, std::as_const(between_), run);
     }
   }
 
-  /// The run's own parameter at which its clock shows t.
+  /// How long after state i the clock shows t.
   Scalar where(std::size_t i, const Scalar& t, const Scalar& from, const Scalar& to) {
-    if constexpr (requires { dense_.hamiltonian().time(between_); }) {
-      const auto late = [&](const Scalar& s) {
-        dense_.at(s, between_);
-        return Scalar(clock(s, between_) - t);
+    const Scalar interval = intervals_.dense.interval(i);
+    if constexpr (extended) {
+      const auto late = [&](const Scalar& x) {
+        intervals_.dense.after(i, x, between_);
+        return Scalar(system().time(between_) - t);
       };
-      return detail::bracketed_root(late, dense_.time(i), Scalar(from - t), dense_.time(i + 1),
-                                    Scalar(to - t));
+      return detail::bracketed_root(late, Scalar(0), Scalar(from - t), interval, Scalar(to - t));
     } else {
-      return t;
+      // Late times are rounded: what is left of the interval bounds it.
+      const Scalar x = t - from;
+      if ((x > Scalar(0)) != (interval > Scalar(0))) return Scalar(0);
+      return (x > interval) == (interval > Scalar(0)) ? interval : x;
     }
   }
 
-  DenseOutput<H> dense_;
+  detail::Intervals<H> intervals_;
   std::vector<Scalar> times_;
   Observer observer_;
   State between_;
   std::size_t next_ = 0;
-  bool begun_ = false;
 };
 
 /// `at_times(H, {0, 0.5, 1}, observer)`: an observer that calls another one, (t, z), at these times, which rise or fall with
 /// the run, by interpolation between the steps (see DenseOutput). With a TimeTransformed they are physical times, and z is
 /// the phase point without time. Call finish() after a run of fewer than nodes - 1 steps. A named observer is referred to, a
-/// temporary is kept. Throws std::invalid_argument for times that are not sorted or lie before the start.
-template <Hamiltonian H, class Observer>
-AtTimes<H, Observer> at_times(H hamiltonian, std::vector<typename H::Scalar> times, Observer&& observer,
-                              int nodes = 4) {
+/// temporary is kept. Throws std::invalid_argument for times that are not finite, not sorted or lie before the start.
+template <class H, class Observer>
+AtTimes<H, Observer> at_times(
+    H hamiltonian, std::vector<std::type_identity_t<typename detail::HamiltonianDoor<H>::Scalar>> times,
+    Observer&& observer, int nodes = 4) {
   return {std::move(hamiltonian), std::move(times), std::forward<Observer>(observer), nodes};
 }
 

@@ -2,9 +2,11 @@
 
 #include <cstdint>
 #include <stdexcept>
+#include <type_traits>
 #include <utility>
 
-#include <semiexplicit/integrate.hpp>
+#include <semiexplicit/core/checkpointable.hpp>
+#include <semiexplicit/core/observer.hpp>
 
 namespace semiexplicit {
 
@@ -12,31 +14,36 @@ namespace semiexplicit {
 template <class Observer>
 class Every {
  public:
+  static constexpr const char* name = "every";
+
   Every(std::int64_t n, Observer&& observer) : n_(n), observer_(std::forward<Observer>(observer)) {
     if (n < 1) throw std::invalid_argument("every: n is below 1; give how many steps lie between two calls");
   }
 
   template <class Scalar, class State>
-  bool operator()(const Scalar& t, const State& state, const StepReport& report) {
-    return calls_++ % n_ != 0 || detail::notify(observer_, t, state, report);
+  bool operator()(const Scalar& t, const State& state, const IntegrationReport& run = {}) {
+    return calls_++ % n_ != 0 || detail::notify(observer_, t, state, run);
   }
 
-  /// Whether the observer has seen nothing yet and cannot do without; see integrate().
-  bool fresh() const {
-    if constexpr (requires { observer_.fresh(); })
-      return observer_.fresh();
-    else
-      return false;
-  }
+  /// Whether the observer has seen nothing yet and cannot do without; see Checkpointable.
+  bool fresh() const { return detail::is_fresh(observer_); }
 
-  /// Its count, and what the observer says that it remembers; see CheckpointMemory.
+  /// n, and the options of the observer; see Describable.
+  template <class List>
+  void describe(List& list) const {
+    list("n", n_);
+    if constexpr (remembers) list("observer", observer_);
+  }
+  /// Its count, and what the observer remembers; see CheckpointMemory.
   template <class Visitor>
   void visit_memory(Visitor&& visit) {
     visit(calls_);
-    if constexpr (requires { observer_.visit_memory(visit); }) observer_.visit_memory(visit);
+    if constexpr (remembers) observer_.visit_memory(visit);
   }
 
  private:
+  static constexpr bool remembers = HasMemory<std::remove_cvref_t<Observer>>;
+
   std::int64_t n_, calls_ = 0;
   Observer observer_;
 };

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include <semiexplicit/core/hamiltonian.hpp>
+#include <semiexplicit/core/hamiltonian_door.hpp>
 
 namespace semiexplicit {
 
@@ -21,6 +21,7 @@ namespace semiexplicit {
 template <class Scalar, int Dof>
 class Invariants {
  public:
+  static constexpr const char* name = "Invariants";
   using Function = std::function<Scalar(const ConstRef<Scalar, Dof>&, const ConstRef<Scalar, Dof>&)>;
 
   /// What is known of one function.
@@ -36,13 +37,14 @@ class Invariants {
 
   Invariants() = default;
   /// Follows the energy of H, of which it keeps a copy.
-  template <HasEnergy H>
+  template <class H>
   explicit Invariants(const H& hamiltonian) {
-    add("energy", [hamiltonian](const auto& q, const auto& p) { return hamiltonian.energy(q, p); });
+    if constexpr (detail::has_energy<H>())
+      add("energy", [hamiltonian](const auto& q, const auto& p) { return hamiltonian.energy(q, p); });
   }
 
-  Invariants& add(std::string name, Function value) {
-    rows_.push_back({.name = std::move(name), .value = std::move(value)});
+  Invariants& add(std::string called, Function value) {
+    rows_.push_back({.name = std::move(called), .value = std::move(value)});
     return *this;
   }
 
@@ -71,6 +73,11 @@ class Invariants {
   /// Whether it has no first values yet: a run that goes on would take its errors from there.
   bool fresh() const { return !rows_.empty() && !rows_.front().started; }
 
+  /// The functions by their names and values; see Describable.
+  template <class List>
+  void describe(List& list) const {
+    for (const Row& row : rows_) list.function(row.name, row.value);
+  }
   /// First values and errors so far, in the order of the rows; see CheckpointMemory.
   template <class Visitor>
   void visit_memory(Visitor&& visit) {
@@ -82,17 +89,18 @@ class Invariants {
 
   const std::vector<Row>& rows() const { return rows_; }
   /// The row of that name; throws std::out_of_range where there is none.
-  const Row& operator[](const std::string& name) const {
+  const Row& operator[](const std::string& called) const {
     for (const Row& row : rows_)
-      if (row.name == name) return row;
-    throw std::out_of_range("Invariants: no function named '" + name + "'");
+      if (row.name == called) return row;
+    throw std::out_of_range("Invariants: no function named '" + called + "'");
   }
 
  private:
   std::vector<Row> rows_;
 };
 
-template <HasEnergy H>
-Invariants(const H&) -> Invariants<typename H::Scalar, H::Dof>;
+template <class H>
+Invariants(const H&)
+    -> Invariants<typename detail::HamiltonianDoor<H>::Scalar, detail::HamiltonianDoor<H>::Dof>;
 
 }  // namespace semiexplicit

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include <semiexplicit/core/checkpointable.hpp>
 #include <semiexplicit/core/compensated_update.hpp>
 #include <semiexplicit/splitting/pihajoki.hpp>
 
@@ -9,11 +10,11 @@ namespace semiexplicit::detail {
 
 /// What the projections share: one step of the doubled system from a common point z, and the move of z to the mean of
 /// the copies. Six vectors of length 2d.
-template <Hamiltonian H>
+template <class H>
 class DoubledStep {
  public:
-  using Scalar = typename H::Scalar;
-  static constexpr int Dof = H::Dof;
+  using Scalar = typename detail::HamiltonianDoor<H>::Scalar;
+  static constexpr int Dof = detail::HamiltonianDoor<H>::Dof;
   using State = PhasePoint<Scalar, Dof>;
   using Vec = typename State::Storage;
 
@@ -27,6 +28,7 @@ class DoubledStep {
   /// in the result, and diagnose() tells it from a gradient that is not.
   Status check(const State& z, const Scalar& dt) const {
     if (!valid_step(dt)) return Status::invalid_step;
+    if (!chain_.valid()) return Status::invalid_stepper;
     return z.vector().size() == chain_.a.size() ? Status::success : Status::invalid_state;
   }
 
@@ -69,6 +71,13 @@ class DoubledStep {
   const KickChain<H>& chain() const { return chain_; }
   Summation summation() const { return summation_; }
 
+  template <class List>
+  void describe(List& list) const {
+    list("degrees of freedom", dof_of(chain_.hamiltonian));
+    list("scheme", chain_.scheme);
+    list("summation", summation_);
+    list.function("Hamiltonian", GradientSize(chain_.hamiltonian));
+  }
   template <class Visitor>
   void visit_memory(Visitor&& visit) {
     update_.visit_memory(visit);

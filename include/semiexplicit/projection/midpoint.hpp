@@ -13,8 +13,8 @@ namespace semiexplicit {
 template <class H>
 class MidpointProjection {
  public:
-  using Scalar = typename H::Scalar;
-  static constexpr int Dof = H::Dof;
+  using Scalar = typename detail::HamiltonianDoor<H>::Scalar;
+  static constexpr int Dof = detail::HamiltonianDoor<H>::Dof;
   using State = PhasePoint<Scalar, Dof>;
   static constexpr const char* name = "MidpointProjection";
 
@@ -42,6 +42,11 @@ class MidpointProjection {
   const Scheme<Scalar>& scheme() const { return doubled_.chain().scheme; }
   Summation summation() const { return doubled_.summation(); }
 
+  /// See Describable.
+  template <class List>
+  void describe(List& list) const {
+    doubled_.describe(list);
+  }
   /// Hands visit() every number that goes on from step to step; see CheckpointMemory.
   template <class Visitor>
   void visit_memory(Visitor&& visit) {

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include <semiexplicit/core/extended_phase_space.hpp>
+#include <semiexplicit/core/solver.hpp>
 #include <semiexplicit/projection/doubled_step.hpp>
 #include <semiexplicit/solver/simplified_newton.hpp>
 
@@ -21,8 +23,8 @@ namespace semiexplicit {
 template <class H, class Solver = SimplifiedNewton>
 class Semiexplicit {
  public:
-  using Scalar = typename H::Scalar;
-  static constexpr int Dof = H::Dof;
+  using Scalar = typename detail::HamiltonianDoor<H>::Scalar;
+  static constexpr int Dof = detail::HamiltonianDoor<H>::Dof;
   using State = PhasePoint<Scalar, Dof>;
   static constexpr const char* name = "Semiexplicit";
 
@@ -59,6 +61,12 @@ class Semiexplicit {
   Summation summation() const { return doubled_.summation(); }
   const Solver& solver() const { return solver_; }
 
+  /// See Describable.
+  template <class List>
+  void describe(List& list) const {
+    doubled_.describe(list);
+    list("solver", solver_);
+  }
   /// Hands visit() every number that goes on from step to step; see CheckpointMemory.
   template <class Visitor>
   void visit_memory(Visitor&& visit) {
@@ -97,7 +105,7 @@ class Semiexplicit {
   detail::DoubledStep<H> doubled_;
   Solver solver_;
   Vec m_;
-  typename Solver::template Workspace<Vec> work_;
+  typename detail::SolverDoor<Solver, Vec>::Workspace work_;
 };
 
 }  // namespace semiexplicit

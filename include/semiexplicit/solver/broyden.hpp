@@ -23,6 +23,14 @@ struct Broyden {
   int max_iterations = 100;  ///< evaluations of f before it gives up; the step is refused then
   int memory = 20;  ///< corrections kept; when they are used up the method starts anew from the current m
 
+  /// See Describable.
+  template <class List>
+  void describe(List& list) const {
+    list("rule", stop);
+    list("max_iterations", max_iterations);
+    list("memory", memory);
+  }
+
   /// f, J⁻¹f and the kept corrections: memory + 2 vectors of length 2d.
   template <class Vec>
   struct Workspace {

@@ -24,6 +24,14 @@ struct NewtonKrylov {
   int max_iterations = 500;  ///< evaluations of f before it gives up, those for products included
   int directions = 30;       ///< largest number of GMRES directions in a Newton iteration
 
+  /// See Describable.
+  template <class List>
+  void describe(List& list) const {
+    list("rule", stop);
+    list("max_iterations", max_iterations);
+    list("directions", directions);
+  }
+
   /// directions + 5 vectors of length 2d, and a small triangle.
   template <class Vec>
   struct Workspace {

@@ -17,6 +17,15 @@ struct Robust {
   int broyden_iterations = 30;  ///< evaluations of f for Broyden's
   int max_iterations = 500;     ///< evaluations of f for the Newton-Krylov method
 
+  /// See Describable.
+  template <class List>
+  void describe(List& list) const {
+    list("rule", stop);
+    list("newton_iterations", newton_iterations);
+    list("broyden_iterations", broyden_iterations);
+    list("max_iterations", max_iterations);
+  }
+
   template <class Vec>
   struct Workspace {
     /// Throws std::invalid_argument for options that make no sense, as each of the three does.

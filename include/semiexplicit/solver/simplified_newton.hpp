@@ -15,6 +15,13 @@ struct SimplifiedNewton {
   StoppingRule stop = StoppingRule::product();
   int max_iterations = 100;  ///< evaluations of f before it gives up; the step is refused then
 
+  /// See Describable.
+  template <class List>
+  void describe(List& list) const {
+    list("rule", stop);
+    list("max_iterations", max_iterations);
+  }
+
   /// The residual's value: one vector of length 2d.
   template <class Vec>
   struct Workspace {

@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include <semiexplicit/core/report.hpp>
+#include <semiexplicit/core/solver.hpp>
 
 namespace semiexplicit {
 
@@ -16,6 +16,15 @@ struct StoppingRule {
 
   Kind kind = Kind::product;
   double tolerance = 1e-16;
+
+  static constexpr const char* name = "StoppingRule";
+
+  /// See Describable.
+  template <class List>
+  void describe(List& list) const {
+    list("kind", kind);
+    list("tolerance", tolerance);
+  }
 
   /// e < ε, absolute, as Jayawardana and Ohsawa (eq. "proj-error"). An ε below about 1e-16 ‖z‖ is under the rounding floor.
   static constexpr StoppingRule paper(double epsilon) { return {Kind::paper, epsilon}; }
@@ -32,18 +41,6 @@ struct StoppingRule {
     // As a product of ratios: the squares of very small or very large states have no room in the exponent.
     return e == Scalar(0) || (e / size_z) * ((size_m + e) / size_z) <= bound;
   }
-};
-
-/// What a solver did.
-template <class Scalar>
-struct SolverReport {
-  Status status = Status::no_convergence;
-  std::int64_t evaluations = 0;  ///< of the residual
-  Scalar correction = 0;         ///< size e of the next correction
-  Scalar rate = 0;               ///< e over the one before it; 0 after a single evaluation
-  int escalations = 0;           ///< solvers that failed before the one that made this report; see Robust
-
-  bool ok() const { return status == Status::success || status == Status::rounding_limited; }
 };
 
 namespace detail {

@@ -5,7 +5,7 @@
 #include <type_traits>
 #include <utility>
 
-#include <semiexplicit/core/hamiltonian.hpp>
+#include <semiexplicit/core/hamiltonian_door.hpp>
 #include <semiexplicit/core/lanes.hpp>
 #include <semiexplicit/core/phase_point.hpp>
 #include <semiexplicit/splitting/scheme.hpp>
@@ -21,6 +21,26 @@
 
 namespace semiexplicit::detail {
 
+/// ‖∇H‖ as a function of (q, p): by its value at some state a checkpoint tells one Hamiltonian from another.
+template <class H>
+class GradientSize {
+ public:
+  explicit GradientSize(const H& hamiltonian) : hamiltonian_(hamiltonian) {}
+
+  template <class Q, class P>
+  auto operator()(const Q& q, const P& p) const {
+    using Scalar = typename H::Scalar;
+    PhasePoint<Scalar, H::Dof> at(q.size()), gradient = at;
+    at.q() = q;
+    at.p() = p;
+    gradient_at(hamiltonian_, at.vector().data(), gradient.vector().data(), at.dof());
+    return norm(gradient.vector());
+  }
+
+ private:
+  const H& hamiltonian_;
+};
+
 template <class F>
 SEMIEXPLICIT_FLATTEN auto call_inlined(const F& f) {
   return f();
@@ -35,15 +55,6 @@ auto inlined(const F& f) {
     return call_inlined(f);
   else
     return f();
-}
-
-/// One gradient call at the contiguous phase point `at`, written to the contiguous pair (∂H/∂q, ∂H/∂p).
-template <Hamiltonian H>
-void gradient_at(const H& hamiltonian, const typename H::Scalar* at, typename H::Scalar* gradient,
-                 Eigen::Index dof) {
-  using Column = Vector<typename H::Scalar, H::Dof>;
-  hamiltonian.gradient(Eigen::Map<const Column>(at, dof), Eigen::Map<const Column>(at + dof, dof),
-                       Eigen::Map<Column>(gradient, dof), Eigen::Map<Column>(gradient + dof, dof));
 }
 
 /// to += t X in `size` places, where X = (∂H/∂p, -∂H/∂q) and the momenta of `to` lie d places after its positions. Plain
@@ -74,14 +85,11 @@ void kick(const Scalar& t, const Scalar* __restrict gradient, Scalar* __restrict
 
 /// The kicks of a scheme, A(a₀t) B(b₀t) A(a₁t) ..., on two copies of a phase point. A is the exact flow of H(q, y) and B that
 /// of H(x, p): with a = (q, y) and b = (x, p), each moves one copy along the vector field at the other, which rests.
-///
-/// The public integrators leave the test of the concept to this class: compilers say then which requirement failed, and not
-/// only that no constructor matches.
-template <Hamiltonian H>
+template <class H>
 class KickChain {
  public:
-  using Scalar = typename H::Scalar;
-  static constexpr int Dof = H::Dof;
+  using Scalar = typename detail::HamiltonianDoor<H>::Scalar;
+  static constexpr int Dof = detail::HamiltonianDoor<H>::Dof;
   using Vec = typename PhasePoint<Scalar, Dof>::Storage;
 
   KickChain(H h, Scheme<Scalar> s)
@@ -103,6 +111,8 @@ class KickChain {
     inlined<Scalar>([&] { run_plainly(from_a, from_b, dt, sum); });
   }
 
+  /// False where the chain was moved from.
+  bool valid() const { return !scheme.b.empty(); }
   std::int64_t gradients() const { return static_cast<std::int64_t>(scheme.kicks()); }
 
   H hamiltonian;
@@ -144,7 +154,7 @@ class KickChain {
   static constexpr bool small = Dof != Eigen::Dynamic && Dof <= 16;
   struct Local {
     static constexpr int size = small ? 2 * Dof : 1;
-    Scalar data[size];
+    Scalar data[std::size_t(size)];
 
     Local() {
       for (int i = 0; i < size; ++i) data[i] = Scalar(0);

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include <semiexplicit/core/checkpointable.hpp>
 #include <semiexplicit/core/report.hpp>
 #include <semiexplicit/splitting/kick_chain.hpp>
 
@@ -18,10 +19,12 @@ bool valid_step(const Scalar& dt) {
 }
 
 /// Moves `zeta` by an explicit map: run() works on the chain's copies, and only a finite result becomes the new state.
-template <Hamiltonian H, class Run>
-StepReport step_explicitly(ExtendedPoint<typename H::Scalar, H::Dof>& zeta, KickChain<H>& chain,
-                           const typename H::Scalar& dt, std::int64_t gradients, const Run& run) {
+template <class H, class Run>
+StepReport step_explicitly(ExtendedPoint<typename KickChain<H>::Scalar, KickChain<H>::Dof>& zeta,
+                           KickChain<H>& chain, const typename KickChain<H>::Scalar& dt,
+                           std::int64_t gradients, const Run& run) {
   if (!valid_step(dt)) return {.status = Status::invalid_step};
+  if (!chain.valid()) return {.status = Status::invalid_stepper};
   if (zeta.a.vector().size() != chain.a.size() || zeta.b.vector().size() != chain.b.size())
     return {.status = Status::invalid_state};
   chain.a = zeta.a.vector();
@@ -48,8 +51,8 @@ StepReport step_explicitly(ExtendedPoint<typename H::Scalar, H::Dof>& zeta, Kick
 template <class H>
 class Pihajoki {
  public:
-  using Scalar = typename H::Scalar;
-  static constexpr int Dof = H::Dof;
+  using Scalar = typename detail::HamiltonianDoor<H>::Scalar;
+  static constexpr int Dof = detail::HamiltonianDoor<H>::Dof;
   using State = ExtendedPoint<Scalar, Dof>;
   static constexpr const char* name = "Pihajoki";
 
@@ -66,6 +69,13 @@ class Pihajoki {
   const H& hamiltonian() const { return chain_.hamiltonian; }
   const Scheme<Scalar>& scheme() const { return chain_.scheme; }
 
+  /// See Describable.
+  template <class List>
+  void describe(List& list) const {
+    list("degrees of freedom", dof());
+    list("scheme", scheme());
+    list.function("Hamiltonian", detail::GradientSize(hamiltonian()));
+  }
   /// Nothing goes on from step to step; see CheckpointMemory.
   template <class Visitor>
   void visit_memory(Visitor&&) {}

@@ -2,13 +2,12 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <locale>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include <semiexplicit/core/words.hpp>
 #include <semiexplicit/splitting/order_conditions.hpp>
 
 namespace semiexplicit {
@@ -23,15 +22,6 @@ namespace detail {
 
 /// Beginning of every message about a scheme.
 inline std::string scheme_called(const std::string& name) { return "Scheme \"" + name + "\": "; }
-
-template <class Scalar>
-std::string in_words(const Scalar& x, int digits) {
-  std::ostringstream out;
-  out.imbue(std::locale::classic());
-  out.precision(digits);
-  out << static_cast<long double>(x);
-  return out.str();
-}
 
 /// A list that is finite, palindromic and sums to one; throws std::invalid_argument otherwise. `what` names it in
 /// the message.
@@ -100,6 +90,13 @@ struct Scheme {
   /// The number of kicks, which is the number of gradient calls a sweep. A zero in the list is paid for like any
   /// other entry: leave none in.
   std::size_t kicks() const { return a.size() + b.size(); }
+
+  /// See Describable.
+  template <class List>
+  void describe(List& list) const {
+    list("a", a);
+    list("b", b);
+  }
 
   std::string name;
   int order;  ///< of the method with the symmetric projection; even

@@ -20,8 +20,8 @@ namespace semiexplicit {
 template <class H>
 class Tao {
  public:
-  using Scalar = typename H::Scalar;
-  static constexpr int Dof = H::Dof;
+  using Scalar = typename detail::HamiltonianDoor<H>::Scalar;
+  static constexpr int Dof = detail::HamiltonianDoor<H>::Dof;
   using State = ExtendedPoint<Scalar, Dof>;
   static constexpr const char* name = "Tao";
 
@@ -62,6 +62,14 @@ class Tao {
   const Scheme<Scalar>& scheme() const { return chain_.scheme; }
   const Scalar& omega() const { return omega_; }
 
+  /// See Describable.
+  template <class List>
+  void describe(List& list) const {
+    list("degrees of freedom", dof());
+    list("scheme", scheme());
+    list("omega", omega_);
+    list.function("Hamiltonian", detail::GradientSize(hamiltonian()));
+  }
   /// Hands visit() every number that goes on from step to step; see CheckpointMemory.
   template <class Visitor>
   void visit_memory(Visitor&& visit) {

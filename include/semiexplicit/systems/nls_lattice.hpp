@@ -115,7 +115,7 @@ class NlsLattice {
   template <class T>
   static void small_gradient(const T* q, const T* p, T* __restrict dHdq, T* __restrict dHdp) {
     constexpr int size = N == Eigen::Dynamic ? 1 : N;
-    T u[size + 2], v[size + 2];
+    T u[std::size_t(size + 2)], v[std::size_t(size + 2)];
     u[0] = v[0] = u[size + 1] = v[size + 1] = T(0);
     for (int i = 0; i < size; ++i) {
       u[i + 1] = q[i] * q[i] - p[i] * p[i];

@@ -1,17 +1,18 @@
 #pragma once
 
 #include <cmath>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
+#include <semiexplicit/core/checkpointable.hpp>
+#include <semiexplicit/observers/run_clock.hpp>
 #include <semiexplicit/tangent/tangent_map.hpp>
 
 namespace semiexplicit {
 
 /// An observer that measures how fast neighbouring orbits part: the Lyapunov exponents of the run it observes, the largest
-/// first, in units of 1/time. It carries a few tangent vectors along by the tangent map of every step and makes them
+/// first, in units of 1/time, as growth in the direction of the run, forward or backward. It carries a few tangent vectors along by the tangent map of every step and makes them
 /// orthonormal again after each; an exponent is the mean growth of the logarithm of their lengths.
 ///
 ///     LyapunovExponents lyapunov(stepper, 1);            // the maximal one; without a number all 2d
@@ -23,11 +24,13 @@ namespace semiexplicit {
 /// integral of motion. Let the stepper be the one that makes the run.
 ///
 /// Source: G. Benettin, L. Galgani, A. Giorgilli, J.-M. Strelcyn, Meccanica 15 (1980) 9 and 21.
-template <Hamiltonian H>
+template <class H>
 class LyapunovExponents {
  public:
-  using Scalar = typename H::Scalar;
-  using State = PhasePoint<Scalar, H::Dof>;
+  using Scalar = typename TangentMap<H>::Scalar;
+  static constexpr int Dof = TangentMap<H>::Dof;
+  using State = PhasePoint<Scalar, Dof>;
+  static constexpr const char* name = "LyapunovExponents";
   using Exponents = Eigen::Matrix<Scalar, Eigen::Dynamic, 1>;
 
   /// `count` exponents of 2d; throws std::invalid_argument for another number than 1 to 2d.
@@ -55,54 +58,63 @@ class LyapunovExponents {
       : LyapunovExponents(stepper, 2 * stepper.dof()) {}
 
   /// Takes in the next state. Throws std::runtime_error, saying what is wrong, where the step has no tangent map,
-  /// and std::invalid_argument where the time turns round.
-  void operator()(const Scalar& t, const State& z) {
-    using std::abs;
-    // A run that goes on shows its last state again, at a time that may differ by rounding.
-    const bool again = started_ && abs(t - time_) <= 64 * Eigen::NumTraits<Scalar>::epsilon() * abs(t);
-    if (started_ && !again) {
-      if (time_ != begin_ && (t > time_) != (time_ > begin_))
-        throw std::invalid_argument(
-            "LyapunovExponents: the time turned round; every run wants an observer of its own");
-      const Status status = tangent_.at(previous_, t - time_);
-      if (status != Status::success) {
-        std::ostringstream text;
-        text << "LyapunovExponents: no tangent map of the step to t = " << static_cast<double>(t) << ": "
-             << describe(status);
-        throw std::runtime_error(text.str());
-      }
+  /// and std::invalid_argument where the time turns round, another orbit begins or it is not shown every step.
+  void operator()(const Scalar& t, const State& z, const IntegrationReport& run = {}) {
+    using Next = typename detail::RunClock<Scalar>::Next;
+    const bool equal = clock_.started() && z.vector() == previous_.vector();
+    const Next next = clock_.relation(t, equal, run);
+    if (next == Next::anew && !equal)
+      refuse("another orbit begins; every orbit wants an observer of its own, from its first state on");
+    if (next == Next::follows) {
+      if (clock_.steps_since(run) != 1)
+        refuse("it is shown only some of the steps, and needs every one; take every() away from it");
+      const Scalar dt = clock_.interval(t, run);
+      if (elapsed_ != 0 && (dt > Scalar(0)) != (elapsed_ > 0))
+        refuse("the time turned round; every run wants an observer of its own");
+      const Status status = tangent_.at(previous_, dt);
+      if (status != Status::success)
+        throw std::runtime_error("LyapunovExponents: no tangent map of the step to t = " +
+                                 detail::in_words(t, 9) + ": " + semiexplicit::describe(status));
       moved_.noalias() = tangent_.matrix() * frame_;
       frame_ = moved_;
       orthonormalise();
+      elapsed_ += static_cast<double>(dt);
     }
-    if (!started_) begin_ = t;
-    started_ = true;
-    time_ = t;
+    clock_.set(t, run);
     previous_ = z;
   }
 
-  /// Whether it has seen nothing yet: a run that goes on would give the exponents of its end only.
-  bool fresh() const { return !started_; }
+  /// Whether it has seen nothing yet: a resumed run would give the exponents of its end only.
+  bool fresh() const { return !clock_.started(); }
 
+  /// See Describable.
+  template <class List>
+  void describe(List& list) const {
+    list("exponents", frame_.cols());
+    list("scheme", tangent_.scheme());
+  }
   /// The vectors that it carries along and what they have grown; see CheckpointMemory.
   template <class Visitor>
   void visit_memory(Visitor&& visit) {
     visit(frame_);
     visit(sums_);
     visit(previous_.vector());
-    visit(begin_);
-    visit(time_);
-    visit(started_);
+    visit(elapsed_);
+    clock_.visit_memory(visit);
   }
 
   /// The estimates up to now; zero before the first step.
   Exponents exponents() const {
-    if (time_ == begin_) return Exponents::Zero(sums_.size());
-    return sums_ / (time_ - begin_);
+    if (elapsed_ == 0) return Exponents::Zero(sums_.size());
+    return sums_ / Scalar(std::abs(elapsed_));
   }
 
  private:
-  using Frame = Eigen::Matrix<Scalar, twice(H::Dof), Eigen::Dynamic>;
+  [[noreturn]] static void refuse(const char* why) {
+    throw std::invalid_argument(std::string("LyapunovExponents: ") + why);
+  }
+
+  using Frame = Eigen::Matrix<Scalar, twice(Dof), Eigen::Dynamic>;
 
   /// Modified Gram-Schmidt; adds the logarithms of the lengths.
   void orthonormalise() {
@@ -120,8 +132,8 @@ class LyapunovExponents {
   State previous_;
   Frame frame_, moved_;
   Exponents sums_;
-  Scalar begin_ = Scalar(0), time_ = Scalar(0);
-  bool started_ = false;
+  double elapsed_ = 0;  ///< the time of the run so far, with its sign
+  detail::RunClock<Scalar> clock_;
 };
 
 template <class H, class Solver, class... Count>

@@ -5,6 +5,7 @@
 
 #include <Eigen/LU>
 
+#include <semiexplicit/core/extended_phase_space.hpp>
 #include <semiexplicit/projection/semiexplicit.hpp>
 
 namespace semiexplicit {
@@ -66,11 +67,11 @@ class SecondDerivatives {
 /// off by about 1e-10 of its size in double, though symplectic still. Cost: two or three sweeps with a Hessian a kick and
 /// products of matrices, O(d³). Memory: O(d²). No heap use for a size known at compile time; otherwise Eigen's factorisation and
 /// products take some.
-template <Hamiltonian H>
+template <class H>
 class TangentMap {
  public:
-  using Scalar = typename H::Scalar;
-  static constexpr int Dof = H::Dof;
+  using Scalar = typename detail::HamiltonianDoor<H>::Scalar;
+  static constexpr int Dof = detail::HamiltonianDoor<H>::Dof;
   using State = PhasePoint<Scalar, Dof>;
   using Matrix = Eigen::Matrix<Scalar, twice(Dof), twice(Dof)>;
 
@@ -104,6 +105,7 @@ class TangentMap {
     using std::isfinite;
     using std::pow;
     if (!detail::valid_step(dt)) return Status::invalid_step;
+    if (scheme_.b.empty()) return Status::invalid_stepper;
     if (z.vector().size() != size_ || !z.vector().allFinite()) return Status::invalid_state;
     Scalar close(0);
     m_.setZero();

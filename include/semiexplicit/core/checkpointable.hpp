@@ -1,0 +1,179 @@
+#pragma once
+
+#include <concepts>
+#include <cstddef>
+#include <limits>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include <semiexplicit/core/memory.hpp>
+#include <semiexplicit/core/words.hpp>
+
+namespace semiexplicit {
+
+namespace detail {
+
+/// What describe() is handed, for the test whether there is one.
+class AnyList {
+ public:
+  template <class T>
+  void operator()(std::string_view what, const T& value);
+  template <class F>
+  void function(std::string_view what, const F& f);
+};
+
+}  // namespace detail
+
+/// A class that says what it is, so that a run is not resumed with another one: `static constexpr const char* name` and
+///
+///     template <class List>
+///     void describe(List& list) const {
+///       list("damping", damping_);          // an option: a number, an enum, a text, a std::vector of numbers, or what has
+///                                           // a describe() of its own
+///       list.function("surface", surface_);  // a function of (q, p): told by its value where the run was saved
+///     }
+template <class T>
+concept Describable = requires(const T& t, detail::AnyList& list) {
+  { t.name } -> std::convertible_to<std::string_view>;
+  t.describe(list);
+};
+
+/// What a checkpoint can keep: a class that is Describable and has memory, the numbers that go on from step to step, which may
+/// be none: `template <class Visitor> void visit_memory(Visitor&& visit)`, see CheckpointMemory. An observer may also say
+/// `bool fresh() const`: whether it has seen nothing yet and must not be left out where a run is resumed.
+template <class T>
+concept Checkpointable = Describable<T> && HasMemory<T>;
+
+namespace detail {
+
+/// Whether an observer that a checkpoint can keep has seen nothing yet and must not be left out where a run is resumed.
+template <class T>
+bool is_fresh(const T& observer) {
+  if constexpr (Checkpointable<T> && requires {
+                  { observer.fresh() } -> std::same_as<bool>;
+                })
+    return observer.fresh();
+  else
+    return false;
+}
+
+/// Compiles for what a checkpoint can keep; of anything else the compiler says what is missing.
+template <class T>
+consteval bool is_checkpointable() {
+  static_assert(HasMemory<T>,
+                "what a checkpoint is to keep shows its memory: write `template <class Visitor> void "
+                "visit_memory(Visitor&& visit) { visit(count_); }` in it, with nothing to visit where it "
+                "remembers nothing");
+  if constexpr (HasMemory<T>)
+    static_assert(Describable<T>,
+                  "what a checkpoint is to keep lists its options, or a run could be resumed with others: "
+                  "write `static constexpr const char* name = \"Mine\";` and `template <class List> void "
+                  "describe(List& list) const { list(\"damping\", damping); }` in it");
+  return Checkpointable<T>;
+}
+
+/// Compiles for what lists its options; of anything else the compiler says what is missing.
+template <class T>
+consteval bool is_describable() {
+  static_assert(Describable<T>,
+                "this part of a run that is saved does not list its options, so it could be resumed with "
+                "others: write `static constexpr const char* name = \"Mine\";` and `template <class List> "
+                "void describe(List& list) const { list(\"damping\", damping); }` in it");
+  return Describable<T>;
+}
+
+/// What describe() lists, as lines "what: value". Two runs whose lines differ are different runs.
+class OptionText {
+ public:
+  template <class T>
+  void operator()(std::string_view what, const T& value) {
+    if constexpr (requires { value.describe(*this); }) {
+      if constexpr (is_describable<T>()) {
+        line(what, std::string(value.name));
+        const std::string outer = std::exchange(prefix_, prefix_ + std::string(what) + " ");
+        value.describe(*this);
+        prefix_ = outer;
+      }
+    } else if constexpr (std::is_enum_v<T>) {
+      line(what, std::to_string(static_cast<std::underlying_type_t<T>>(value)));
+    } else if constexpr (std::is_integral_v<T>) {
+      line(what, std::to_string(value));
+    } else if constexpr (std::is_convertible_v<const T&, std::string>) {
+      line(what, value);
+    } else if constexpr (requires { value[0], value.size(); }) {
+      std::string all = std::to_string(value.size()) + " numbers";
+      for (std::size_t i = 0; i < static_cast<std::size_t>(value.size()); ++i) all += " " + digits(value[i]);
+      line(what, all);
+    } else if constexpr (std::numeric_limits<T>::is_specialized) {
+      line(what, digits(value));
+    } else {
+      static_assert(is_describable<T>());
+    }
+  }
+  template <class F>
+  void function(std::string_view what, const F&) {
+    line(what, "a function");
+  }
+
+  const std::string& text() const { return text_; }
+
+ private:
+  template <class Scalar>
+  static std::string digits(const Scalar& x) {
+    return in_words(x, std::numeric_limits<Scalar>::max_digits10);
+  }
+  void line(std::string_view what, std::string value) {
+    for (char& c : value)
+      if (c == '\n') c = ' ';
+    text_ += prefix_ + std::string(what) + ": " + value + "\n";
+  }
+
+  std::string text_, prefix_;
+};
+
+/// In words, where the lines of two texts differ first; empty: nowhere.
+inline std::string difference_of_lines(const std::string& there, const std::string& here) {
+  std::istringstream a(there), b(here);
+  std::string line_a, line_b;
+  for (;;) {
+    const bool more_a = static_cast<bool>(std::getline(a, line_a));
+    const bool more_b = static_cast<bool>(std::getline(b, line_b));
+    if (!more_a && !more_b) return "";
+    if (line_a != line_b || more_a != more_b)
+      return "'" + (more_a ? line_a : std::string("nothing")) + "' there, '" +
+             (more_b ? line_b : std::string("nothing")) + "' here";
+  }
+}
+
+/// The values of all functions that describe() lists, at one state.
+template <class State>
+class FunctionValues {
+ public:
+  using Scalar = typename State::Scalar;
+  explicit FunctionValues(const State& z) : z_(z) {}
+
+  template <class T>
+  void operator()(std::string_view, [[maybe_unused]] const T& value) {
+    if constexpr (requires { value.describe(*this); }) value.describe(*this);
+  }
+  template <class F>
+  void function(std::string_view what, const F& f) {
+    names_.emplace_back(what);
+    values_.push_back(static_cast<Scalar>(f(z_.q(), z_.p())));
+  }
+
+  const std::vector<std::string>& names() const { return names_; }
+  const std::vector<Scalar>& values() const { return values_; }
+
+ private:
+  const State& z_;
+  std::vector<std::string> names_;
+  std::vector<Scalar> values_;
+};
+
+}  // namespace detail
+}  // namespace semiexplicit

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <concepts>
+
+#include <semiexplicit/core/phase_point.hpp>
+
+namespace semiexplicit {
+
+/// The phase space of d degrees of freedom with the time as one more coordinate: (q, t) and (p, p_t). A Hamiltonian says
+/// that it lives in it by deriving from this class, as Autonomous and TimeTransformed do; see InExtendedPhaseSpace.
+template <class ScalarType, int D>
+class ExtendedPhaseSpace {
+ public:
+  using Scalar = ScalarType;
+  static constexpr int Dof = D == Eigen::Dynamic ? Eigen::Dynamic : D + 1;
+  using State = PhasePoint<Scalar, Dof>;
+  using Point = PhasePoint<Scalar, D>;
+
+  /// The phase point (q, p), and the time, of an extended one.
+  static Point point(const State& extended) {
+    Point z(extended.dof() - 1);
+    z.q() = head(extended.q());
+    z.p() = head(extended.p());
+    return z;
+  }
+  static Scalar time(const State& extended) { return extended.q()[extended.dof() - 1]; }
+
+ protected:
+  static State join(const Point& z, const Scalar& t, const Scalar& p_t) {
+    const Eigen::Index d = z.dof();
+    State extended(d + 1);
+    extended.q().head(d) = z.q();
+    extended.p().head(d) = z.p();
+    extended.q()[d] = t;
+    extended.p()[d] = p_t;
+    return extended;
+  }
+
+  /// (q) of (q, t), or (p) of (p, p_t).
+  template <class V>
+  static auto head(V&& v) {
+    if constexpr (D == Eigen::Dynamic)
+      return v.head(v.size() - 1);
+    else
+      return v.template head<D>();
+  }
+};
+
+/// H derives from ExtendedPhaseSpace: its last coordinate is the time. Observers then take the time from the state, and
+/// tolerances leave it out. A member that is merely called time() says nothing.
+template <class H>
+concept InExtendedPhaseSpace =
+    (H::Dof == Eigen::Dynamic || H::Dof > 1) &&
+    std::derived_from<
+        H, ExtendedPhaseSpace<typename H::Scalar, H::Dof == Eigen::Dynamic ? Eigen::Dynamic : H::Dof - 1>>;
+
+namespace detail {
+
+/// The size that tolerances are relative to: ‖z‖, in an extended phase space without the last degree of freedom, (t, p_t).
+/// After a long time t would outweigh all else, and every tolerance with it.
+template <class H, class Scalar, int Dof>
+Scalar state_size(const H&, const PhasePoint<Scalar, Dof>& z) {
+  if constexpr (InExtendedPhaseSpace<H>)
+    return norm(Vector<Scalar, 2>(norm(z.q().head(z.dof() - 1)), norm(z.p().head(z.dof() - 1))));
+  else
+    return norm(z.vector());
+}
+
+}  // namespace detail
+}  // namespace semiexplicit

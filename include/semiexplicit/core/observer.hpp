@@ -1,0 +1,59 @@
+#pragma once
+
+#include <concepts>
+#include <type_traits>
+
+#include <semiexplicit/core/report.hpp>
+
+namespace semiexplicit {
+
+namespace detail {
+
+template <class O, class Scalar, class State>
+concept TakesStepReport = std::invocable<O&, const Scalar&, const State&, const StepReport&>;
+template <class O, class Scalar, class State>
+concept TakesRunReport = std::invocable<O&, const Scalar&, const State&, const IntegrationReport&> &&
+    !TakesStepReport<O, Scalar, State>;
+
+}  // namespace detail
+
+/// What integrate() tells of the run, at the start and after each step: any callable (t, state), or (t, state, StepReport), or
+/// (t, state, IntegrationReport), which is the run's so far but for status, t and seconds. Arguments by value or by const
+/// reference. One that returns the bool false ends the run; what else it returns is ignored.
+template <class O, class Scalar, class State>
+concept Observer = std::invocable<O&, const Scalar&, const State&> ||
+    detail::TakesStepReport<O, Scalar, State> || detail::TakesRunReport<O, Scalar, State>;
+
+namespace detail {
+
+/// Compiles for an observer of such a run; of anything else the compiler says what is missing.
+template <class O, class Scalar, class State>
+consteval bool is_observer() {
+  static_assert(
+      Observer<O, Scalar, State>,
+      "this observer cannot be called: write `void operator()(const Scalar& t, const State& state)`, "
+      "or a third parameter `const StepReport&` or `const IntegrationReport&`; the state is const");
+  return Observer<O, Scalar, State>;
+}
+
+/// Calls an observer with what it takes; false: it wants the run to stop.
+template <class O, class Scalar, class State>
+bool notify(O& observer, const Scalar& t, const State& state, const IntegrationReport& so_far) {
+  const auto call = [&]() -> decltype(auto) {
+    if constexpr (TakesStepReport<O, Scalar, State>)
+      return observer(t, state, so_far.last);
+    else if constexpr (TakesRunReport<O, Scalar, State>)
+      return observer(t, state, so_far);
+    else if constexpr (is_observer<O, Scalar, State>())
+      return observer(t, state);
+  };
+  if constexpr (std::same_as<std::remove_cvref_t<decltype(call())>, bool>) {
+    return call();
+  } else {
+    call();
+    return true;
+  }
+}
+
+}  // namespace detail
+}  // namespace semiexplicit

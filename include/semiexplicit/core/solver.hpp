@@ -1,0 +1,83 @@
+#pragma once
+
+#include <concepts>
+
+#include <semiexplicit/core/report.hpp>
+#include <semiexplicit/core/vector.hpp>
+
+namespace semiexplicit {
+
+namespace detail {
+
+/// The equation of the projection as a solver sees it.
+template <class Vec>
+struct AnyResidual {
+  using Scalar = typename Vec::Scalar;
+  void operator()(Vec& f);                ///< f(0), where every solver starts
+  void operator()(const Vec& m, Vec& f);  ///< f(m)
+  const Scalar& state_size() const;       ///< ‖z‖
+  Scalar rounding_level() const;          ///< a correction below this may be nothing but rounding
+};
+
+template <class S, class Vec>
+concept HasWorkspace = requires(const S& solver, Eigen::Index size) {
+  requires std::constructible_from < typename S::template Workspace<Vec>,
+  decltype(solver), decltype(size) > ;
+};
+template <class S, class Vec>
+concept HasSolve = requires(const S& solver, AnyResidual<Vec>& residual, Vec& m,
+                            typename S::template Workspace<Vec>& work) {
+  { solver.solve(residual, m, work) } -> std::same_as<SolverReport<typename Vec::Scalar>>;
+};
+
+}  // namespace detail
+
+/// What finds the multiplier m with f(m) = 0 for Semiexplicit, Vec being a column of 2d numbers:
+///
+///     struct Mine {
+///       template <class Vec>
+///       struct Workspace {                                   // its memory, made once
+///         Workspace(const Mine& options, Eigen::Index size);
+///       };
+///       template <class Residual, class Vec>
+///       SolverReport<typename Vec::Scalar> solve(Residual& residual, Vec& m, Workspace<Vec>& work) const;
+///     };
+///
+/// residual(f) writes f(0) and residual(m, f) writes f(m), one sweep each. On return the residual was last evaluated at the
+/// accepted m. See SimplifiedNewton, the shortest. A solver whose runs are to be saved has a `name` and lists its options;
+/// see Describable.
+template <class S, class Vec>
+concept Solver = std::copy_constructible<S> && detail::HasWorkspace<S, Vec> && detail::HasSolve<S, Vec>;
+
+namespace detail {
+
+/// Compiles for a solver; of anything else the compiler says what is missing.
+template <class S, class Vec>
+consteval bool is_solver() {
+  static_assert(HasWorkspace<S, Vec>,
+                "this solver has no memory to work in: write `template <class Vec> struct Workspace` in it, "
+                "made of (const Solver&, Eigen::Index size); see core/solver.hpp");
+  if constexpr (HasWorkspace<S, Vec>)
+    static_assert(HasSolve<S, Vec>,
+                  "this solver has no `template <class Residual, class Vec> SolverReport<typename "
+                  "Vec::Scalar> solve(Residual& residual, Vec& m, Workspace<Vec>& work) const`; see "
+                  "core/solver.hpp");
+  return Solver<S, Vec>;
+}
+
+/// Where the class is no solver, something to go on with after the error.
+struct NoWorkspace {
+  template <class... Anything>
+  explicit NoWorkspace(const Anything&...) {}
+};
+template <class S, class Vec, bool = is_solver<S, Vec>()>
+struct SolverDoor {
+  using Workspace = NoWorkspace;
+};
+template <class S, class Vec>
+struct SolverDoor<S, Vec, true> {
+  using Workspace = typename S::template Workspace<Vec>;
+};
+
+}  // namespace detail
+}  // namespace semiexplicit

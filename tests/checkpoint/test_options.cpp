@@ -1,0 +1,246 @@
+#include "catch.hpp"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <semiexplicit/semiexplicit.hpp>
+
+#include "folder.hpp"
+#include "refusal.hpp"
+
+// A run is not resumed with other options than it was saved with, those of a user's own classes included.
+
+namespace {
+
+using namespace semiexplicit;
+using Point = PhasePoint<double, 1>;
+
+/// A solver written outside the library: a fixed number of damped corrections.
+struct Damped {
+  static constexpr const char* name = "Damped";
+  double damping = 1;
+  int count = 1;
+
+  template <class List>
+  void describe(List& list) const {
+    list("damping", damping);
+    list("count", count);
+  }
+  template <class Vec>
+  struct Workspace {
+    Workspace(const Damped&, Eigen::Index size) : f(Vec::Zero(size)) {}
+    Vec f;
+  };
+  template <class Residual, class Vec>
+  SolverReport<typename Vec::Scalar> solve(Residual& residual, Vec& m, Workspace<Vec>& work) const {
+    m.setZero();
+    residual(work.f);
+    for (int k = 1; k < count; ++k) {
+      m -= damping * work.f / 4;
+      residual(m, work.f);
+    }
+    return {.status = Status::success, .evaluations = count};
+  }
+};
+
+/// An observer written outside the library.
+struct Mean {
+  static constexpr const char* name = "Mean";
+  double power = 1, sum = 0;
+  std::int64_t count = 0;
+
+  void operator()(double, const Point& z) {
+    sum += std::pow(z.q()[0], power);
+    ++count;
+  }
+  bool fresh() const { return count == 0; }
+  template <class List>
+  void describe(List& list) const {
+    list("power", power);
+  }
+  template <class Visitor>
+  void visit_memory(Visitor&& visit) {
+    visit(sum);
+    visit(count);
+  }
+};
+
+/// A stepper written outside the library: the explicit Euler method for a fall.
+struct Fall {
+  using Scalar = double;
+  using State = Point;
+  static constexpr const char* name = "Fall";
+  double g = 9.81;
+
+  StepReport step(State& z, const double& dt) {
+    z.q()[0] += dt * z.p()[0];
+    z.p()[0] -= dt * g;
+    return {.evaluations = 1, .gradients = 1};
+  }
+  template <class List>
+  void describe(List& list) const {
+    list("g", g);
+  }
+  template <class Visitor>
+  void visit_memory(Visitor&&) {}
+};
+
+/// Saves a run that was made with one stepper and observer, and says what is said of resuming it with others.
+struct Saved {
+  Folder folder;
+  std::filesystem::path file = folder.path / "run.checkpoint";
+  IntegrationOptions<double> options{.dt = 0.05, .steps = 20};
+
+  template <class Stepper, class... Observers>
+  Saved(Stepper stepper, Observers... observers) {
+    Point z(-3, 0);
+    Checkpoints checkpoints(file, {.every = 10}, stepper, options, observers...);
+    options.done = checkpoints.resume(z);
+    integrate(stepper, z, options, observers..., checkpoints);
+  }
+  template <class Stepper, class... Observers>
+  std::string resumed(Stepper stepper, Observers... observers) const {
+    Point z(-3, 0);
+    Checkpoints checkpoints(file, {.every = 10}, stepper, options, observers...);
+    return refusal([&] { checkpoints.resume(z); });
+  }
+};
+
+const systems::Product<double> h;
+auto usual() { return Semiexplicit(h, schemes::strang<double>()); }
+const auto q_of = [](const auto& q, const auto&) { return q[0]; };
+const auto nothing = [](double, const Point&) {};
+const std::string accepted = "nothing was refused";
+
+}  // namespace
+
+TEST_CASE("A user's own solver, stepper and observer are resumed with their own options only",
+          "[checkpoint]") {
+  const auto with = [](const Damped& solver) { return Semiexplicit(h, schemes::strang<double>(), solver); };
+  const Saved solver(with({.damping = 1, .count = 3}));
+  CHECK(solver.resumed(with({.damping = 1, .count = 3})) == accepted);
+  CHECK(says(solver.resumed(with({.damping = 1. / 3, .count = 3})),
+             "'solver damping: 1' there, 'solver damping: 0.33333333333333331' here"));
+  CHECK(says(solver.resumed(with({.damping = 1, .count = 2})), "'solver count: 3' there"));
+  const Saved third(with({.damping = 1. / 3, .count = 3}));
+  CHECK(says(third.resumed(with({.damping = 0.3, .count = 3})), "'solver damping"));
+
+  const Saved fall(Fall{});
+  CHECK(fall.resumed(Fall{}) == accepted);
+  CHECK(says(fall.resumed(Fall{.g = 1.62}), "'g: 9.8"));
+  CHECK(says(fall.resumed(usual()), "'stepper: Fall' there, 'stepper: Semiexplicit' here"));
+
+  const Saved mean(usual(), Mean{});
+  CHECK(mean.resumed(usual(), Mean{}) == accepted);
+  CHECK(says(mean.resumed(usual(), Mean{.power = 2}), "'observer 1 power: 1' there"));
+}
+
+TEST_CASE("Every option of the library's solvers and steppers counts", "[checkpoint]") {
+  const auto scheme = schemes::strang<double>();
+  const auto differs = [&](const auto& first, const auto& second, const std::string& what) {
+    CAPTURE(what);
+    const Saved saved(first);
+    CHECK(saved.resumed(first) == accepted);
+    CHECK(says(saved.resumed(second), what));
+  };
+  const auto with = [&](const auto& solver) { return Semiexplicit(h, scheme, solver); };
+  differs(with(SimplifiedNewton{}), with(SimplifiedNewton{.max_iterations = 9}), "solver max_iterations");
+  differs(with(SimplifiedNewton{}), with(SimplifiedNewton{.stop = StoppingRule::paper(1e-16)}), "rule kind");
+  differs(with(SimplifiedNewton{}), with(SimplifiedNewton{.stop = StoppingRule::product(1e-17)}),
+          "rule tolerance");
+  differs(with(Broyden{}), with(Broyden{.max_iterations = 9}), "solver max_iterations");
+  differs(with(Broyden{}), with(Broyden{.memory = 9}), "solver memory");
+  differs(with(NewtonKrylov{}), with(NewtonKrylov{.max_iterations = 9}), "solver max_iterations");
+  differs(with(NewtonKrylov{}), with(NewtonKrylov{.directions = 9}), "solver directions");
+  differs(with(Robust{}), with(Robust{.newton_iterations = 9}), "solver newton_iterations");
+  differs(with(Robust{}), with(Robust{.broyden_iterations = 9}), "solver broyden_iterations");
+  differs(with(Robust{}), with(Robust{.max_iterations = 9}), "solver max_iterations");
+  differs(usual(), Semiexplicit(h, scheme, SimplifiedNewton{}, Summation::plain), "summation");
+  differs(usual(), MidpointProjection(h, scheme), "stepper: Semiexplicit");
+  differs(GaussLegendre(h), GaussLegendre(h, {.tolerance = 1e-14}), "tolerance");
+  differs(GaussLegendre(h), GaussLegendre(h, {.max_iterations = 50}), "max_iterations");
+  differs(GaussLegendre(h), GaussLegendre(h, {.solver = StageSolver::newton}), "stage solver");
+  differs(GaussLegendre(h), GaussLegendre(h, {.extrapolate = false}), "extrapolate");
+}
+
+TEST_CASE("Every option of the library's observers counts", "[checkpoint]") {
+  const auto differs = [&](const auto& first, const auto& second, const std::string& what) {
+    CAPTURE(what);
+    const Saved saved(usual(), first);
+    CHECK(saved.resumed(usual(), first) == accepted);
+    CHECK(says(saved.resumed(usual(), second), what));
+  };
+  const Record<double, 1> record;
+  differs(every(10, Record(record)), every(7, Record(record)),
+          "'observer 1 n: 10' there, 'observer 1 n: 7' here");
+  differs(every(10, Mean{}), every(10, Mean{.power = 2}), "'observer 1 observer power: 1'");
+  differs(at_times(h, {0.0, 0.5}, nothing), at_times(h, {0.0, 0.6}, nothing), "observer 1 times");
+  differs(at_times(h, {0.0, 0.5}, nothing), at_times(h, {0.0, 0.5, 0.7}, nothing),
+          "observer 1 times: 2 numbers");
+  differs(at_times(h, {0.0, 0.5}, nothing), at_times(h, {0.0, 0.5}, nothing, 5), "observer 1 nodes");
+  const auto section = [](auto surface, PoincareSectionOptions options = {}) {
+    return poincare_section(h, surface, nothing, options);
+  };
+  differs(section(q_of), section([](const auto& q, const auto&) { return q[0] - 0.01; }), "another surface");
+  differs(section(q_of), section(q_of, {.direction = CrossingDirection::both}), "observer 1 direction");
+  const auto following = [](auto f) {
+    Invariants<double, 1> invariants(h);
+    invariants.add("mine", f);
+    return invariants;
+  };
+  differs(following(q_of), following([](const auto& q, const auto&) { return 1.001 * q[0]; }),
+          "another mine");
+  auto stepper = usual();
+  differs(LyapunovExponents(stepper, 1), LyapunovExponents(stepper, 2), "observer 1 exponents: 1");
+}
+
+TEST_CASE("Another Hamiltonian of the same kind is refused", "[checkpoint]") {
+  const auto stretched = [](double k) {
+    return Semiexplicit(
+        make_hamiltonian<double, 1>([](const auto&, const auto&) { return 0.0; },
+                                    [k](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+                                      dHdq[0] = k * q[0];
+                                      dHdp[0] = p[0];
+                                    }),
+        schemes::strang<double>());
+  };
+  const Saved saved(stretched(1));
+  CHECK(saved.resumed(stretched(1)) == accepted);
+  CHECK(says(saved.resumed(stretched(1 + 1e-9)), "another Hamiltonian"));
+}
+
+TEST_CASE("A Record comes back whole, also within every(), or the run is refused", "[checkpoint]") {
+  const Folder folder;
+  const auto file = folder.path / "run.checkpoint";
+  auto whole = usual();
+  Point w(-3, 0);
+  Record<double, 1> all_of_it;
+  integrate(whole, w, {.dt = 0.05, .steps = 1000}, all_of_it);
+
+  Record<double, 1> all, some;
+  for (const bool first : {true, false}) {
+    auto stepper = usual();
+    Point z(-3, 0);
+    Record<double, 1> kept, tenth;
+    auto tenths = every(10, tenth);
+    const IntegrationOptions<double> options{.dt = 0.05, .steps = 1000};
+    IntegrationOptions<double> resumed = options;
+    Checkpoints checkpoints(file, {.every = 100}, stepper, options, kept, tenths);
+    resumed.done = checkpoints.resume(z);
+    if (first) resumed.steps = 750;
+    integrate(stepper, z, resumed, kept, tenths, checkpoints);
+    all = kept;
+    some = tenth;
+    if (!first) {
+      Record<double, 1> unnamed;
+      CHECK(refuses([&] { integrate(stepper, z, resumed, unnamed); }, "name it among those"));
+      CHECK(refuses([&] { integrate(stepper, z, resumed, every(10, unnamed)); }, "name it among those"));
+    }
+  }
+  REQUIRE(all.t.size() == 1001);
+  REQUIRE(some.t.size() == 101);
+  for (std::size_t i = 0; i < all.z.size(); ++i) CHECK(all.z[i].vector() == all_of_it.z[i].vector());
+  CHECK(all.t == all_of_it.t);
+  for (std::size_t i = 0; i < some.z.size(); ++i) CHECK(some.z[i].vector() == all_of_it.z[10 * i].vector());
+}

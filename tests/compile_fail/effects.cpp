@@ -1,0 +1,27 @@
+// case no_mistake: compiles
+// case without_acts: an effect says what it acts on: using Acts = OnPosition<double, 2>;
+// case without_gradient: an effect on one half needs energy(x) const and add_gradient(x, dHdx) const
+// case disagree: must agree on the degrees of freedom
+#include <semiexplicit/scene/effects/orbits.hpp>
+#include <semiexplicit/scene/scene.hpp>
+
+using namespace semiexplicit;
+
+struct Mine {
+#ifndef without_acts
+  using Acts = OnPosition<double, 2>;
+#endif
+  static constexpr const char* name = "mine";
+  double energy(const auto& q) const { return q[0]; }
+#ifndef without_gradient
+  void add_gradient(const auto&, auto& dHdq) const { dHdq[0] += 1; }
+#endif
+};
+
+int main() {
+#ifdef disagree
+  Scene scene(effects::orbits::Kinetic<2>{}, effects::orbits::Attraction<3>{});
+#else
+  Scene scene(Mine{}, effects::orbits::Kinetic<2>{});
+#endif
+}

@@ -1,0 +1,41 @@
+// case no_mistake: compiles
+// case no_energy: has no energy, by which the run is to be judged: write `Scalar energy(
+// case energy_not_const: the energy of this Hamiltonian is not const, or no number: write `Scalar energy(
+// case energy_is_no_number: the energy of this Hamiltonian is not const, or no number: write `Scalar energy(
+// case energy_of_other_arguments: the energy of this Hamiltonian takes other arguments: write `Scalar energy(
+// case check_without_energy: has no energy, by which the run is to be judged: write `Scalar energy(
+// case cost_without_energy: has no energy, by which the run is to be judged: write `Scalar energy(
+#include <semiexplicit/check_gradient.hpp>
+#include <semiexplicit/cost/cost_of_accuracy.hpp>
+#include <semiexplicit/observers/invariants.hpp>
+
+using namespace semiexplicit;
+using In = ConstRef<double, 2>;
+using Out = Ref<double, 2>;
+
+struct Mine {
+  using Scalar = double;
+  static constexpr int Dof = 2;
+#if defined(no_energy) || defined(check_without_energy) || defined(cost_without_energy)
+#elif defined(energy_not_const)
+  double energy(In q, In p) { return q.dot(p); }
+#elif defined(energy_is_no_number)
+  const char* energy(In, In) const { return "much"; }
+#elif defined(energy_of_other_arguments)
+  double energy(const PhasePoint<double, 2>& z) const { return z.q().dot(z.p()); }
+#else
+  double energy(In q, In p) const { return q.dot(p); }
+#endif
+  void gradient(In q, In p, Out dHdq, Out dHdp) const { dHdq = p, dHdp = q; }
+};
+
+int main() {
+  const PhasePoint<double, 2> z({1, 2}, {3, 4});
+#if defined(check_without_energy)
+  check_gradient(Mine(), z);
+#elif defined(cost_without_energy)
+  cost_of_accuracy(Mine(), z, 10);
+#else
+  Invariants invariants{Mine()};
+#endif
+}

@@ -1,0 +1,78 @@
+// case no_mistake: compiles
+// case no_scalar: does not say what it computes with: write `using Scalar = double;`
+// case no_dof: does not say how many degrees of freedom it has: write `static constexpr int Dof = 2;`
+// case dof_not_static: Dof of this Hamiltonian is no constant above 0: write `static constexpr int Dof = 2;`
+// case dof_zero: Dof of this Hamiltonian is no constant above 0: write `static constexpr int Dof = 2;`
+// case dynamic_without_dof: says its size at run time: write `Eigen::Index dof() const
+// case no_gradient: has no gradient of (q, p): write `void gradient(
+// case gradient_not_const: the gradient of this Hamiltonian is not const: write `const` behind its parameters
+// case gradient_returned: the gradient of this Hamiltonian takes other arguments: write `void gradient(
+// case gradient_of_vectors: the gradient of this Hamiltonian takes other arguments: write `void gradient(
+// case gradient_by_value: takes dHdq or dHdp by value, so what it writes is lost: take both as
+// case gradient_of_other_size: takes columns of another size or of other numbers than its Dof and Scalar: write
+// case gradient_of_floats: takes columns of another size or of other numbers than its Dof and Scalar: write
+// case time_dependent: depends on the time: give the stepper Autonomous(H)
+// case lambda_by_value: takes dHdq or dHdp by value, so what it writes is lost: take both as
+#include <semiexplicit/projection/semiexplicit.hpp>
+#include <semiexplicit/splitting/schemes.hpp>
+
+using namespace semiexplicit;
+using In = ConstRef<double, 2>;
+using Out = Ref<double, 2>;
+
+struct Mine {
+#ifndef no_scalar
+  using Scalar = double;
+#endif
+
+#if defined(no_dof)
+#elif defined(dof_not_static)
+  int Dof = 2;
+#elif defined(dof_zero)
+  static constexpr int Dof = 0;
+#elif defined(dynamic_without_dof)
+  static constexpr int Dof = Eigen::Dynamic;
+#else
+  static constexpr int Dof = 2;
+#endif
+
+#if defined(no_gradient)
+  double energy(In q, In p) const { return q.dot(p); }
+#elif defined(gradient_not_const)
+  void gradient(In q, In p, Out dHdq, Out dHdp) { dHdq = p, dHdp = q; }
+#elif defined(gradient_returned)
+  Eigen::Vector4d gradient(In q, In p) const { return {p[0], p[1], q[0], q[1]}; }
+#elif defined(gradient_of_vectors)
+  void gradient(const Eigen::VectorXd& q, const Eigen::VectorXd& p, Eigen::VectorXd& dHdq,
+                Eigen::VectorXd& dHdp) const {
+    dHdq = p, dHdp = q;
+  }
+#elif defined(gradient_by_value)
+  void gradient(In q, In p, Eigen::Vector2d dHdq, Eigen::Vector2d dHdp) const { dHdq = p, dHdp = q; }
+#elif defined(gradient_of_other_size)
+  void gradient(ConstRef<double, 3> q, ConstRef<double, 3> p, Ref<double, 3> dHdq, Ref<double, 3> dHdp) const {
+    dHdq = p, dHdp = q;
+  }
+#elif defined(gradient_of_floats)
+  void gradient(ConstRef<float, 2> q, ConstRef<float, 2> p, Ref<float, 2> dHdq, Ref<float, 2> dHdp) const {
+    dHdq = p, dHdp = q;
+  }
+#elif defined(time_dependent)
+  void gradient(double t, In q, In p, Out dHdq, Out dHdp) const { dHdq = t * p, dHdp = q; }
+#else
+  void gradient(In q, In p, Out dHdq, Out dHdp) const { dHdq = p, dHdp = q; }
+#endif
+};
+
+int main() {
+#ifdef lambda_by_value
+  auto mine = make_hamiltonian<double, 2>(
+      [](const auto& q, const auto& p) { return q.dot(p); },
+      [](const auto& q, const auto& p, Eigen::Vector2d dHdq, Eigen::Vector2d dHdp) { dHdq = p, dHdp = q; });
+#else
+  Mine mine;
+#endif
+  Semiexplicit stepper(mine, schemes::strang<double>());
+  PhasePoint<double, 2> z({1, 2}, {3, 4});
+  stepper.step(z, 0.1);
+}

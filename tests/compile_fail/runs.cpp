@@ -1,0 +1,105 @@
+// case no_mistake: compiles
+// case observer_of_other_arguments: this observer cannot be called: write `void operator()(const Scalar& t, const State& state)`
+// case observer_wants_mutable_state: this observer cannot be called: write `void operator()(const Scalar& t, const State& state)`
+// case nested_observer: this observer cannot be called: write `void operator()(const Scalar& t, const State& state)`
+// case solver_without_workspace: this solver has no memory to work in: write `template <class Vec> struct Workspace`
+// case solver_without_solve: this solver has no `template <class Residual, class Vec> SolverReport
+// case stepper_without_state: this stepper does not say what it moves: write `using Scalar = double; using State =
+// case stepper_without_step: this stepper has no step: write `StepReport step(State& state, const Scalar& dt)`
+// case state_of_other_size: the state is of another type than the one that the stepper moves
+// case const_state: the state is of another type than the one that the stepper moves
+// case saved_without_memory: shows its memory: write `template <class Visitor> void visit_memory(
+// case saved_without_options: lists its options, or a run could be resumed with others: write
+// case solver_without_options: does not list its options, so it could be resumed with others: write
+#include <semiexplicit/checkpoint/checkpoints.hpp>
+#include <semiexplicit/observers/every.hpp>
+#include <semiexplicit/projection/semiexplicit.hpp>
+#include <semiexplicit/splitting/schemes.hpp>
+#include <semiexplicit/systems/product.hpp>
+
+using namespace semiexplicit;
+using Point = PhasePoint<double, 1>;
+
+struct MySolver {
+  StoppingRule stop = StoppingRule::product();
+#ifndef solver_without_options
+  static constexpr const char* name = "MySolver";
+  template <class List>
+  void describe(List& list) const {
+    list("stop", stop);
+  }
+#endif
+#ifndef solver_without_workspace
+  template <class Vec>
+  struct Workspace {
+    Workspace(const MySolver&, Eigen::Index size) : f(Vec::Zero(size)) {}
+    Vec f;
+  };
+#endif
+#if !defined(solver_without_solve) && !defined(solver_without_workspace)
+  template <class Residual, class Vec>
+  SolverReport<typename Vec::Scalar> solve(Residual& residual, Vec& m, Workspace<Vec>& work) const {
+    m.setZero();
+    residual(work.f);
+    return {.status = Status::success, .evaluations = 1};
+  }
+#endif
+};
+
+struct MyStepper {
+#ifndef stepper_without_state
+  using Scalar = double;
+  using State = Point;
+#endif
+#ifndef stepper_without_step
+  StepReport step(Point& z, const double& dt) {
+    z.q()[0] += dt;
+    return {};
+  }
+#endif
+#ifndef saved_without_options
+  static constexpr const char* name = "MyStepper";
+  template <class List>
+  void describe(List&) const {}
+#endif
+#ifndef saved_without_memory
+  template <class Visitor>
+  void visit_memory(Visitor&&) {}
+#endif
+};
+
+int main() {
+  const auto scheme = schemes::strang<double>();
+  const auto right = [](double, const Point&) {};
+#if defined(observer_of_other_arguments) || defined(nested_observer)
+  const auto observer = [](const Point&) {};
+#elif defined(observer_wants_mutable_state)
+  const auto observer = [](double, Point&) {};
+#else
+  const auto observer = right;
+#endif
+#if defined(state_of_other_size)
+  PhasePoint<double, 2> z({1, 2}, {3, 4});
+#elif defined(const_state)
+  const Point z(1, 2);
+#else
+  Point z(1, 2);
+#endif
+  const IntegrationOptions<double> options{.dt = 0.1, .steps = 10};
+#if defined(saved_without_memory) || defined(saved_without_options)
+  MyStepper stepper;
+  Checkpoints checkpoints("file", {}, stepper, options);
+#elif defined(stepper_without_state) || defined(stepper_without_step)
+  MyStepper stepper;
+  integrate(stepper, z, options, right);
+#elif defined(solver_without_options)
+  Semiexplicit stepper(systems::Product<double>(), scheme, MySolver());
+  Checkpoints checkpoints("file", {}, stepper, options);
+#elif defined(nested_observer)
+  Semiexplicit stepper(systems::Product<double>(), scheme);
+  integrate(stepper, z, options, every(10, observer));
+#else
+  Semiexplicit stepper(systems::Product<double>(), scheme, MySolver());
+  integrate(stepper, z, {.dt = 0.1, .steps = 10}, right, observer);
+#endif
+}

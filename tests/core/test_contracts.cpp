@@ -1,0 +1,126 @@
+#include "catch.hpp"
+
+#include <string>
+#include <utility>
+
+#include <semiexplicit/semiexplicit.hpp>
+
+#include "refusal.hpp"
+
+// What classes know of each other they know by their types, not by the names of members.
+
+namespace {
+
+using namespace semiexplicit;
+
+struct Plain : systems::NlsLattice<double, 2> {};
+/// With members that mean something else elsewhere.
+struct WithNames : systems::NlsLattice<double, 2> {
+  double time(const PhasePoint<double, 2>&) const { return 7; }
+  PhasePoint<double, 2> point(const PhasePoint<double, 2>&) const {
+    return PhasePoint<double, 2>({0, 0}, {0, 0});
+  }
+};
+
+struct WithFresh {  // an observer with a member that has another meaning than that of the library's observers
+  int calls = 0;
+  bool fresh() const { return calls < 1000; }
+  void operator()(double, const PhasePoint<double, 2>&) { ++calls; }
+};
+
+const PhasePoint<double, 2> start({0.01, 3}, {0.01, 1});
+
+template <class H>
+auto stepper_of(H h) {
+  return Semiexplicit(std::move(h), schemes::strang(), SimplifiedNewton{.stop = StoppingRule::product(1e-8)});
+}
+
+}  // namespace
+
+TEST_CASE("A member called time() or point() changes nothing", "[contracts]") {
+  static_assert(!InExtendedPhaseSpace<WithNames>);
+  const auto run = [](auto h) {
+    auto stepper = stepper_of(h);
+    auto z = start;
+    double seen = 0;
+    std::int64_t crossings = 0;
+    auto at =
+        at_times(h, {0.005, 0.5}, [&](double t, const PhasePoint<double, 2>& w) { seen += t * w.q()[1]; });
+    auto section = poincare_section(
+        h, [](const auto& q, const auto&) { return q[1]; },
+        [&](double t, const PhasePoint<double, 2>& w) { seen += t * w.p()[1], ++crossings; });
+    const IntegrationReport report = integrate(stepper, z, {.dt = 0.02, .steps = 1000}, at, section);
+    CHECK(crossings > 10);
+    return std::pair(report.evaluations, seen + z.q()[0]);
+  };
+  CHECK(run(WithNames()) == run(Plain()));
+}
+
+TEST_CASE("A member called fresh() of an observer without memory does not stop a resumed run",
+          "[contracts]") {
+  auto stepper = stepper_of(Plain());
+  auto z = start;
+  IntegrationOptions<double> options{.dt = 0.02, .steps = 10};
+  options.done = integrate(stepper, z, options);
+  options.steps = 20;
+  WithFresh observer;
+  CHECK(integrate(stepper, z, options, observer).steps == 20);
+  CHECK(observer.calls == 10);
+}
+
+TEST_CASE("A stepper that was moved from says so", "[contracts]") {
+  const auto scheme = schemes::strang<double>();
+  const auto check = [](auto from, auto z) {
+    const auto before = z;
+    auto to = std::move(from);
+    const StepReport report = from.step(z, 0.01);  // NOLINT: that is what is tested
+    CHECK((report.status == Status::invalid_stepper || report.status == Status::invalid_state));
+    CHECK(says(describe(Status::invalid_stepper), "moved from"));
+    if constexpr (requires { z.vector(); })
+      CHECK(z.vector() == before.vector());
+    else
+      CHECK(z.a.vector() == before.a.vector());
+    CHECK(to.step(z, 0.01).ok());
+  };
+  const auto each = [&](const auto& h, const auto& z) {
+    check(Semiexplicit(h, scheme), z);
+    check(Semiexplicit(h, scheme, Broyden{}), z);
+    check(Semiexplicit(h, scheme, NewtonKrylov{}), z);
+    check(Semiexplicit(h, scheme, Robust{}), z);
+    check(Semiexplicit(h, scheme, SimplifiedNewton{}, Summation::plain), z);
+    check(MidpointProjection(h, scheme), z);
+    check(GaussLegendre(h), z);
+    check(GaussLegendre(h, {.stages = 3, .solver = StageSolver::newton}), z);
+    check(Pihajoki(h, scheme), ExtendedPoint(z));
+    check(Tao(h, scheme, 3.0), ExtendedPoint(z));
+  };
+  each(systems::NlsLattice<double, 2>(), start);
+  PhasePoint<double, Eigen::Dynamic> dynamic(2);
+  dynamic.vector() = start.vector();
+  each(systems::NlsLattice<double, Eigen::Dynamic>(2), dynamic);
+#ifdef SEMIEXPLICIT_HAS_PACKS
+  check(GaussLegendreLanes(systems::Product<double>(), {.stages = 2}), PhasePoint<double, 1>(1, 0));
+#endif
+  check(stepper_for(Scene(effects::orbits::Kinetic<2>{}, effects::orbits::Attraction<2>{})),
+        PhasePoint<double, 2>({1, 0}, {0, 1}));
+}
+
+TEST_CASE("Observers and tangent maps that were moved from do not crash", "[contracts]") {
+  const systems::NlsLattice<double, 2> h;
+  auto stepper = stepper_of(Plain());
+  auto z = start;
+  DenseOutput dense(h);
+  for (int n = 0; n < 6; ++n) dense(0.1 * n, z);
+  DenseOutput moved = std::move(dense);
+  moved(0.6, z);
+  dense(0.6, z);
+  TangentMap tangent(stepper);
+  const auto taken = std::move(tangent);
+  CHECK(tangent.at(z, 0.01) != Status::success);
+  auto at = at_times(h, {0.0, 0.05}, [](double, const PhasePoint<double, 2>&) {});
+  auto other = std::move(at);
+  integrate(stepper, z, {.dt = 0.01, .steps = 10}, at);
+  CHECK(at.served() == 0);
+  integrate(stepper, z, {.dt = 0.01, .steps = 10}, other);
+  CHECK(other.served() == 2);
+}

@@ -1,0 +1,101 @@
+#include "catch.hpp"
+
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include <semiexplicit/semiexplicit.hpp>
+
+// An autonomous system does not know what time it is: from any t0 on an observer sees what it sees from 0 on, although late
+// times are rounded so coarsely that many steps have the same one.
+
+namespace {
+
+using namespace semiexplicit;
+
+template <class Scalar>
+auto henon_heiles() {
+  return from_energy<2, Scalar>([](const auto& q, const auto& p) {
+    return (p[0] * p[0] + p[1] * p[1] + q[0] * q[0] + q[1] * q[1]) / 2 + q[0] * q[0] * q[1] -
+           q[1] * q[1] * q[1] / 3;
+  });
+}
+
+/// What all observers saw of a run of `steps` steps of size dt from t0 on.
+template <class Scalar>
+struct Seen {
+  std::vector<Scalar> at_times, crossings;  ///< coordinates of the states
+  std::size_t served = 0, recorded = 0;
+  std::int64_t count = 0;
+  Scalar exponent = 0, worst = 0;
+
+  Seen(Scalar t0, Scalar dt, std::int64_t steps) {
+    const auto h = henon_heiles<Scalar>();
+    Semiexplicit stepper(h, schemes::blanes_moan4<Scalar>(),
+                         SimplifiedNewton{.stop = StoppingRule::product(sizeof(Scalar) == 4 ? 1e-8 : 1e-16)});
+    PhasePoint<Scalar, 2> z({Scalar(0), Scalar(-0.25)}, {Scalar(0.42), Scalar(0)});
+    const auto keep = [](std::vector<Scalar>& list) {
+      return [&list](const Scalar&, const auto& at) {
+        for (const Scalar& x : at.vector()) list.push_back(x);
+      };
+    };
+    std::vector<Scalar> times;
+    for (int i = 0; i <= 5; ++i) times.push_back(t0 + Scalar(i) * Scalar(steps / 5) * dt);
+    auto at = semiexplicit::at_times(h, times, keep(at_times));
+    auto section = poincare_section(
+        h, [](const auto& q, const auto&) { return q[0]; }, keep(crossings));
+    LyapunovExponents lyapunov(stepper, 1);
+    Invariants invariants(h);
+    Record<Scalar, 2> record;
+    integrate(stepper, z, {.dt = dt, .steps = steps, .t0 = t0}, at, section, lyapunov, invariants,
+              every(10, record));
+    served = at.served();
+    count = section.count();
+    exponent = lyapunov.exponents()[0];
+    worst = invariants["energy"].worst;
+    recorded = record.z.size();
+  }
+};
+
+template <class Scalar>
+void same_at(Scalar late, Scalar dt, std::int64_t steps) {
+  const Seen<Scalar> early(0, dt, steps), seen(late, dt, steps);
+  CAPTURE(late, dt);
+  CHECK(early.served == 6);
+  CHECK(early.count >= 2);
+  CHECK(seen.served == early.served);
+  CHECK(seen.count == early.count);
+  CHECK(seen.recorded == early.recorded);
+  CHECK(seen.worst == early.worst);
+  CHECK(seen.exponent == Approx(early.exponent).epsilon(1e-3));
+  const Scalar close = 64 * std::numeric_limits<Scalar>::epsilon();
+  REQUIRE(seen.crossings.size() == early.crossings.size());
+  Scalar apart = 0;
+  for (std::size_t i = 0; i < seen.crossings.size(); ++i)
+    apart = std::max(apart, std::abs(seen.crossings[i] - early.crossings[i]));
+  CHECK(apart <= close);
+  // A time that is rounded to a step or so is served within that.
+  REQUIRE(seen.at_times.size() == early.at_times.size());
+  const Scalar rounding = late * std::numeric_limits<Scalar>::epsilon();
+  for (std::size_t i = 0; i < seen.at_times.size(); ++i)
+    CHECK(std::abs(seen.at_times[i] - early.at_times[i]) <= close + 2 * rounding);
+}
+
+}  // namespace
+
+TEST_CASE("Observers see at late times what they see at early ones", "[observers]") {
+  same_at<double>(1.7e9, 2e-2, 20'000);
+  same_at<double>(2.1e12, 0.02, 20'000);
+  same_at<double>(1e13, 1e-3, 20'000);  // a step is half the distance of two numbers
+  same_at<float>(1e4F, 0.02F, 20'000);
+  same_at<float>(4e5F, 0.02F, 20'000);
+}
+
+TEST_CASE("Observers do not forget steps in a long run of floats", "[observers]") {
+  // 64 ε t exceeds dt after 131072 steps.
+  const Seen<float> seen(0, 0.02F, 300'000);
+  const Seen<double> wide(0, 0.02, 300'000);
+  CHECK(seen.served == 6);
+  CHECK(std::abs(double(seen.count) / double(wide.count) - 1) < 0.02);
+  CHECK(seen.exponent == Approx(wide.exponent).epsilon(0.3));  // chaotic, so other orbits of the same sea
+}

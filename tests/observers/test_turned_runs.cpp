@@ -1,0 +1,125 @@
+#include "catch.hpp"
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include <semiexplicit/semiexplicit.hpp>
+
+// Observers of several runs: there and back, on from where the last one ended, another orbit.
+
+namespace {
+
+using namespace semiexplicit;
+using Point = PhasePoint<double, 1>;
+
+/// A rotation, q + ip = e^{-it}, up to the step's own error.
+const auto rotor =
+    make_hamiltonian<double, 1>([](const auto& q, const auto& p) { return (q[0] * q[0] + p[0] * p[0]) / 2; },
+                                [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+                                  dHdq[0] = q[0];
+                                  dHdp[0] = p[0];
+                                });
+auto stepper() { return Semiexplicit(rotor, schemes::low_defect6_s13<double>()); }
+const auto position = [](const auto& q, const auto&) { return q[0]; };
+
+/// A section of q = 0 that lists the times.
+struct Section {
+  std::vector<double> times;
+  PoincareSectionOptions options{.direction = CrossingDirection::both};
+  auto observer(const auto& surface) {
+    return poincare_section(
+        rotor, surface, [this](double t, const Point&) { times.push_back(t); }, options);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("A section sees every crossing of a run there and back, wherever it turns", "[observers]") {
+  for (int steps = 1; steps <= 40; ++steps) {
+    CAPTURE(steps);
+    Section there, back;
+    auto one = there.observer(position), both = back.observer(position);
+    auto move = stepper();
+    Point z(1, 0.03);
+    integrate(move, z, {.dt = 0.1, .steps = steps}, one, both);
+    one.finish();
+    integrate(move, z, {.dt = -0.1, .steps = steps, .t0 = 0.1 * steps}, both);
+    both.finish();
+    REQUIRE(back.times.size() == 2 * there.times.size());
+    for (std::size_t i = 0; i < there.times.size(); ++i) {
+      // The order of the interpolation is lower in a run of few steps.
+      const double accuracy = steps < 19 ? 1e-4 : 1e-7;
+      CHECK(back.times[i] == Approx(there.times[i]).margin(accuracy));
+      CHECK(back.times[back.times.size() - 1 - i] == Approx(there.times[i]).margin(accuracy));
+    }
+  }
+}
+
+TEST_CASE("Times are served in the first interval after a run turned round", "[observers]") {
+  std::vector<double> seen;
+  auto move = stepper();
+  Point z(1, 0);
+  integrate(move, z, {.dt = 0.1, .steps = 10});
+  auto at = at_times(rotor, {1.0, 0.97, 0.03, 0.0}, [&](double t, const Point& w) {
+    seen.push_back(t);
+    CHECK(w.q()[0] == Approx(std::cos(t)).margin(1e-9));
+  });
+  integrate(move, z, {.dt = -0.1, .steps = 10, .t0 = 1}, at);
+  CHECK(seen == std::vector<double>{1.0, 0.97, 0.03, 0.0});
+}
+
+TEST_CASE("A section does not connect the end of one orbit with the start of another", "[observers]") {
+  Section section;
+  auto observer = section.observer(position);
+  auto move = stepper();
+  for (const double start : {1.0, -1.0, 1.0}) {
+    Point z(start, 0);
+    integrate(move, z, {.dt = 0.1, .steps = 10}, observer);  // to t = 1, before the crossing at π/2
+  }
+  observer.finish();
+  CHECK(section.times.empty());
+  // Started on the surface, where the last orbit was beside it.
+  Point z(0, 1);
+  integrate(move, z, {.dt = 0.1, .steps = 10}, observer);
+  observer.finish();
+  CHECK(section.times.empty());
+}
+
+TEST_CASE("A state that touches the surface is no crossing, one that goes through is", "[observers]") {
+  for (const CrossingDirection direction :
+       {CrossingDirection::rising, CrossingDirection::falling, CrossingDirection::both}) {
+    const auto times_of = [&](const std::vector<double>& values) {
+      Section section{.times = {}, .options = {.direction = direction}};
+      auto observer = section.observer(position);
+      for (std::size_t i = 0; i < values.size(); ++i) observer(double(i), Point(values[i], 0));
+      observer.finish();
+      return section.times;
+    };
+    const bool rises = direction != CrossingDirection::falling,
+               falls = direction != CrossingDirection::rising;
+    CHECK(times_of({-3, -2, -1, 0, -1, -2, -3, -4}).empty());
+    CHECK(times_of({3, 2, 1, 0, 1, 2, 3, 4}).empty());
+    CHECK(times_of({0, 0, 0, 0, 0}).empty());
+    CHECK(times_of({0, 1, 2, 3, 4}).empty());
+    CHECK(times_of({-2, -1, 0, 1, 2}) == (rises ? std::vector<double>{2} : std::vector<double>{}));
+    CHECK(times_of({2, 1, 0, 0, -1, -2}) == (falls ? std::vector<double>{3} : std::vector<double>{}));
+  }
+}
+
+TEST_CASE("Invariants, records and counts of a run there and back", "[observers]") {
+  auto move = stepper();
+  Point z(1, 0);
+  Invariants invariants(rotor);
+  Record<double, 1> record;
+  int calls = 0;
+  auto third = every(3, [&](double, const Point&) { ++calls; });
+  integrate(move, z, {.dt = 0.1, .steps = 30}, invariants, record, third);
+  integrate(move, z, {.dt = -0.1, .steps = 30, .t0 = 3}, invariants, record, third);
+  CHECK(record.t.size() == 62);
+  CHECK(record.t[31] == 3);
+  CHECK(record.t.back() == Approx(0).margin(1e-15));
+  CHECK(calls == 21);
+  CHECK(invariants["energy"].worst < 1e-12);
+  CHECK(z.q()[0] == Approx(1).epsilon(1e-12));
+}

@@ -7,7 +7,7 @@
 #include <string>
 #include <system_error>
 
-#include "whole_file.hpp"
+#include <semiexplicit/io/durable_file.hpp>
 
 #include <spawn.h>
 #include <sys/wait.h>
@@ -50,18 +50,17 @@ inline int run_gnuplot(const std::string& script, const std::string& output) {
 /// gnuplot there is a hint and no picture.
 inline void draw(const std::filesystem::path& png, const std::string& script) {
   const std::filesystem::path script_path = std::filesystem::path(png).replace_extension("gp");
-  const std::filesystem::path part = png.string() + ".part";
-  std::filesystem::remove(png);  // an older one would belong to other data
-  write_whole(script_path, [&](std::ostream& out) { out << script; });
+  semiexplicit::DurableFile::remove(png);  // an older one would belong to other data
+  semiexplicit::write_durably(script_path, script);
 
-  const int code = run_gnuplot(script_path.string(), part.string());
+  semiexplicit::DurableFile picture(png);
+  const int code = run_gnuplot(script_path.string(), picture.part().string());
   if (code == 0) {
-    std::filesystem::rename(part, png);
+    if (!picture.direct()) picture.go_on_after(std::filesystem::file_size(picture.part()));
+    picture.commit();
     std::cout << "picture: " << png.string() << '\n';
     return;
   }
-  std::error_code ignored;
-  std::filesystem::remove(part, ignored);
   if (code > 0) throw std::runtime_error("gnuplot failed on " + script_path.string());
   std::cerr
       << "No picture: gnuplot is not installed (Debian, Ubuntu: apt-get install gnuplot-nox). Then: gnuplot "

@@ -369,8 +369,10 @@ TEST_CASE("A second run on the same table is refused while the first lives", "[i
 
 TEST_CASE("A file that is moved away or in the way is not taken for ours", "[io]") {
   const Folder folder;
-  const fs::path path = folder.path / "table.csv", part = folder.path / "table.csv.part";
+  const fs::path path = folder.path / "table.csv", part = folder.path / "table.csv.part",
+                 stderr_file = folder.path / "stderr";
   {
+    const Redirected to_file(STDERR_FILENO, stderr_file);
     CsvWriter writer(path, {"t"});
     writer.row({1});
     fs::rename(part, folder.path / "mine");
@@ -379,6 +381,7 @@ TEST_CASE("A file that is moved away or in the way is not taken for ours", "[io]
     CHECK_FALSE(fs::exists(path));
   }
   CHECK(contents(part) == "other");
+  CHECK(contents(stderr_file).empty());  // the rows are not there
   fs::remove(part);
   CsvWriter writer(path, {"t"});
   writer.row({1});

@@ -52,7 +52,8 @@ struct Destination {
     direct = true;
     if (!of_processes || folder.starts_with("/proc/" + std::to_string(getpid()) + "/")) {
       const std::string digits = path.filename().string();
-      std::from_chars(digits.data(), digits.data() + digits.size(), descriptor);
+      const char* const end = digits.data() + digits.size();
+      if (std::from_chars(digits.data(), end, descriptor).ptr != end) descriptor = -1;
     }
     return true;
 #else
@@ -67,8 +68,9 @@ struct Destination {
 ///
 /// What is written goes to `name` + ".part", each write() to the operating system at once, so that it outlives the process
 /// (kill -9). commit() waits until all is on the disk, and renames. Symbolic links are followed; a file that is replaced hands
-/// on its permissions. What is no regular file (a device, a pipe, /dev/stdout) is written to directly. As long as the object
-/// lives its .part is locked, and after commit() the file itself: another one for the same name is refused.
+/// on its permissions. What is no regular file (a device, a pipe, /dev/stdout) is written to directly. The .part is locked
+/// until it is committed, where the operating system has locks: a second object for the same name, in this process or
+/// another, is refused.
 ///
 /// Whatever fails throws std::runtime_error that says which file, why and what to do; the earlier file of that name stays.
 class DurableFile {
@@ -86,16 +88,14 @@ class DurableFile {
       open_part();
   }
   ~DurableFile() {
-    if (committed_ || to_.direct) return;
-    if (uncommitted_ == Uncommitted::kept && length_ > 0) {
-      std::fprintf(stderr, "semiexplicit: %s was not committed; what was written is in %s\n",
-                   name_.string().c_str(), part_.string().c_str());
-      return;
-    }
+    if (committed_ || to_.direct || !file_.is(part_)) return;
     std::error_code ignored;
-    const bool of_earlier_run =
-        uncommitted_ == Uncommitted::kept && !begun_ && std::filesystem::file_size(part_, ignored) > 0;
-    if (of_earlier_run || !file_.is(part_)) return;
+    if (uncommitted_ == Uncommitted::kept) {
+      if (length_ > 0)
+        std::fprintf(stderr, "semiexplicit: %s was not committed; what was written is in %s\n",
+                     name_.string().c_str(), part_.string().c_str());
+      if (length_ > 0 || std::filesystem::file_size(part_, ignored) > 0) return;  // or an earlier run's
+    }
 #if defined(_WIN32)
     file_.close();
 #endif

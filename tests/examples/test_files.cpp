@@ -10,6 +10,10 @@
 #include <stdexcept>
 #include <string>
 
+#if defined(__linux__)
+#include <sys/mount.h>
+#endif
+
 #include "folder.hpp"
 #include "refusal.hpp"
 
@@ -71,6 +75,30 @@ TEST_CASE("A picture goes where its link leads, and a failed one leaves none", "
   CHECK_FALSE(fs::exists(target));  // it would belong to other data
   CHECK_FALSE(fs::exists(target.string() + ".part"));
 }
+
+#if defined(__linux__)
+TEST_CASE("A picture that a full disk cuts short is an error, and is not there", "[examples]") {
+  const Folder folder;
+  if (mount("none", folder.path.c_str(), "tmpfs", 0, "size=32k") != 0) {
+    WARN("no small tmpfs can be mounted here");
+    return;
+  }
+  const fs::path png = folder.path / "large.png";
+  std::ofstream(folder.path / "rest") << std::string(20'000, '1');
+  const std::string said = complaint([&] {
+    draw(png, gnuplot_prologue(png, 2000, 2000) + "plot sin(9*x) with lines, sin(19*x) with points\n");
+  });
+  const bool there = fs::exists(png) || fs::exists(png.string() + ".part"),
+             script = fs::exists(folder.path / "large.gp");
+  umount(folder.path.c_str());
+  CHECK(script);
+  CHECK_FALSE(there);
+  if (said == "no complaint")
+    WARN("no gnuplot here");
+  else
+    CHECK(says(said, png.string() + ": cannot be written"));
+}
+#endif
 
 TEST_CASE("Finished blocks are whole or not there", "[examples]") {
   const Folder folder;

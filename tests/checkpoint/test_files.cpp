@@ -189,7 +189,7 @@ TEST_CASE("Where a checkpoint cannot be written, that is said and the old one st
   const std::string old = contents(run.file);
   GaussLegendre stepper(run.h, {.stages = 2});
   PhasePoint<double, 1> z = run.start;
-  const auto complaint = [&](const fs::path& path) -> std::string {
+  const auto said_of = [&](const fs::path& path) -> std::string {
     try {
       Checkpoints checkpoints(path, {.every = 10}, stepper, run.options);
       integrate(stepper, z, run.options, checkpoints);
@@ -198,9 +198,9 @@ TEST_CASE("Where a checkpoint cannot be written, that is said and the old one st
     }
     return "";
   };
-  CHECK(says(complaint(run.folder.path / "nowhere" / "file"), "check that the folder exists"));
+  CHECK(says(said_of(run.folder.path / "nowhere" / "file"), "check that the folder exists"));
   fs::create_directory(run.folder.path / "folder");
-  CHECK(says(complaint(run.folder.path / "folder"), "folder: "));
+  CHECK(says(said_of(run.folder.path / "folder"), "folder: "));
   CHECK_FALSE(fs::exists(run.folder.path / "folder.part"));
   CHECK(contents(run.file) == old);
   CHECK(refuses([&] { Checkpoints("x", {.every = -1}, stepper, run.options); }, "every is negative"));

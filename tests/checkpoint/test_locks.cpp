@@ -22,17 +22,6 @@ namespace {
 using namespace semiexplicit;
 namespace fs = std::filesystem;
 
-/// What action() says when it throws std::runtime_error.
-template <class Action>
-std::string complaint(const Action& action) {
-  try {
-    action();
-  } catch (const std::runtime_error& error) {
-    return error.what();
-  }
-  return "no complaint";
-}
-
 const std::string refusal_of_second =
     ": another run has it open; wait for its end, or give this run another file";
 

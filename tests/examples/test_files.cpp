@@ -24,17 +24,6 @@ namespace {
 using namespace examples;
 namespace fs = std::filesystem;
 
-/// What action() says when it throws std::runtime_error.
-template <class Action>
-std::string complaint(const Action& action) {
-  try {
-    action();
-  } catch (const std::runtime_error& error) {
-    return error.what();
-  }
-  return "no complaint";
-}
-
 }  // namespace
 
 TEST_CASE("A text goes where its link leads, with decimal points, or there is none of it", "[examples]") {

@@ -38,17 +38,6 @@ namespace {
 using namespace semiexplicit;
 namespace fs = std::filesystem;
 
-/// What action() says when it throws std::runtime_error.
-template <class Action>
-std::string complaint(const Action& action) {
-  try {
-    action();
-  } catch (const std::runtime_error& error) {
-    return error.what();
-  }
-  return "no complaint";
-}
-
 /// Writes a table of one row.
 void write_table(const fs::path& path, double value = 1) {
   CsvWriter writer(path, {"t"});

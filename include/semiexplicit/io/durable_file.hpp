@@ -172,7 +172,7 @@ class DurableFile {
   /// The file itself, open and locked; only after commit().
   detail::Descriptor release() { return std::move(file_); }
 
-  /// Takes away the regular file that a name leads to, if there is one; links, devices and folders stay.
+  /// Takes away the regular file that a name leads to, if there is one; links and devices stay.
   static void remove(const std::filesystem::path& name) {
     const detail::Destination to(name);
     std::error_code failure;

@@ -14,6 +14,17 @@ std::string refusal(const Action& action) {
   return "nothing was refused";
 }
 
+/// What action() says when it throws std::runtime_error.
+template <class Action>
+std::string complaint(const Action& action) {
+  try {
+    action();
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return "no complaint";
+}
+
 /// Whether a message contains that text.
 inline bool says(const std::string& message, const std::string& text) {
   return message.find(text) != std::string::npos;

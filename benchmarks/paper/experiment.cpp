@@ -7,8 +7,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include <unistd.h>
-
+#include "common/whole_file.hpp"
 #include "methods.hpp"
 #include "problems.hpp"
 
@@ -153,29 +152,25 @@ void Results::make(const Experiment& experiment, const std::string& label) const
   run(experiment, label, result, series);
 
   std::filesystem::create_directories(folder_);
-  const std::filesystem::path whole = file(experiment),
-                              part = whole.string() + "." + std::to_string(getpid()) + ".part";
-  std::ofstream out(part);
-  out.precision(17);
-  out << "# status," << result.status << '\n';
-  for (const Field& field : fields()) out << "# " << field.name << ',' << result.*field.value << '\n';
-  const auto names = invariant_names(experiment.problem);
-  for (std::size_t i = 0; i < result.worst.size(); ++i)
-    out << "# worst " << names[i] << ',' << result.worst[i] << '\n';
-  if (experiment.series) {
-    out.precision(6);
-    out << "# series: t";
-    for (const std::string& name : names) out << ',' << name;
-    out << ",defect\n";
-    for (std::size_t n = 0; n < series.t.size(); ++n) {
-      out << series.t[n];
-      for (const double value : series.rows[n]) out << ',' << value;
-      out << '\n';
+  examples::write_whole(file(experiment), [&](std::ostream& out) {
+    out.precision(17);
+    out << "# status," << result.status << '\n';
+    for (const Field& field : fields()) out << "# " << field.name << ',' << result.*field.value << '\n';
+    const auto names = invariant_names(experiment.problem);
+    for (std::size_t i = 0; i < result.worst.size(); ++i)
+      out << "# worst " << names[i] << ',' << result.worst[i] << '\n';
+    if (experiment.series) {
+      out.precision(6);
+      out << "# series: t";
+      for (const std::string& name : names) out << ',' << name;
+      out << ",defect\n";
+      for (std::size_t n = 0; n < series.t.size(); ++n) {
+        out << series.t[n];
+        for (const double value : series.rows[n]) out << ',' << value;
+        out << '\n';
+      }
     }
-  }
-  out.close();
-  if (!out) throw std::runtime_error(part.string() + ": cannot be written; is the disk full?");
-  std::filesystem::rename(part, whole);
+  });
 }
 
 Result Results::get(const Experiment& experiment) const {

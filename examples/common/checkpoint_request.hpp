@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <sstream>
 #include <string>
-#include <system_error>
 
 #include <CLI/CLI.hpp>
 #include <semiexplicit/semiexplicit.hpp>
@@ -24,8 +23,7 @@ struct CheckpointRequest {
 
   /// The run is done and its files are there.
   void finish() const {
-    std::error_code ignored;
-    if (wanted()) std::filesystem::remove(file, ignored);
+    if (wanted()) semiexplicit::DurableFile::remove(file);
   }
 };
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <semiexplicit/checkpoint/file.hpp>
+#include <semiexplicit/io/durable_file.hpp>
 
 namespace examples {
 
@@ -28,7 +29,7 @@ class FinishedBlocks {
   void save(std::int64_t block, const std::vector<double>& numbers) const {
     std::string contents = head(block);
     contents.append(reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(double));
-    semiexplicit::detail::write_durably(file(block), semiexplicit::detail::CheckpointFrame::pack(contents));
+    semiexplicit::write_durably(file(block), semiexplicit::detail::CheckpointFrame::pack(contents));
   }
 
   /// The numbers of a block, or nothing where there is no such file yet. Throws std::runtime_error, with the reason, where

@@ -39,10 +39,13 @@ class SweepResults {
   /// sweep.csv where the program was built without HDF5. The file gets its name when it is whole.
   std::filesystem::path write(const std::filesystem::path& folder) const {
 #ifdef SEMIEXPLICIT_EXAMPLES_HDF5
-    const std::filesystem::path path = folder / "sweep.h5", part = path.string() + ".part";
+    const std::filesystem::path path = folder / "sweep.h5";
+    std::string image;
     try {
       H5::Exception::dontPrint();
-      H5::H5File file(part.string(), H5F_ACC_TRUNC);
+      H5::FileAccPropList in_memory;
+      in_memory.setCore(std::size_t{1} << 20, false);
+      H5::H5File file(path.string(), H5F_ACC_TRUNC, H5::FileCreatPropList::DEFAULT, in_memory);
       const hsize_t count = size();
       const H5::DataSpace space(1, &count);
       H5::DSetCreatPropList untimed;  // without times two equal runs make two equal files
@@ -56,12 +59,13 @@ class SweepResults {
       const std::string words = sweep_.in_words();
       const H5::StrType text(H5::PredType::C_S1, words.size());
       file.createAttribute("settings", text, H5::DataSpace(H5S_SCALAR)).write(text, words);
-      file.close();
+      file.flush(H5F_SCOPE_GLOBAL);
+      image.resize(static_cast<std::size_t>(H5Fget_file_image(file.getId(), nullptr, 0)));
+      H5Fget_file_image(file.getId(), image.data(), image.size());
     } catch (const H5::Exception& error) {
-      throw std::runtime_error(part.string() + ": cannot be written (HDF5: " + error.getDetailMsg() +
-                               "); is the disk full?");
+      throw std::runtime_error(path.string() + ": cannot be made by HDF5: " + error.getDetailMsg());
     }
-    std::filesystem::rename(part, path);
+    write_durably(path, image);
 #else
     const std::filesystem::path path = folder / "sweep.csv";
     CsvWriter csv(path, Sweep::columns());

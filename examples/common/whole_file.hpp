@@ -1,22 +1,21 @@
 #pragma once
 
 #include <filesystem>
-#include <fstream>
-#include <stdexcept>
-#include <string>
+#include <locale>
+#include <sstream>
+
+#include <semiexplicit/io/durable_file.hpp>
 
 namespace examples {
 
-/// Writes what write(out) puts out to a file, which gets its name when it is whole. Throws std::runtime_error where that
-/// fails.
+/// Writes what write(out) puts out to a file, which gets its name when it is whole; numbers have a decimal point in any
+/// locale. Throws std::runtime_error where that fails.
 template <class Write>
 void write_whole(const std::filesystem::path& path, const Write& write) {
-  const std::filesystem::path part = path.string() + ".part";
-  std::ofstream out(part);
+  std::ostringstream out;
+  out.imbue(std::locale::classic());
   write(out);
-  out.close();
-  if (!out) throw std::runtime_error(part.string() + ": cannot be written; is the disk full?");
-  std::filesystem::rename(part, path);
+  semiexplicit::write_durably(path, out.view());
 }
 
 }  // namespace examples

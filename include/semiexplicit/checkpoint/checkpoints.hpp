@@ -17,6 +17,7 @@
 #include <semiexplicit/core/checkpointable.hpp>
 #include <semiexplicit/core/phase_point.hpp>
 #include <semiexplicit/integrate.hpp>
+#include <semiexplicit/io/durable_file.hpp>
 
 namespace semiexplicit {
 
@@ -43,6 +44,7 @@ struct CheckpointOptions {
 ///
 /// Comes last among the observers, for it saves what those before it have seen. The file is written whole and flushed to the
 /// disk before it takes the place of the one before; where that fails, std::runtime_error is thrown and the old one stays.
+/// From resume(), or the first save, on it is locked as long as this object lives, and a second run on it is refused.
 /// Refers to the stepper and the observers, which must outlive it. `steps` may grow from run to run. A checkpoint holds for
 /// the compiler and the flags that the program was built with, as the last bits of any floating-point result do.
 template <class S, class... Observers>
@@ -67,12 +69,16 @@ class Checkpoints {
 
   /// Puts stepper, observers and z, which comes as the run began, back to where the file has them, and gives the report up to
   /// there, for IntegrationOptions::done. Where there is no such file it changes nothing and gives an empty report. Throws
-  /// std::invalid_argument, naming file, reason and remedy, where the file is damaged or belongs to another run;
-  /// z and the stepper are then untouched.
+  /// std::invalid_argument, naming file, reason and remedy, where the file is damaged or belongs to another run, and
+  /// std::runtime_error where it cannot be written or another run that is alive has it open; z and the stepper are then
+  /// untouched.
   IntegrationReport resume(State& z) {
     start_state_ = checksum_of(z);
     last_time_ = Clock::now();
     IntegrationReport done;
+    DurableFile{path_};  // what cannot be written is to be said before the run
+    detail::Descriptor lock;
+    if (!lock_.is(path_)) lock = detail::lock_existing(path_);
     try {
       const auto file = detail::read_if_there(path_);
       if (!file) return done;
@@ -89,6 +95,7 @@ class Checkpoints {
     } catch (const std::invalid_argument& reason) {
       throw std::invalid_argument("checkpoint " + path_.string() + ": " + reason.what());
     }
+    if (lock) lock_ = std::move(lock);
     done_seconds_ = done.seconds;
     last_ = done.steps;
     return done;
@@ -109,16 +116,21 @@ class Checkpoints {
     report.seconds = done_seconds_ + since(start_);
     visit_head(memory, report, copy);
     visit_all(memory);
-    detail::write_durably(path_, detail::CheckpointFrame::pack(memory.bytes()));
+    DurableFile file(path_);
+    if (!lock_.is(path_)) lock_ = detail::lock_existing(path_);
+    file.write(detail::CheckpointFrame::pack(memory.bytes()));
+    file.commit();
+    lock_ = file.release();
     last_ = so_far.steps;
     last_time_ = Clock::now();
   }
 
-  /// Takes the file away: the run is done. Does nothing where there is none.
-  void remove() const {
-    std::error_code failure;
-    std::filesystem::remove(path_, failure);
-    if (failure) throw std::runtime_error(path_.string() + ": " + failure.message());
+  /// Takes the file away: the run is done. Does nothing where there is none. Throws std::runtime_error where another run has
+  /// it open.
+  void remove() {
+    if (!lock_.is(path_)) lock_ = detail::lock_existing(path_);
+    DurableFile::remove(path_);
+    lock_ = {};
   }
 
  private:
@@ -236,6 +248,7 @@ class Checkpoints {
   std::uint64_t start_state_ = 0;
   double done_seconds_ = 0;
   std::int64_t last_ = 0, next_look_ = 0, look_every_ = 1;
+  detail::Descriptor lock_{};  ///< the file at path_, so that another run is refused
   Clock::time_point start_ = Clock::now(), last_time_ = start_, last_look_ = start_;
 };
 

@@ -12,52 +12,9 @@
 #include <string_view>
 #include <system_error>
 
-#if !defined(_WIN32)
-#include <fcntl.h>
-#include <unistd.h>
-#endif
+#include <semiexplicit/io/checksum.hpp>
 
 namespace semiexplicit::detail {
-
-/// The checksum FNV-1a with 64 bits, of `bytes` after those that gave `so_far`. A single changed byte always changes it.
-/// Source: G. Fowler, L. C. Noll, K.-P. Vo, D. Eastlake, The FNV Non-Cryptographic Hash Algorithm (IETF draft-eastlake-fnv).
-inline std::uint64_t checksum(std::string_view bytes, std::uint64_t so_far = 0xcbf29ce484222325U) {
-  for (const char byte : bytes) so_far = (so_far ^ static_cast<unsigned char>(byte)) * 0x100000001b3U;
-  return so_far;
-}
-
-/// Waits until what was written to a file, or the names in a folder, is on the disk; false where that fails.
-inline bool sync_to_disk([[maybe_unused]] const std::filesystem::path& path) {
-#if defined(_WIN32)
-  return true;
-#else
-  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (file < 0) return false;
-  const bool done = fsync(file) == 0;
-  return close(file) == 0 && done;
-#endif
-}
-
-/// Writes a file that is there whole or not at all, even where the power fails: to `path` + ".part", which is flushed to the
-/// disk and then renamed. Throws std::runtime_error, naming the file; what was there before is there still.
-inline void write_durably(const std::filesystem::path& path, std::string_view bytes) {
-  const std::filesystem::path part = path.string() + ".part";
-  const auto fail = [&](const std::string& why) {
-    std::error_code ignored;
-    std::filesystem::remove(part, ignored);
-    throw std::runtime_error(path.string() + ": " + why);
-  };
-  std::ofstream out(part, std::ios::binary);
-  if (!out) fail("cannot be written; check that the folder exists and is writable");
-  out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  out.close();
-  if (!out || !sync_to_disk(part)) fail("cannot be written; is the disk full?");
-  std::error_code failure;
-  std::filesystem::rename(part, path, failure);
-  if (failure) fail(failure.message());
-  const std::filesystem::path folder = path.parent_path();
-  sync_to_disk(folder.empty() ? "." : folder);  // the new name; some file systems cannot, and need not
-}
 
 /// The format of checkpoints: a line that says what it is, byte order, version, length, contents, checksum of all that.
 struct CheckpointFrame {
@@ -116,16 +73,15 @@ struct CheckpointFrame {
 
 /// All of a file, or nothing where there is none. Throws std::invalid_argument where it cannot be read.
 inline std::optional<std::string> read_if_there(const std::filesystem::path& path) {
-  std::error_code ignored;
-  if (std::filesystem::symlink_status(path, ignored).type() == std::filesystem::file_type::not_found)
-    return {};
-  std::ifstream in(path, std::ios::binary);
+  std::error_code failure;
+  const auto type = std::filesystem::status(path, failure).type();  // a link to nothing is nothing
+  if (type == std::filesystem::file_type::not_found) return {};
   std::string bytes;
-  if (in && std::filesystem::is_regular_file(path, ignored))
-    bytes.assign(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
-  else
-    in.setstate(std::ios::failbit);
-  if (!in || in.bad()) throw std::invalid_argument("cannot be read; check what it is and who may read it");
+  std::ifstream in;
+  if (type == std::filesystem::file_type::regular) in.open(path, std::ios::binary);
+  if (in.is_open()) bytes.assign(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
+  if (!in.is_open() || in.bad())
+    throw std::invalid_argument("cannot be read; check what it is and who may read it");
   return bytes;
 }
 

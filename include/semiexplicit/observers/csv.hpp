@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdint>
-#include <exception>
 #include <filesystem>
 #include <fstream>
 #include <initializer_list>
@@ -16,71 +15,52 @@
 
 #include <Eigen/Core>
 
-#include <semiexplicit/checkpoint/file.hpp>
+#include <semiexplicit/io/checksum.hpp>
+#include <semiexplicit/io/durable_file.hpp>
 
 namespace semiexplicit {
 
 /// Writes a table of doubles as CSV: a header, then rows, each number with as many digits as it takes to read it back
-/// exactly. The rows go to `path` + ".part"; commit() gives the file its name, so that a file of that name is always whole.
-/// Without commit() nothing is left behind, except where an exception ends the run or a checkpoint counts on the rows: they are
-/// then in the .part. Throws std::runtime_error, naming the file, where writing fails.
+/// exactly, with a decimal point in any locale. The rows go to `path` + ".part", each as row() returns; commit() gives the file
+/// its name, so that a file of that name is always whole. Without commit(), forgotten or not reached, the rows stay in the .part,
+/// and a line on stderr says so; the next run's first row replaces them. Links, devices, locks and what is thrown: DurableFile.
 class CsvWriter {
  public:
   static constexpr const char* name = "CsvWriter";
 
   CsvWriter(std::filesystem::path path, const std::vector<std::string>& columns)
-      : path_(std::move(path)),
-        part_(path_.string() + ".part"),
-        columns_(columns.size()),
-        out_(part_, std::ios::app) {  // what is there may be gone on with
-    for (std::size_t i = 0; i < columns.size(); ++i) line_ += (i > 0 ? "," : "") + columns[i];
-    line_ += '\n';
-    require("cannot be written; check that the folder exists and is writable");
+      : path_(path), columns_(columns.size()), file_(std::move(path), DurableFile::Uncommitted::kept) {
+    for (std::size_t i = 0; i < columns.size(); ++i) header_ += (i > 0 ? "," : "") + columns[i];
+    header_ += '\n';
   }
-  ~CsvWriter() {
-    if (committed_) return;
-    out_.close();
-    std::error_code ignored;
-    if (saved_) return;
-    const bool own = begun_ ? std::uncaught_exceptions() <= exceptions_
-                            : std::filesystem::file_size(part_, ignored) == 0;  // not an earlier run's
-    if (own) std::filesystem::remove(part_, ignored);
-  }
-  CsvWriter(const CsvWriter&) = delete;
-  CsvWriter& operator=(const CsvWriter&) = delete;
 
+  /// Throws std::invalid_argument where the number of values is not that of the columns, and std::runtime_error where they
+  /// cannot be written: the rows before are kept then, and nothing of this one.
   void row(std::span<const double> values) {
     if (values.size() != columns_)
       throw std::invalid_argument(path_.string() + ": a row of " + std::to_string(values.size()) +
                                   " numbers for " + std::to_string(columns_) + " columns");
-    begin();
-    line_.clear();
+    line_ = fresh() ? header_ : "";
+    const char* separator = "";
     for (const double value : values) {
       char digits[32];
-      const auto end = std::to_chars(digits, digits + sizeof digits, value).ptr;
-      if (!line_.empty()) line_ += ',';
-      line_.append(digits, end);
+      line_ += std::exchange(separator, ",");
+      line_.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
     }
     line_ += '\n';
-    out_ << line_;
-    require("cannot be written; is the disk full?");
+    file_.write(line_);
   }
   void row(std::initializer_list<double> values) {
     row(std::span<const double>(values.begin(), values.size()));
   }
 
   /// Whether there are no rows yet: a run that goes on would lose those of its beginning.
-  bool fresh() const { return !begun_; }
+  bool fresh() const { return file_.length() == 0; }
 
   /// Ends the file and gives it its name.
   void commit() {
-    begin();
-    out_.close();
-    require("cannot be closed; is the disk full?");
-    std::error_code failure;
-    std::filesystem::rename(part_, path_, failure);
-    if (failure) throw std::runtime_error(path_.string() + ": " + failure.message());
-    committed_ = true;
+    if (fresh()) file_.write(header_);
+    file_.commit();
   }
 
   /// See Describable.
@@ -90,77 +70,66 @@ class CsvWriter {
   }
   /// How long the .part is, and its checksum; see CheckpointMemory. What is saved is on the disk first. What is put back
   /// cuts the .part of the earlier run to that length and goes on there; throws std::invalid_argument where it is
-  /// not what it was.
+  /// not what it was. What was written to a device or a pipe cannot be looked at again: the next row follows it.
   template <class Visitor>
   void visit_memory(Visitor&& visit) {
-    if (begun_) {
-      out_.flush();
-      if (!out_ || !detail::sync_to_disk(part_)) require_not("cannot be written; is the disk full?");
-      take_in(std::filesystem::file_size(part_));
+    if (!fresh()) {
+      file_.sync();
+      saved_ = beginning(file_.length(), saved_);
     }
-    std::uint64_t length = length_, sum = sum_;
-    visit(length);
-    visit(sum);
-    if (length != length_ || sum != sum_) go_on_from(length, sum);
-    saved_ = begun_;
+    Beginning wanted = saved_;
+    visit(wanted.length);
+    visit(wanted.sum);
+    if (wanted != saved_) go_on_from(wanted);
   }
 
  private:
-  void require(const char* remedy) const {
-    if (!out_) require_not(remedy);
-  }
-  [[noreturn]] void require_not(const char* remedy) const {
-    throw std::runtime_error(path_.string() + ": " + remedy);
-  }
+  /// The first bytes of a file, by their number and checksum.
+  struct Beginning {
+    std::uint64_t length = 0, sum = detail::checksum("");
+    bool operator==(const Beginning&) const = default;
+  };
 
-  /// Starts the file with the header, unless it goes on from an earlier run.
-  void begin() {
-    if (begun_) return;
-    begun_ = true;
-    out_.close();
-    out_.open(part_);
-    out_ << line_;
-    require("cannot be written; is the disk full?");
-  }
-
-  /// Brings length_ and sum_ up to the first `length` bytes of the .part. False: it has not so many.
-  bool take_in(std::uint64_t length) {
-    std::ifstream in(part_, std::ios::binary);
-    in.seekg(static_cast<std::streamoff>(length_));
+  /// So many bytes of the .part, or as many as there are; those of `known` are not read again.
+  Beginning beginning(std::uint64_t length, Beginning known) const {
+    if (file_.direct()) return {.length = length};
     std::string piece;
-    while (in && length_ < length) {
-      piece.resize(static_cast<std::size_t>(std::min<std::uint64_t>(length - length_, 1 << 20)));
-      if (!in.read(piece.data(), static_cast<std::streamsize>(piece.size()))) return false;
-      sum_ = detail::checksum(piece, sum_);
-      length_ += piece.size();
+    while (known.length < length) {
+      piece.resize(static_cast<std::size_t>(std::min<std::uint64_t>(length - known.length, 1 << 20)));
+      if (!file_.read(known.length, piece.data(), piece.size())) break;
+      known = {.length = known.length + piece.size(), .sum = detail::checksum(piece, known.sum)};
     }
-    return length_ == length;
+    return known;
   }
 
-  void go_on_from(std::uint64_t length, std::uint64_t sum) {
-    length_ = 0;
-    sum_ = detail::checksum("");
-    if (!take_in(length) || sum_ != sum)
+  void go_on_from(const Beginning& wanted) {
+    if (beginning(wanted.length, {}) == wanted) {
+      file_.go_on_after(wanted.length);
+    } else if (const std::string rows = committed(wanted.length); detail::checksum(rows) == wanted.sum) {
+      file_.write(rows);  // a run that was killed between commit() and the end of its checkpoints
+    } else {
       throw std::invalid_argument(
-          part_.string() +
+          file_.part().string() +
           " is not what it was when the checkpoint was written; start anew without the checkpoint");
-    out_.close();
-    std::error_code failure;
-    std::filesystem::resize_file(part_, length, failure);
-    if (!failure) out_.open(part_, std::ios::app);
-    if (failure) require_not("its .part cannot be cut to the length at the checkpoint");
-    require("cannot be written; check that the folder is writable");
-    begun_ = true;
+    }
+    saved_ = wanted;
   }
 
-  std::filesystem::path path_, part_;
+  /// The first bytes of the file that has its name already; nothing where it is shorter.
+  std::string committed(std::uint64_t length) const {
+    std::error_code failure;
+    const std::uintmax_t size = std::filesystem::file_size(path_, failure);
+    if (failure || size < length) return {};
+    std::string bytes(static_cast<std::size_t>(length), '\0');
+    std::ifstream(path_, std::ios::binary).read(bytes.data(), static_cast<std::streamsize>(length));
+    return bytes;
+  }
+
+  std::filesystem::path path_;
   std::size_t columns_;
-  std::ofstream out_;
-  std::string line_;  ///< the header, until that is written
-  bool begun_ = false, committed_ = false;
-  bool saved_ = false;  ///< whether a checkpoint counts on what is there
-  int exceptions_ = std::uncaught_exceptions();
-  std::uint64_t length_ = 0, sum_ = detail::checksum("");  ///< of the .part when it was last saved
+  std::string header_, line_;
+  DurableFile file_;
+  Beginning saved_;  ///< what was in the .part when it was last saved
 };
 
 /// An observer that writes the trajectory, as doubles: t, q0, q1, ..., p0, p1, .... Call commit() after the run.

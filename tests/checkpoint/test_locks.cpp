@@ -1,0 +1,129 @@
+#include "catch.hpp"
+
+#if __has_include(<unistd.h>)
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+#include <string>
+
+#include <unistd.h>
+
+#include <semiexplicit/semiexplicit.hpp>
+
+#include "child.hpp"
+#include "folder.hpp"
+#include "refusal.hpp"
+
+// Two runs on one checkpoint file, and checkpoint files behind links.
+
+namespace {
+
+using namespace semiexplicit;
+namespace fs = std::filesystem;
+
+const std::string refusal_of_second =
+    ": another run has it open; wait for its end, or give this run another file";
+
+/// A run and its checkpoints, every ten steps.
+struct Run {
+  GaussLegendre<systems::Product<double>> stepper{systems::Product<double>{}, {.stages = 1}};
+  PhasePoint<double, 1> z{-3, 0};
+  IntegrationOptions<double> options{.dt = 0.1, .steps = 25};
+  Checkpoints<GaussLegendre<systems::Product<double>>> checkpoints;
+
+  explicit Run(const fs::path& file) : checkpoints(file, {.every = 10}, stepper, options) {}
+  std::int64_t resume() { return (options.done = checkpoints.resume(z)).steps; }
+  void go() { integrate(stepper, z, options, checkpoints); }
+};
+
+std::ptrdiff_t files_in(const fs::path& folder) {
+  return std::distance(fs::directory_iterator(folder), fs::directory_iterator());
+}
+
+}  // namespace
+
+TEST_CASE("A second process on a checkpoint is refused while the first lives", "[checkpoint]") {
+  const Folder folder;
+  const fs::path file = folder.path / "run.checkpoint";
+  Signal ready;
+  const pid_t child = start_child([&] {
+    Run run(file);
+    run.resume();
+    run.go();
+    ready.give();
+    pause();
+    return 0;
+  });
+  REQUIRE(ready.wait());
+  const std::string saved = contents(file);
+  Run second(file);
+  CHECK(complaint([&] { second.resume(); }) == file.string() + refusal_of_second);
+  CHECK(complaint([&] { second.go(); }) == file.string() + refusal_of_second);  // without resume()
+  CHECK(complaint([&] { second.checkpoints.remove(); }) == file.string() + refusal_of_second);
+  CHECK(contents(file) == saved);
+  CHECK(files_in(folder.path) == 1);  // no locks of their own
+
+  kill(child, SIGKILL);
+  exit_code(child);
+  Run third(file);
+  CHECK(third.resume() == 20);
+  third.go();
+  third.checkpoints.remove();
+  CHECK(files_in(folder.path) == 0);
+}
+
+TEST_CASE("Two runs of one process on a checkpoint are refused", "[checkpoint]") {
+  const Folder folder;
+  const fs::path file = folder.path / "run.checkpoint";
+  {
+    Run first(file), second(file);
+    CHECK(first.resume() == 0);
+    CHECK(second.resume() == 0);  // there is nothing yet
+    first.go();
+    CHECK(complaint([&] { second.go(); }) == file.string() + refusal_of_second);
+    CHECK(complaint([&] { Run(file).resume(); }) == file.string() + refusal_of_second);
+    first.checkpoints.save(first.z, {});
+    CHECK(complaint([&] { second.go(); }) == file.string() + refusal_of_second);
+    first.checkpoints.remove();
+    second.z = {-3, 0};
+    second.go();
+    CHECK(complaint([&] { first.checkpoints.save(first.z, {}); }) == file.string() + refusal_of_second);
+  }
+  Run next(file);  // what is refused for other reasons holds nothing
+  CHECK(next.resume() == 20);
+  Run other(file);
+  other.z = {1, 2};
+  CHECK_THROWS(other.resume());
+}
+
+TEST_CASE("A checkpoint behind a link, and one that is no file", "[checkpoint]") {
+  const Folder folder, elsewhere;
+  const fs::path link = folder.path / "link", target = elsewhere.path / "run.checkpoint";
+  fs::create_symlink(target, link);
+  {
+    Run run(link);
+    CHECK(run.resume() == 0);  // where the link leads to no file yet
+    run.go();
+  }
+  CHECK(fs::is_symlink(link));
+  CHECK(fs::is_regular_file(target));
+  Run again(link);
+  CHECK(again.resume() == 20);
+  CHECK(complaint([&] { Run(target).resume(); }) == target.string() + refusal_of_second);
+  again.checkpoints.remove();
+  CHECK_FALSE(fs::exists(target));
+  CHECK(fs::is_symlink(link));
+
+  fs::create_directory(folder.path / "folder");
+  CHECK(
+      says(complaint([&] { Run(folder.path / "folder").resume(); }), "is a folder; give the name of a file"));
+  CHECK(says(complaint([&] { Run(folder.path / "no" / "file").resume(); }), "check that the folder exists"));
+  if (fs::exists("/dev/null")) {
+    Run device("/dev/null");
+    CHECK(refuses([&] { device.resume(); }, "cannot be read"));
+    device.checkpoints.remove();
+    CHECK(fs::is_character_file("/dev/null"));
+  }
+}
+#endif

@@ -162,6 +162,19 @@ Scalar noise_level(const F& f, const Scalar& x, const Scalar& step) {
   return sqrt(squares / (count - order) / 70);  // 70 = 1 + 16 + 36 + 16 + 1
 }
 
+/// The larger of two levels with spacings far below h: with one only, values rounded to a grid could happen to lie on a line.
+/// 0 where f is not finite.
+template <class Scalar, class F>
+Scalar noise_near(const F& f, const Scalar& x, const Scalar& h) {
+  using std::isfinite;
+  Scalar noise(0);
+  for (const Scalar& spacing : {Scalar(h / 65536), Scalar(h / 106039)}) {
+    const Scalar found = noise_level<Scalar>(f, x, spacing);
+    if (isfinite(found) && found > noise) noise = found;
+  }
+  return noise;
+}
+
 /// f'(x) by central differences, extrapolated to a vanishing step (Ridders' method): the step shrinks from `h` on, every
 /// column of the tableau removes one more even power of it, and of every row the entry that agrees best with its neighbours is
 /// a candidate. Its uncertainty is their disagreement and the noise of f, which is `rounding` at least, with room to spare. A
@@ -174,8 +187,7 @@ Slope<Scalar> extrapolated_slope(const F& f, const Scalar& x, Scalar h, const Sc
   using std::isfinite;
   constexpr int rows = 16;
   const Scalar unknown = std::numeric_limits<Scalar>::infinity();
-  const Scalar found = noise_level<Scalar>(f, x, h / 65536);
-  const Scalar noise = 16 * (isfinite(found) && found > rounding ? found : rounding);
+  const Scalar noise = 16 * std::max(rounding, noise_near<Scalar>(f, x, h));
   std::vector<Slope<Scalar>> candidates;
   Scalar previous[rows], current[rows];
   for (int i = 0, known = 0; i < rows; ++i, h /= 2) {
@@ -300,7 +312,7 @@ Scalar entry_size(const PhasePoint<Scalar, Dof>& z, Eigen::Index i, const Scalar
 }  // namespace detail
 
 /// Compares the gradient of H at z, entry by entry, with differences of its energy, and takes no right gradient for a wrong
-/// one: the differences come with their uncertainty, typically 1e-12 of the energy in double. Costs some fifty energies an
+/// one: the differences come with their uncertainty, typically 1e-12 of the energy in double. Costs some sixty energies an
 /// entry, three times that where they say little, and three gradients, whose outputs hold different numbers before.
 ///
 ///     if (const auto check = check_gradient(H, z); !check.ok()) std::cerr << check << '\n';

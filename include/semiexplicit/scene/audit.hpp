@@ -13,6 +13,7 @@
 #include <vector>
 
 #include <semiexplicit/core/reference_size.hpp>
+#include <semiexplicit/core/worst_step.hpp>
 #include <semiexplicit/integrate.hpp>
 #include <semiexplicit/scene/audit_report.hpp>
 #include <semiexplicit/scene/runtime_scene.hpp>
@@ -104,11 +105,10 @@ class Auditor {
   /// The state at the times of the samples, with a step `finer` times smaller. All runs take the stepper that the whole scene
   /// needs: what is left of their errors is then alike and hardly enters the differences. Shorter where the run failed.
   Orbit run(const Chosen& scene, int finer, OnFailure on_failure) const {
-    const Scheme<Scalar> used = scheme();
     const auto along = [&](auto stepper) {
       Orbit orbit{z0_};
       State z = z0_;
-      const double worst = worst_step(stepper, used);
+      const double worst = worst_step(stepper);
       for (std::int64_t i = 0; i < blocks_; ++i) {
         const auto affords = [&](const Scalar&, const State&, const IntegrationReport& so_far) {
           return spent_ + static_cast<double>(so_far.gradients) + worst <= options_.max_gradients;
@@ -128,20 +128,12 @@ class Auditor {
       }
       return orbit;
     };
-    if (scene_.is_separable()) return along(stepper_for(SeparableRuntimeScene<Scalar, Dof>(scene), used));
-    return along(stepper_for(scene, used));
+    if (scene_.is_separable()) return along(stepper_for(SeparableRuntimeScene<Scalar, Dof>(scene), scheme()));
+    return along(stepper_for(scene, scheme()));
   }
 
   Scheme<Scalar> scheme() const {
     return options_.scheme ? *options_.scheme : usual_scheme<Scalar>(scene_.is_separable());
-  }
-
-  /// Gradient calls that a step of that stepper cannot exceed.
-  template <class S>
-  static double worst_step(const S& stepper, const Scheme<Scalar>& used) {
-    double sweeps = 1;
-    if constexpr (requires { stepper.solver().max_iterations; }) sweeps = stepper.solver().max_iterations;
-    return sweeps * static_cast<double>(used.kicks() + 1);
   }
 
   [[noreturn]] void refuse_cost(const std::string& needed) const {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <locale>
 #include <ostream>
 #include <sstream>
 #include <stdexcept>
@@ -14,62 +15,135 @@
 
 namespace semiexplicit {
 
+/// What a gradient does with an entry of its output, which holds anything when it is called.
+enum class GradientOutput {
+  written,      ///< overwrites it
+  not_written,  ///< leaves it as it is
+  added_to,     ///< adds to it
+  unclear       ///< neither: it depends on what was there in another way, or changes from call to call
+};
+
 /// What check_gradient() found.
 template <class Scalar>
 struct GradientCheck {
   /// One entry of the gradient beside what the energy says.
   struct Entry {
     std::string name;    ///< "dH/dq[0]"
-    Scalar given;        ///< by H.gradient
+    Scalar given;        ///< by H.gradient, into an output of zeros
     Scalar expected;     ///< by differences of H.energy
     Scalar uncertainty;  ///< of `expected`: an entry is wrong if it is further off than this
+    bool
+        judged;  ///< false: the differences are too uncertain to tell a right entry from, say, one of the wrong sign
     bool wrong;
+    GradientOutput output = GradientOutput::written;
+
+    /// Not by the energy's slope, which an entry that is only written in the wrong way may have.
+    bool clashes() const {
+      using std::abs;
+      using std::isfinite;
+      return !isfinite(given) || (isfinite(expected) && !(abs(given - expected) <= uncertainty));
+    }
   };
   std::vector<Entry> entries;  ///< all 2d, positions first
 
+  /// No entry is wrong, as far as they could be judged.
   bool ok() const {
     return std::none_of(entries.begin(), entries.end(), [](const Entry& e) { return e.wrong; });
   }
+  /// Every entry could be judged: right is then ok() && judged().
+  bool judged() const {
+    return std::all_of(entries.begin(), entries.end(), [](const Entry& e) { return e.judged; });
+  }
 };
 
-/// In words: every wrong entry with its value, the expected one and a guess at the cause.
+namespace detail {
+
+/// A guess at why entry i is not what the energy says, or nothing.
 template <class Scalar>
-std::ostream& operator<<(std::ostream& out, const GradientCheck<Scalar>& check) {
-  if (check.ok()) return out << "the gradient agrees with the energy";
+std::string gradient_guess(const GradientCheck<Scalar>& check, std::size_t i) {
+  const auto& e = check.entries[i];
   const auto near = [](const Scalar& x, const Scalar& y, const Scalar& uncertainty) {
     using std::abs;
     return abs(x - y) <= uncertainty;
   };
   const std::size_t d = check.entries.size() / 2;
+  const Scalar& partner = check.entries[(i + d) % (2 * d)].expected;
+  if (near(e.expected, Scalar(0), e.uncertainty)) return "";
+  if (near(e.given, Scalar(0), e.uncertainty)) return "is it set at all?";
+  if (near(e.given, -e.expected, e.uncertainty)) return "the sign is wrong";
+  if (near(e.given, 2 * e.expected, 2 * e.uncertainty) || near(2 * e.given, e.expected, e.uncertainty))
+    return "a factor 2";
+  if (near(e.given, partner, e.uncertainty) || near(e.given, -partner, e.uncertainty))
+    return "that is the other half's; are dHdq and dHdp exchanged?";
+  return "";
+}
+
+inline std::string describe(GradientOutput output) {
+  switch (output) {
+    case GradientOutput::written:
+      return "is written";
+    case GradientOutput::not_written:
+      return "is not written: what was in the output stays there";
+    case GradientOutput::added_to:
+      return "is added to what was in the output: write it with =, or set the output to zero first";
+    case GradientOutput::unclear:
+      return "depends on what was in the output, or changes from call to call";
+  }
+  return "";
+}
+
+/// One wrong entry in words.
+template <class Scalar>
+std::string entry_in_words(const GradientCheck<Scalar>& check, std::size_t i) {
+  const auto& e = check.entries[i];
   std::ostringstream text;
-  for (std::size_t i = 0; i < check.entries.size(); ++i) {
-    const auto& e = check.entries[i];
-    if (!e.wrong) continue;
-    const Scalar& partner = check.entries[(i + d) % (2 * d)].expected;
+  text.imbue(std::locale::classic());
+  text << e.name;
+  if (e.clashes()) {
     text.precision(10);
-    text << (text.str().empty() ? "" : "\n") << e.name << " is " << static_cast<long double>(e.given)
-         << ", but by the energy it is " << static_cast<long double>(e.expected);
+    text << " is " << static_cast<long double>(e.given) << ", but by the energy it is "
+         << static_cast<long double>(e.expected);
     text.precision(1);
     text << " (+- " << static_cast<long double>(e.uncertainty) << ")";
-    if (near(e.expected, Scalar(0), e.uncertainty)) continue;
-    if (near(e.given, Scalar(0), e.uncertainty))
-      text << ": is it set at all?";
-    else if (near(e.given, -e.expected, e.uncertainty))
-      text << ": the sign is wrong";
-    else if (near(e.given, 2 * e.expected, 2 * e.uncertainty) || near(2 * e.given, e.expected, e.uncertainty))
-      text << ": a factor 2";
-    else if (near(e.given, partner, e.uncertainty) || near(e.given, -partner, e.uncertainty))
-      text << ": that is the other half's; are dHdq and dHdp exchanged?";
+    const std::string guess = gradient_guess(check, i);
+    if (!guess.empty()) text << ": " << guess;
   }
-  return out << text.str();
+  if (e.output != GradientOutput::written) text << (e.clashes() ? "; it " : " ") << describe(e.output);
+  return text.str();
+}
+
+}  // namespace detail
+
+/// In words: every wrong entry with its value, the expected one and a guess at the cause, or that all is right, and what could
+/// not be judged. Of long lists the first entries.
+template <class Scalar>
+std::ostream& operator<<(std::ostream& out, const GradientCheck<Scalar>& check) {
+  constexpr std::size_t most = 12;
+  std::size_t wrong = 0, unjudged = 0;
+  std::string lines, names;
+  for (std::size_t i = 0; i < check.entries.size(); ++i) {
+    const auto& e = check.entries[i];
+    if (e.wrong && ++wrong <= most) lines += (lines.empty() ? "" : "\n") + detail::entry_in_words(check, i);
+    if (!e.wrong && !e.judged && ++unjudged <= most) names += (names.empty() ? "" : ", ") + e.name;
+  }
+  if (wrong > most) lines += "\nand " + std::to_string(wrong - most) + " entries more";
+  if (unjudged > most) names += " and " + std::to_string(unjudged - most) + " more";
+  if (wrong == 0 && unjudged < check.entries.size())
+    lines = unjudged == 0 ? "the gradient agrees with the energy"
+                          : "the gradient agrees with the energy in the entries that could be judged";
+  if (unjudged > 0)
+    lines += (lines.empty() ? "" : "\n") + ("not judged: " + names) +
+             "; the differences of the energy say too little about them here, choose another z";
+  return out << lines;
 }
 
 namespace detail {
 
-/// A derivative and how far it may be off.
+/// A derivative, how far it may be off, and whether that is little enough to judge another value by it.
 template <class Scalar>
 struct Slope {
   Scalar value, uncertainty;
+  bool judges = false;
 };
 
 /// The level of noise in f near x, from the fourth differences of values so close that nothing else is left in them.
@@ -88,6 +162,19 @@ Scalar noise_level(const F& f, const Scalar& x, const Scalar& step) {
   return sqrt(squares / (count - order) / 70);  // 70 = 1 + 16 + 36 + 16 + 1
 }
 
+/// The larger of two levels with spacings far below h: with one only, values rounded to a grid could happen to lie on a line.
+/// 0 where f is not finite.
+template <class Scalar, class F>
+Scalar noise_near(const F& f, const Scalar& x, const Scalar& h) {
+  using std::isfinite;
+  Scalar noise(0);
+  for (const Scalar& spacing : {Scalar(h / 65536), Scalar(h / 106039)}) {
+    const Scalar found = noise_level<Scalar>(f, x, spacing);
+    if (isfinite(found) && found > noise) noise = found;
+  }
+  return noise;
+}
+
 /// f'(x) by central differences, extrapolated to a vanishing step (Ridders' method): the step shrinks from `h` on, every
 /// column of the tableau removes one more even power of it, and of every row the entry that agrees best with its neighbours is
 /// a candidate. Its uncertainty is their disagreement and the noise of f, which is `rounding` at least, with room to spare. A
@@ -100,8 +187,7 @@ Slope<Scalar> extrapolated_slope(const F& f, const Scalar& x, Scalar h, const Sc
   using std::isfinite;
   constexpr int rows = 16;
   const Scalar unknown = std::numeric_limits<Scalar>::infinity();
-  const Scalar found = noise_level<Scalar>(f, x, h / 65536);
-  const Scalar noise = 16 * (isfinite(found) && found > rounding ? found : rounding);
+  const Scalar noise = 16 * std::max(rounding, noise_near<Scalar>(f, x, h));
   std::vector<Slope<Scalar>> candidates;
   Scalar previous[rows], current[rows];
   for (int i = 0, known = 0; i < rows; ++i, h /= 2) {
@@ -131,17 +217,110 @@ Slope<Scalar> extrapolated_slope(const F& f, const Scalar& x, Scalar h, const Sc
   return result;
 }
 
+/// f'(x), to judge `given` by, where x is a number of the size `own` in a state of the size `size`. Steps of about a tenth of x come first; where they
+/// drown in rounding, as at x = 1e-8 beside terms of size one, larger ones follow, which must not contradict them.
+template <class Scalar, class F>
+Slope<Scalar> judging_slope(const F& f, const Scalar& x, const Scalar& given, const Scalar& own,
+                            const Scalar& size, const Scalar& rounding) {
+  using std::abs;
+  using std::isfinite;
+  using std::sqrt;
+  const Scalar here = f(x), widest = std::max<Scalar>(size, 1);
+  const Scalar tiny = sqrt(Eigen::NumTraits<Scalar>::epsilon());
+  Slope<Scalar> best{std::numeric_limits<Scalar>::quiet_NaN(), std::numeric_limits<Scalar>::infinity()};
+  bool varies = false;
+  Scalar last(0);
+  for (const Scalar& wanted : {own, 1000 * own, widest}) {
+    const Scalar reach = std::min(wanted, std::max(own, widest));
+    if (!(reach > last)) continue;
+    last = reach;
+    const Scalar h = reach / 9;
+    const Slope<Scalar> found = extrapolated_slope<Scalar>(f, x, h, rounding);
+    const Scalar variation = std::max(abs(f(x + h) - here), abs(f(x - h) - here)) / h;
+    if (variation != Scalar(0)) varies = true;
+    if (found.uncertainty < best.uncertainty &&
+        !(abs(found.value - best.value) > found.uncertainty + best.uncertainty))
+      best = found;
+    // A slope of zero is judged by how far f moves nearby.
+    best.judges = best.uncertainty <= abs(best.value) / 1000 ||
+                  (reach <= std::max(own, size) && best.uncertainty <= tiny * variation);
+    if (best.judges) return best;
+  }
+  best.judges = !varies && given == Scalar(0) && isfinite(best.uncertainty);  // f does not depend on x
+  return best;
+}
+
+/// The gradient of H at z, and what it does with its outputs, from calls that find different numbers in them.
+template <Hamiltonian H>
+std::vector<GradientOutput> written_gradient(const H& hamiltonian,
+                                             const PhasePoint<typename H::Scalar, H::Dof>& z,
+                                             PhasePoint<typename H::Scalar, H::Dof>& given) {
+  using Scalar = typename H::Scalar;
+  using Limits = std::numeric_limits<Scalar>;
+  using std::abs;
+  using std::isfinite;
+  using std::sqrt;
+  const auto into = [&](const Scalar& filling) {
+    auto out = z;
+    out.vector().setConstant(filling);
+    hamiltonian.gradient(z.q(), z.p(), out.q(), out.p());
+    return out;
+  };
+  given = into(Scalar(0));
+  Scalar filling(1);
+  for (const Scalar& x : given.vector())
+    if (isfinite(x)) filling = std::max(filling, abs(x));
+  const auto second = into(filling), third = Limits::has_quiet_NaN ? into(Limits::quiet_NaN()) : second;
+  const Scalar rounding = sqrt(Eigen::NumTraits<Scalar>::epsilon()) * filling;  // of sums in another order
+  const auto same = [&](const Scalar& x, const Scalar& y) {
+    return x == y || abs(x - y) <= rounding || (x != x && y != y);
+  };
+  std::vector<GradientOutput> outputs;
+  for (Eigen::Index i = 0; i < given.vector().size(); ++i) {
+    const Scalar a = given.vector()[i], b = second.vector()[i], c = third.vector()[i];
+    outputs.push_back(same(a, b) && same(a, c)                          ? GradientOutput::written
+                      : a == Scalar(0) && b == filling                  ? GradientOutput::not_written
+                      : isfinite(a) && abs(b - a - filling) <= rounding ? GradientOutput::added_to
+                                                                        : GradientOutput::unclear);
+  }
+  return outputs;
+}
+
+/// What rounding makes of an energy is judged by its terms, which may be far larger than their sum.
+template <class Scalar, int Dof>
+Scalar energy_rounding(const Scalar& energy, const PhasePoint<Scalar, Dof>& z,
+                       const PhasePoint<Scalar, Dof>& gradient) {
+  using std::abs;
+  using std::isfinite;
+  Scalar terms = abs(energy);
+  for (Eigen::Index i = 0; i < z.vector().size(); ++i) {
+    const Scalar term = abs(z.vector()[i] * gradient.vector()[i]);
+    if (isfinite(term)) terms += term;
+  }
+  return Eigen::NumTraits<Scalar>::epsilon() * terms;
+}
+
+/// The size of entry i that differences start from. One that is far smaller than the others may be a zero up to rounding, which
+/// is no size.
+template <class Scalar, int Dof>
+Scalar entry_size(const PhasePoint<Scalar, Dof>& z, Eigen::Index i, const Scalar& size) {
+  using std::abs;
+  const Scalar own = std::max<Scalar>(abs(z.vector()[i]), size / 1000);
+  return own > Scalar(0) ? own : Scalar(1);
+}
+
 }  // namespace detail
 
 /// Compares the gradient of H at z, entry by entry, with differences of its energy, and takes no right gradient for a wrong
-/// one: the differences come with their uncertainty, typically 1e-12 of the energy in double. Costs some fifty energies an
-/// entry.
+/// one: the differences come with their uncertainty, typically 1e-12 of the energy in double. Costs some sixty energies an
+/// entry, three times that where they say little, and three gradients, whose outputs hold different numbers before.
 ///
 ///     if (const auto check = check_gradient(H, z); !check.ok()) std::cerr << check << '\n';
 ///
-/// A NaN in the gradient is wrong. An entry whose differences are not finite, at the edge of the domain, is not judged. Choose z with care: at a point of symmetry, as z = 0, many
-/// wrong gradients vanish like the right one. Throws std::invalid_argument if z has another size than H, or the energy at z
-/// is not finite.
+/// Wrong are also a NaN in the gradient, and an entry that is not written or added to instead: an integrator hands in outputs that
+/// hold anything. An entry about which the differences say too little, as at the edge of the domain, is not judged:
+/// GradientCheck::judged() is false then. Choose z with care: at a point of symmetry, as z = 0, many wrong gradients vanish like
+/// the right one. Throws std::invalid_argument if z has another size than H, or the energy at z is not finite.
 template <HasEnergy H>
 GradientCheck<typename H::Scalar> check_gradient(const H& hamiltonian,
                                                  const PhasePoint<typename H::Scalar, H::Dof>& z) {
@@ -157,37 +336,29 @@ GradientCheck<typename H::Scalar> check_gradient(const H& hamiltonian,
     throw std::invalid_argument(
         "check_gradient: the energy at z is NaN or Inf; choose a point where it is finite");
   PhasePoint<Scalar, H::Dof> given(d), at(z);
-  hamiltonian.gradient(z.q(), z.p(), given.q(), given.p());
-  // What rounding makes of an energy is judged by its terms, which may be far larger than their sum.
-  Scalar terms = abs(energy);
-  for (Eigen::Index i = 0; i < 2 * d; ++i) {
-    const Scalar term = abs(z.vector()[i] * given.vector()[i]);
-    if (isfinite(term)) terms += term;
-  }
-  const Scalar rounding = Eigen::NumTraits<Scalar>::epsilon() * terms;
+  const auto outputs = detail::written_gradient(hamiltonian, z, given);
+  const Scalar rounding = detail::energy_rounding(energy, z, given);
   const Scalar size = z.vector().cwiseAbs().maxCoeff();
   GradientCheck<Scalar> check;
   for (Eigen::Index i = 0; i < 2 * d; ++i) {
-    // The first step is meant to be too large, but not by much: about a tenth of the variable. One that is far smaller than
-    // the others may be a zero up to rounding, which is no size.
-    const Scalar own = std::max<Scalar>(abs(z.vector()[i]), size / 1000);
-    const Scalar step = (own > Scalar(0) ? own : Scalar(1)) / 9;
     const auto energy_at = [&](const Scalar& x) -> Scalar {
       at.vector()[i] = x;
       return hamiltonian.energy(at.q(), at.p());
     };
-    const auto slope = detail::extrapolated_slope<Scalar>(energy_at, z.vector()[i], step, rounding);
+    // The first step is meant to be too large, but not by much: about a tenth of the variable.
+    const auto slope = detail::judging_slope<Scalar>(energy_at, z.vector()[i], given.vector()[i],
+                                                     detail::entry_size(z, i, size), size, rounding);
     at.vector()[i] = z.vector()[i];
-    const Scalar value = given.vector()[i];
-    const std::string name =
-        std::string(i < d ? "dH/dq[" : "dH/dp[") + std::to_string(i < d ? i : i - d) + "]";
-    check.entries.push_back(
-        {.name = name,
-         .given = value,
-         .expected = slope.value,
-         .uncertainty = slope.uncertainty,
-         .wrong = !isfinite(value) ||
-                  (isfinite(slope.value) && !(abs(value - slope.value) <= slope.uncertainty))});
+    typename GradientCheck<Scalar>::Entry entry{
+        .name = std::string(i < d ? "dH/dq[" : "dH/dp[") + std::to_string(i < d ? i : i - d) + "]",
+        .given = given.vector()[i],
+        .expected = slope.value,
+        .uncertainty = slope.uncertainty,
+        .judged = slope.judges,
+        .wrong = false,
+        .output = outputs[static_cast<std::size_t>(i)]};
+    entry.wrong = entry.clashes() || entry.output != GradientOutput::written;
+    check.entries.push_back(entry);
   }
   return check;
 }

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <locale>
 #include <sstream>
 
 #include <semiexplicit/semiexplicit.hpp>
@@ -126,4 +127,104 @@ TEST_CASE("A variable that is zero up to rounding hides nothing", "[check_gradie
                                     dHdp[0] = 1;
                                   });
   CHECK_FALSE(check_gradient(root, PhasePoint<double, 1>(0, 1)).ok());
+}
+
+namespace {
+
+/// H = (q² + 1)(p² + 1)/2, whose gradient's entries go through write(output, value).
+template <class Write, class Write2>
+auto product_that(const Write& by_q, const Write2& by_p) {
+  return make_hamiltonian<double, 1>(
+      [](const auto& q, const auto& p) { return (q[0] * q[0] + 1) * (p[0] * p[0] + 1) / 2; },
+      [=](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+        by_q(dHdq[0], q[0] * (p[0] * p[0] + 1));
+        by_p(dHdp[0], p[0] * (q[0] * q[0] + 1));
+      });
+}
+const auto assign = [](double& to, double value) { to = value; };
+const auto add = [](double& to, double value) { to += value; };
+const auto forget = [](double&, double) {};
+
+}  // namespace
+
+TEST_CASE("A gradient that does not overwrite its outputs is wrong", "[check_gradient]") {
+  const PhasePoint<double, 1> z(-3, 0.5), at_rest(-3, 0);
+  const auto adds = check_gradient(product_that(add, add), z);
+  CHECK_FALSE(adds.ok());
+  CHECK(adds.entries[0].output == GradientOutput::added_to);
+  CHECK(says(words(adds), "dH/dq[0] is added to what was in the output: write it with ="));
+  CHECK(says(words(adds), "dH/dp[0] is added to"));
+  // Its true value is zero, so that no difference shows it.
+  const auto forgets = check_gradient(product_that(assign, forget), at_rest);
+  CHECK_FALSE(forgets.ok());
+  CHECK_FALSE(forgets.entries[0].wrong);
+  CHECK(forgets.entries[1].output == GradientOutput::not_written);
+  CHECK(says(words(forgets), "dH/dp[0] is not written"));
+  CHECK_FALSE(check_gradient(product_that(forget, forget), at_rest).ok());
+  // Reading is not writing: 0 · NaN.
+  const auto clears = [](double& to, double value) { to *= 0, to += value; };
+  CHECK(says(words(check_gradient(product_that(clears, assign), z)), "dH/dq[0] depends on what was in"));
+  // Nor is every call the same, say where threads share a sum: the last digits may differ.
+  int calls = 0;
+  const auto shaky = [&calls](double& to, double value) { to = value * (1 + 1e-15 * (++calls % 3)); };
+  CHECK(check_gradient(product_that(shaky, assign), z).ok());
+  CHECK(words(check_gradient(product_that(assign, assign), at_rest)) ==
+        "the gradient agrees with the energy");
+}
+
+TEST_CASE("Not judged is told from right", "[check_gradient]") {
+  const auto times = [](double factor) {
+    return [factor](double& to, double value) { to = factor * value; };
+  };
+  // So near to the origin that steps of a tenth of z move the energy by less than its rounding: larger ones judge.
+  for (const double size : {1e-4, 1e-8, 1e-10}) {
+    CAPTURE(size);
+    const PhasePoint<double, 1> z(size, -2 * size);
+    const auto right = check_gradient(product_that(assign, assign), z);
+    CHECK(right.ok());
+    CHECK(right.judged());
+    CHECK_FALSE(check_gradient(product_that(times(1.01), assign), z).ok());
+    CHECK(says(words(check_gradient(product_that(assign, times(-1)), z)), "the sign is wrong"));
+  }
+  // Nothing is known about a gradient of 1e-20 beside an energy of 1/2.
+  const auto blind = check_gradient(product_that(times(-1), assign), PhasePoint<double, 1>(1e-20, 0.5));
+  CHECK(blind.ok());
+  const auto hidden = make_hamiltonian<double, 1>(
+      [](const auto& q, const auto& p) { return 1e18 + q[0] * q[0] / 2 + 1e15 * p[0] * p[0]; },
+      [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+        dHdq[0] = -q[0];
+        dHdp[0] = 2e15 * p[0];
+      });
+  const auto unsure = check_gradient(hidden, PhasePoint<double, 1>(1, 1));
+  CHECK(unsure.ok());
+  CHECK_FALSE(unsure.judged());
+  CHECK_FALSE(unsure.entries[0].judged);
+  CHECK(unsure.entries[1].judged);
+  CHECK(says(words(unsure), "agrees with the energy in the entries that could be judged"));
+  CHECK(says(words(unsure), "not judged: dH/dq[0]; the differences"));
+  // An entry is judged to be zero where the energy moves nearby, and where it depends on nothing there.
+  CHECK(check_gradient(product_that(assign, assign), PhasePoint<double, 1>(-3, 0)).judged());
+  CHECK(check_gradient(product_that(assign, assign), PhasePoint<double, 1>(0, 0)).judged());
+  const auto cyclic = make_hamiltonian<double, 1>(
+      [](const auto&, const auto& p) { return p[0] * p[0] / 2; },
+      [](const auto&, const auto& p, auto& dHdq, auto& dHdp) { dHdq[0] = 0, dHdp[0] = p[0]; });
+  CHECK(check_gradient(cyclic, PhasePoint<double, 1>(1, 0.3)).judged());
+  // At the edge of the domain.
+  const auto edge = make_hamiltonian<double, 1>(
+      [](const auto& q, const auto& p) { return std::sqrt(q[0]) + p[0]; },
+      [](const auto&, const auto&, auto& dHdq, auto& dHdp) { dHdq[0] = 1, dHdp[0] = 1; });
+  const auto at_edge = check_gradient(edge, PhasePoint<double, 1>(0, 1));
+  CHECK_FALSE(at_edge.entries[0].judged);
+  CHECK(at_edge.entries[1].judged);
+}
+
+TEST_CASE("The words on a gradient do not depend on the locale", "[check_gradient]") {
+  struct Comma : std::numpunct<char> {
+    char do_decimal_point() const override { return ','; }
+  };
+  const std::locale before = std::locale::global(std::locale(std::locale::classic(), new Comma));
+  const std::string text = verdict([](auto& dHdq, auto&) { dHdq[1] *= -1; });
+  std::locale::global(before);
+  CHECK(says(text, "."));
+  CHECK(text == verdict([](auto& dHdq, auto&) { dHdq[1] *= -1; }));
 }

@@ -1,6 +1,7 @@
 #include "catch.hpp"
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <type_traits>
 
@@ -165,4 +166,68 @@ TEST_CASE("Powers have second derivatives at and below zero, mixed arguments the
     CHECK(second(1, 1) ==
           Approx(-4 * p / std::pow(4 + p * p, 2) + 9 / (r * r * r) - p / std::pow(1 + p * p, 1.5)));
   }
+}
+
+TEST_CASE("A power with an exponent that varies has its derivatives at and below zero", "[autodiff]") {
+  using std::pow;
+  const auto power = from_energy<1>([](const auto& q, const auto& p) { return pow(q[0], p[0]); });
+  Eigen::Matrix2d second;
+  for (const double exponent : {2.0, 2.5, 3.0}) {
+    CAPTURE(exponent);
+    const PhasePoint<double, 1> z(0, exponent);
+    CHECK(gradient_of(power, z) == Eigen::Vector2d(0, 0));
+    power.hessian(z.q(), z.p(), second);
+    CHECK(second(0, 0) == (exponent == 2 ? 2 : 0));
+    CHECK(second(0, 1) == 0);
+    CHECK(second(1, 1) == 0);
+  }
+  CHECK(gradient_of(power, PhasePoint<double, 1>(0, 1)) == Eigen::Vector2d(1, 0));
+  // Below zero the power exists at whole exponents only: a slope along q, none along p.
+  const Eigen::Vector2d below = gradient_of(power, PhasePoint<double, 1>(-3, 2));
+  CHECK(below[0] == -6);
+  CHECK(std::isnan(below[1]));
+  for (const double q : {0.3, 1.0, 2.5})
+    for (const double p : {-1.5, 0.0, 0.7, 2.0}) {
+      CAPTURE(q, p);
+      const double l = std::log(q), v = std::pow(q, p);
+      const Eigen::Vector2d gradient = gradient_of(power, PhasePoint<double, 1>(q, p));
+      CHECK(gradient[0] == Approx(p * std::pow(q, p - 1)).margin(1e-15));
+      CHECK(gradient[1] == Approx(v * l).margin(1e-15));
+      power.hessian(Vector<double, 1>(q), Vector<double, 1>(p), second);
+      CHECK(second(0, 0) == Approx(p * (p - 1) * std::pow(q, p - 2)).margin(1e-14));
+      CHECK(second(0, 1) == Approx(std::pow(q, p - 1) * (1 + p * l)).margin(1e-14));
+      CHECK(second(1, 1) == Approx(v * l * l).margin(1e-14));
+    }
+  // An exponent that is a dual number without being a variable, and a plain base.
+  CHECK(derivative(-3, [](auto q) { return pow(q, decltype(q)(2)); }) == -6);
+  CHECK(derivative(0, [](auto q) { return pow(q, decltype(q)(0)); }) == 0);
+  CHECK(derivative(3, [](auto q) { return pow(0, q); }) == 0);
+  CHECK(derivative(3, [](auto q) { return pow(2.0, q); }) == Approx(8 * std::log(2.0)));
+}
+
+TEST_CASE("Slopes neither overflow nor cancel where the function does not", "[autodiff]") {
+  using namespace std;  // NOLINT: as in an energy
+  for (const double x : {1e-200, 1e200}) {
+    CHECK(derivative(x, [x](auto q) { return atan2(q, x) * x; }) == Approx(0.5));
+    CHECK(derivative(x, [x](auto q) { return atan2(x, q) * x; }) == Approx(-0.5));
+    CHECK(derivative(x, [x](auto q) { return hypot(q, x); }) == Approx(sqrt(0.5)));
+  }
+  CHECK(derivative(1e200, [](auto q) { return asinh(q) * 1e200; }) == Approx(1));
+  CHECK(derivative(1e200, [](auto q) { return acosh(q) * 1e200; }) == Approx(1));
+  const double next = 1 - 0x1p-40, above = 1 + 0x1p-40;  // 1 - x² loses half of its digits here
+  CHECK(derivative(next, [](auto q) { return asin(q) - acos(q); }) ==
+        Approx(2 / sqrt(0x1p-40 * (1 + next))).epsilon(1e-14));
+  CHECK(derivative(next, [](auto q) { return atanh(q); }) == Approx(0x1p40 / (1 + next)).epsilon(1e-14));
+  CHECK(derivative(above, [](auto q) { return acosh(q); }) ==
+        Approx(1 / sqrt(0x1p-40 * (1 + above))).epsilon(1e-14));
+  const auto magnitude = from_energy<1>([](const auto& q, const auto&) { return abs(q[0]); });
+  CHECK_FALSE(signbit(magnitude.energy(Vector<double, 1>(-0.0), Vector<double, 1>(0))));
+  CHECK(derivative(-0.0, [](auto q) { return 1 / abs(q); }) == -numeric_limits<double>::infinity());
+  // No derivative: it says so, and does not make one up.
+  CHECK_FALSE(isfinite(derivative(0, [](auto q) { return sqrt(q * q); })));
+  CHECK_FALSE(isfinite(derivative(0, [](auto q) { return hypot(q, 0.0); })));
+  CHECK_FALSE(isfinite(derivative(0, [](auto q) { return cbrt(q); })));
+  CHECK_FALSE(isfinite(derivative(0, [](auto q) { return log(q); })));
+  CHECK_FALSE(isfinite(derivative(0, [](auto q) { return atan2(q, 0.0 * q); })));
+  CHECK_FALSE(isfinite(derivative(0, [](auto q) { return pow(q, -1); })));
 }

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <locale>
 #include <sstream>
 #include <string>
 
@@ -181,12 +182,208 @@ TEST_CASE("bad requests are refused by name") {
   CHECK(contains(refusal([&] { (void)nothing.cheapest(nan); }), "target is not"));
 }
 
-TEST_CASE("a gradient that does not belong to the energy is refused") {
-  const auto wrong = make_hamiltonian<double, 1>(
-      [](const auto& q, const auto& p) { return (q[0] * q[0] + 1) * (p[0] * p[0] + 1) / 2; },
-      [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
-        dHdq[0] = q[0] * (p[0] * p[0] + 1);
-        dHdp[0] = -p[0] * (q[0] * q[0] + 1);
+namespace {
+
+/// H = f(q, p) and a gradient of one's own, whose calls are counted.
+template <class Energy, class Gradient>
+auto counted(double& calls, Energy energy, Gradient gradient) {
+  return make_hamiltonian<double, 1>(
+      energy, [&calls, gradient](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+        ++calls;
+        gradient(q[0], p[0], dHdq[0], dHdp[0]);
       });
-  CHECK_THROWS_AS(cost_of_accuracy(wrong, PhasePoint<double, 1>(-3, 0.5), 100), std::invalid_argument);
+}
+/// H = (q² + 1)(p² + 1)/2 + offset.
+auto product_energy(double offset) {
+  return
+      [offset](const auto& q, const auto& p) { return (q[0] * q[0] + 1) * (p[0] * p[0] + 1) / 2 + offset; };
+}
+auto product_gradient(double by_q, double by_p) {
+  return [=](double q, double p, double& dHdq, double& dHdp) {
+    dHdq = by_q * q * (p * p + 1);
+    dHdp = by_p * p * (q * q + 1);
+  };
+}
+
+}  // namespace
+
+TEST_CASE("a gradient that does not belong to the energy is refused before anything else") {
+  double calls = 0;
+  const auto said = [&](const PhasePoint<double, 1>& z0, double by_q, double by_p) {
+    calls = 0;
+    const auto wrong = counted(calls, product_energy(0), product_gradient(by_q, by_p));
+    const std::string text = refusal([&] { cost_of_accuracy(wrong, z0, 1000); });
+    CHECK(calls <= 20);
+    CHECK(contains(text, "check_gradient"));
+    return text;
+  };
+  CHECK(contains(said({-3, 0.5}, 1, -1), "dH/dp[0] is -5, but by the energy it is 5"));
+  CHECK(contains(said({-3, 0.5}, 1, -1), "the sign is wrong"));
+  // At rest one half of the gradient is zero at z0, whatever its sign.
+  CHECK(contains(said({-3, 0}, -1, 1), "at z0: dH/dq[0] is 3, but by the energy it is -3"));
+  CHECK(contains(said({-3, 0}, 1, -1), "near z0: dH/dp[0] is"));
+  CHECK(contains(said({-3, 0}, 1.03, 1), "dH/dq[0]"));
+
+  const auto adds = counted(calls, product_energy(0), [](double q, double p, double& dHdq, double& dHdp) {
+    dHdq += q * (p * p + 1);
+    dHdp += p * (q * q + 1);
+  });
+  CHECK(
+      contains(refusal([&] { cost_of_accuracy(adds, PhasePoint<double, 1>(-3, 0.5), 100); }), "is added to"));
+
+  // One entry of two hundred, for a few hundred energies.
+  struct Chain : systems::NlsLattice<double> {
+    using systems::NlsLattice<double>::NlsLattice;
+    double* energies;
+    double energy(const ConstRef<double, Eigen::Dynamic>& q,
+                  const ConstRef<double, Eigen::Dynamic>& p) const {
+      ++*energies;
+      return systems::NlsLattice<double>::energy(q, p);
+    }
+    void gradient(const ConstRef<double, Eigen::Dynamic>& q, const ConstRef<double, Eigen::Dynamic>& p,
+                  Ref<double, Eigen::Dynamic> dHdq, Ref<double, Eigen::Dynamic> dHdp) const {
+      systems::NlsLattice<double>::gradient(q, p, dHdq, dHdp);
+      dHdq[377] *= -1;
+    }
+  };
+  double energies = 0;
+  Chain chain(500);
+  chain.energies = &energies;
+  PhasePoint<double, Eigen::Dynamic> z(500);
+  for (Eigen::Index i = 0; i < 1000; ++i) z.vector()[i] = std::sin(static_cast<double>(i));
+  CHECK(contains(refusal([&] { cost_of_accuracy(chain, z, 10); }), "a slope of the energy is not the one"));
+  CHECK(energies < 500);
+}
+
+TEST_CASE(
+    "a scan keeps its bound on gradient calls, whatever the Hamiltonian, and says why it found nothing") {
+  double calls = 0;
+  const auto scan = [&](const auto& hamiltonian, const PhasePoint<double, 1>& z0, double T,
+                        const CostOptions& options) {
+    calls = 0;
+    const CostOfAccuracy cost = cost_of_accuracy(hamiltonian, z0, T, options);
+    CHECK(calls == cost.spent_gradients);
+    CHECK(calls <= options.max_gradients);
+    CHECK(calls <= 7 * cost.budget);
+    for (const double target : cost.targets) {
+      CHECK((cost.reach(target) == Reach::met) == cost.cheapest(target).has_value());
+      CHECK((cost.reach(target) == Reach::met) == cost.why(target).empty());
+    }
+    std::ostringstream text;
+    text << cost;
+    CHECK(contains(text.str(), "Spent: "));
+    return cost;
+  };
+  const CostOptions usual;
+
+  // An energy that is small beside its terms: rounding forbids the tight targets.
+  for (const double left : {1e-3, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14, 0.0}) {
+    CAPTURE(left);
+    const CostOfAccuracy cost =
+        scan(counted(calls, product_energy(left - 1.625), product_gradient(1, 1)), {-1.5, 0}, 100, usual);
+    CHECK(cost.relative == (left > 1e-13));
+    if (left == 1e-8) {
+      CHECK(cost.reach(1e-4) == Reach::met);
+      CHECK(cost.reach(1e-8) == Reach::rounding);
+      CHECK(cost.reach(1e-10) == Reach::rounding);
+      CHECK(contains(cost.why(1e-10), "small beside its terms"));
+    }
+  }
+  // Kinks: the accuracy of a scheme is lost there. Noise, and rounding to float: not wrong gradients.
+  scan(counted(
+           calls, [](const auto& q, const auto& p) { return p[0] * p[0] / 2 + std::abs(q[0]); },
+           [](double q, double p, double& dHdq, double& dHdp) { dHdq = q > 0 ? 1 : -1, dHdp = p; }),
+       {1, 0}, 1000, usual);
+  const CostOfAccuracy wall = scan(counted(
+                                       calls,
+                                       [](const auto& q, const auto& p) {
+                                         const double x = std::max(q[0] - 0.5, 0.0);
+                                         return (p[0] * p[0] + q[0] * q[0]) / 2 + 50 * x * x;
+                                       },
+                                       [](double q, double p, double& dHdq, double& dHdp) {
+                                         dHdq = q + 100 * std::max(q - 0.5, 0.0), dHdp = p;
+                                       }),
+                                   {-1, 0}, 1000, usual);
+  CHECK(wall.reach(1e-4) == Reach::met);
+  CHECK(wall.reach(1e-10) != Reach::met);
+  const CostOfAccuracy noisy =
+      scan(counted(
+               calls,
+               [](const auto& q, const auto& p) {
+                 return (p[0] * p[0] + q[0] * q[0]) / 2 + 1e-7 * std::sin(1e6 * q[0]);
+               },
+               [](double q, double p, double& dHdq, double& dHdp) { dHdq = q, dHdp = p; }),
+           {-1, 0}, 1000, usual);
+  CHECK(noisy.reach(1e-4) == Reach::met);
+  CHECK(noisy.reach(1e-8) == Reach::rounding);
+  const CostOfAccuracy rounded =
+      scan(counted(
+               calls,
+               [](const auto& q, const auto& p) {
+                 const double xx = q[0] * q[0], yy = p[0] * p[0];
+                 return static_cast<double>(static_cast<float>((xx + yy) / 2 + 0.1 * xx * yy));
+               },
+               [](double q, double p, double& dHdq, double& dHdp) {
+                 dHdq = q + 0.2 * q * p * p, dHdp = p + 0.2 * q * q * p;
+               }),
+           {-1, 0}, 1000, usual);
+  CHECK(rounded.reach(1e-4) == Reach::met);
+  CHECK(rounded.reach(1e-8) == Reach::rounding);
+
+  // However little is allowed.
+  for (const double bound : {1e3, 1e4, 1e5}) {
+    const CostOfAccuracy cost = scan(counted(calls, product_energy(0), product_gradient(1, 1)), {-3, 0}, 1e9,
+                                     {.max_gradients = bound, .by = CostBy::seconds});
+    if (bound == 1e3) CHECK(cost.reach(1e-4) == Reach::budget);
+    if (bound == 1e3) CHECK(contains(cost.why(1e-4), "max_gradients"));
+  }
+  const auto product = counted(calls, product_energy(0), product_gradient(1, 1));
+  CHECK(contains(
+      refusal([&] { cost_of_accuracy(product, PhasePoint<double, 1>(-3, 0), 1, {.max_gradients = 10}); }),
+      "options.max_gradients is below 1000"));
+
+  const CostOfAccuracy single = cost_of_accuracy(systems::Product<float>(), PhasePoint<float, 1>(-3, 0), 100);
+  CHECK(single.reach(1e-4) == Reach::met);
+  CHECK(single.reach(1e-8) == Reach::rounding);
+  CHECK(single.spent_gradients < 5e5);
+}
+
+TEST_CASE("no advice is given for an orbit that ends before T") {
+  double calls = 0;
+  const auto escapes = counted(
+      calls, [](const auto& q, const auto& p) { return p[0] * p[0] / 2 - q[0] * q[0] * q[0]; },
+      [](double q, double p, double& dHdq, double& dHdp) { dHdq = -3 * q * q, dHdp = p; });
+  for (const double T : {10.0, 1000.0}) {
+    const CostOfAccuracy cost =
+        cost_of_accuracy(escapes, PhasePoint<double, 1>(1, 0.5), T, {.targets = {1e-6}});
+    CHECK_FALSE(cost.cheapest(1e-6));
+    CHECK_FALSE(cost.best());
+    CHECK(cost.reach(1e-6) == Reach::orbit_ends);
+    CHECK(cost.orbit_end == Approx(1.55).epsilon(0.02));
+    CHECK(cost.spent_gradients <= 4 * cost.budget);
+    std::ostringstream text;
+    text << cost;
+    CHECK(contains(text.str(), "the orbit ends near t = 1.5"));
+  }
+  CHECK(cost_of_accuracy(escapes, PhasePoint<double, 1>(1, 0.5), 1, {.targets = {1e-6}}).cheapest(1e-6));
+}
+
+TEST_CASE("the table does not depend on the locale") {
+  const CostOfAccuracy cost =
+      cost_of_accuracy(systems::Product<double>(), PhasePoint<double, 1>(-3, 0), 10, {.targets = {1e-6}});
+  const auto printed = [&] {
+    std::ostringstream text;
+    text << cost;
+    return text.str();
+  };
+  struct Comma : std::numpunct<char> {
+    char do_decimal_point() const override { return ','; }
+    char do_thousands_sep() const override { return '.'; }
+    std::string do_grouping() const override { return "\3"; }
+  };
+  const std::string classic = printed();
+  const std::locale before = std::locale::global(std::locale(std::locale::classic(), new Comma));
+  const std::string here = printed();
+  std::locale::global(before);
+  CHECK(here == classic);
 }

@@ -141,6 +141,39 @@ TEST_CASE("Invariants follow the energy of a Hamiltonian", "[observers]") {
   CHECK(errors["energy"].worst == 1);
 }
 
+TEST_CASE("A first value that is zero up to rounding is not what errors are relative to", "[observers]") {
+  // A light ray: H = 0, and -1.5e-16 in numbers, of terms of size one.
+  const effects::black_hole::Schwarzschild<> hole;
+  const Scene light(hole);
+  const double r = 20, L = 6, f = 1 - 2 / r, pr = -std::sqrt((1 / f - L * L / (r * r)) / f);
+  PhasePoint<double, 4> z({0, r, std::acos(0.0), 0}, {-1, pr, 0, L});
+  Invariants errors(light);
+  Semiexplicit stepper(light, schemes::low_defect8_s20());
+  integrate(stepper, z, {.dt = 0.1, .steps = 200}, errors);
+  CHECK(errors["energy"].initial != 0);
+  CHECK_FALSE(errors["energy"].relative);
+  CHECK(errors["energy"].unit == 1);
+  CHECK(errors["energy"].worst < 1e-12);
+
+  // An angular momentum whose two terms cancel but for a digit, in three kinds of number.
+  const auto spin = []<class Scalar>(Scalar third, double momentum) {
+    Invariants<Scalar, 2> all;
+    all.add("L", [](const auto& q, const auto& p) { return q[0] * p[1] - q[1] * p[0]; });
+    PhasePoint<Scalar, 2> at({third, 3}, {third * third, Scalar(momentum)});
+    all(0, at);
+    at.q()[0] += Scalar(0.125);
+    all(1, at);
+    return all.rows().front();
+  };
+  for (const double rounding : {0.0, 2e-16, 1e-15}) CHECK_FALSE(spin(1.0 / 3, 1 + rounding).relative);
+  CHECK_FALSE(spin(1.0f / 3, 1 + 1e-6).relative);
+  CHECK_FALSE(spin(1.0L / 3, 1).relative);
+  CHECK(spin(1.0 / 3, 1 + 1e-9).relative);
+  CHECK(spin(1.0f / 3, 1.01).relative);
+  CHECK(spin(1.0 / 3, 1 + 1e-15).worst == Approx(0.125));
+  CHECK(spin(1.0 / 3, 2).worst == Approx(0.75));
+}
+
 TEST_CASE("A CSV file reads back exactly", "[observers]") {
   const Folder folder;
   const fs::path path = folder.path / "table.csv";

@@ -279,3 +279,32 @@ TEST_CASE("An audit says where its own runs are too coarse, and where nothing ru
   CHECK(refuses([&] { audit(mercury(), z, INFINITY, {.dt = 1}); }, "finite"));
   CHECK(refuses([&] { audit(mercury(), z, 1, {}); }, "options.dt"));
 }
+
+TEST_CASE("An audit keeps its bound on gradient calls, or says what to change", "[scene]") {
+  const Point z({1, 0}, {0, 1});
+  std::int64_t calls = 0;
+  const Scene counted(CountingPotential{&calls}, Kinetic<2>{}, Spelled{});
+  const auto bounded = [&](double bound) {
+    calls = 0;
+    return refusal([&] { audit(counted, z, 10, {.dt = 0.05, .max_gradients = bound}); });
+  };
+  // Six runs of 200 steps: refused before they begin, and in their midst.
+  CHECK(says(bounded(1e4), "options.max_gradients is 1e+04; give a larger options.dt, a shorter time"));
+  CHECK(calls == 0);
+  const double least = 1212 + 1200.0 * static_cast<double>(schemes::low_defect6_s13().kicks());
+  CHECK(says(bounded(least), "and more gradient calls, and options.max_gradients is"));
+  CHECK(calls > 0);
+  CHECK(static_cast<double>(calls) <= least);
+  CHECK(bounded(1e9) == "nothing was refused");
+  CHECK(says(bounded(0), "options.max_gradients is not positive"));
+  // A time that no loop counter holds.
+  CHECK(refuses([&] { audit(counted, z, 1e300, {.dt = 1e-10}); }, "options.max_gradients is 1e+09"));
+}
+
+TEST_CASE("What strays is relative to nothing that is zero up to rounding", "[scene]") {
+  AuditOptions<double, 2> options{.dt = 0.01};
+  options.invariants = {{"L", [](const auto& q, const auto& p) { return q[0] * p[1] - q[1] * p[0]; }}};
+  const Audit radial = audit(Scene(Kinetic<2>{}, Attraction<2>{}, RotatingFrame<2>{.omega = 0.1}),
+                             Point({1.0 / 3, 3}, {1.0 / 9, 1 + 2e-16}), 1, options);
+  for (const AuditRow& row : radial.rows) CHECK(row.invariant_shift[1] < 1);
+}

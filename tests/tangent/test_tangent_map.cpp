@@ -43,6 +43,17 @@ auto differences(S& stepper, const typename S::State& z, typename S::Scalar dt, 
 
 const PhasePoint<double, 3> lattice_point({0.8, -0.3, 0.5}, {0.2, 0.9, -0.6});
 
+/// A pendulum whose driving has the period 1: all late times below are the time 0.
+struct Driven {
+  using Scalar = double;
+  static constexpr int Dof = 1;
+  void gradient(double t, ConstRef<double, 1> q, ConstRef<double, 1> p, Ref<double, 1> dHdq,
+                Ref<double, 1> dHdp) const {
+    dHdq[0] = std::sin(q[0]) * (1 + 0.5 * std::cos(std::acos(-1.0) * 2 * (t - std::floor(t))));
+    dHdp[0] = p[0];
+  }
+};
+
 }  // namespace
 
 TEST_CASE("The tangent map is symplectic and the limit of differences", "[tangent]") {
@@ -122,4 +133,22 @@ TEST_CASE("The time of a driven system does not loosen its tangent map, nor does
   CHECK((tangent.matrix() - early).topLeftCorner(1, 1).norm() < 1e-5);
   CHECK(asymmetry(tangent.matrix()) < 1e-9);
   CHECK(tangent.at(driven.extended({0, 0}, 0.0), 0.1) == Status::success);
+}
+
+TEST_CASE("Differences for a Hessian suit a time that is far larger than the state", "[tangent]") {
+  const Autonomous driven(Driven{});
+  TangentMap tangent(driven, schemes::low_defect6_s13());
+  REQUIRE(tangent.at(driven.extended({1, 0.2}, 0), 0.02) == Status::success);
+  const Eigen::Matrix4d early = tangent.matrix();
+  for (const double t0 : {1e3, 1e6, 1e9, 1e12, -1e12}) {
+    CAPTURE(t0);
+    REQUIRE(tangent.at(driven.extended({1, 0.2}, t0), 0.02) == Status::success);
+    CHECK(asymmetry(tangent.matrix()) <= 1e-13);
+    // As far as the rounding of the times allows.
+    CHECK((tangent.matrix() - early).cwiseAbs().maxCoeff() <= 1e-9 + std::cbrt(std::abs(t0) * 2e-16) / 4);
+    Eigen::Matrix2d late, soon;  // of q and p alone
+    late << tangent.matrix()(0, 0), tangent.matrix()(0, 2), tangent.matrix()(2, 0), tangent.matrix()(2, 2);
+    soon << early(0, 0), early(0, 2), early(2, 0), early(2, 2);
+    CHECK((late - soon).cwiseAbs().maxCoeff() <= 1e-9 + std::abs(t0) * 1e-15);
+  }
 }

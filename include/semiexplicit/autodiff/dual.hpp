@@ -180,12 +180,12 @@ Dual<T, N> tan(const Dual<T, N>& x) {
 template <class T, int N>
 Dual<T, N> asin(const Dual<T, N>& x) {
   using std::asin, std::sqrt;
-  return x.chain(asin(x.value), T(1) / sqrt(T(1) - x.value * x.value));
+  return x.chain(asin(x.value), T(1) / sqrt((T(1) - x.value) * (T(1) + x.value)));
 }
 template <class T, int N>
 Dual<T, N> acos(const Dual<T, N>& x) {
   using std::acos, std::sqrt;
-  return x.chain(acos(x.value), T(-1) / sqrt(T(1) - x.value * x.value));
+  return x.chain(acos(x.value), T(-1) / sqrt((T(1) - x.value) * (T(1) + x.value)));
 }
 template <class T, int N>
 Dual<T, N> atan(const Dual<T, N>& x) {
@@ -194,9 +194,9 @@ Dual<T, N> atan(const Dual<T, N>& x) {
 }
 template <class T, int N>
 Dual<T, N> atan2(const Dual<T, N>& y, const Dual<T, N>& x) {
-  using std::atan2;
-  const T squared = x.value * x.value + y.value * y.value;
-  return Dual<T, N>::chain(atan2(y.value, x.value), x.value / squared, y, -y.value / squared, x);
+  using std::atan2, std::hypot;
+  const T r = hypot(x.value, y.value);  // the squares may overflow, or vanish
+  return Dual<T, N>::chain(atan2(y.value, x.value), x.value / r / r, y, -y.value / r / r, x);
 }
 template <class T, int N>
 Dual<T, N> sinh(const Dual<T, N>& x) {
@@ -216,18 +216,18 @@ Dual<T, N> tanh(const Dual<T, N>& x) {
 }
 template <class T, int N>
 Dual<T, N> asinh(const Dual<T, N>& x) {
-  using std::asinh, std::sqrt;
-  return x.chain(asinh(x.value), T(1) / sqrt(x.value * x.value + T(1)));
+  using std::asinh, std::hypot;
+  return x.chain(asinh(x.value), T(1) / hypot(x.value, T(1)));
 }
 template <class T, int N>
 Dual<T, N> acosh(const Dual<T, N>& x) {
   using std::acosh, std::sqrt;
-  return x.chain(acosh(x.value), T(1) / sqrt(x.value * x.value - T(1)));
+  return x.chain(acosh(x.value), T(1) / sqrt(x.value - T(1)) / sqrt(x.value + T(1)));
 }
 template <class T, int N>
 Dual<T, N> atanh(const Dual<T, N>& x) {
   using std::atanh;
-  return x.chain(atanh(x.value), T(1) / (T(1) - x.value * x.value));
+  return x.chain(atanh(x.value), T(1) / ((T(1) - x.value) * (T(1) + x.value)));
 }
 template <class T, int N>
 Dual<T, N> hypot(const Dual<T, N>& x, const Dual<T, N>& y) {
@@ -254,28 +254,74 @@ requires(Dual<T, N>::template constant<U>) Dual<T, N> hypot(const U& x, const Du
 }
 template <class T, int N>
 Dual<T, N> abs(const Dual<T, N>& x) {
-  return x.value < T(0) ? -x : x;
+  using std::abs;
+  return x.chain(abs(x.value), x.value < T(0) ? T(-1) : T(1));  // of -0, too, it is 0
 }
 template <class T, int N>
 Dual<T, N> fabs(const Dual<T, N>& x) {
   return abs(x);
 }
+
+/// Zero with all its derivatives.
+template <class T>
+bool is_constant_zero(const T& x) {
+  return x == T(0);
+}
+template <class T, int N>
+bool is_constant_zero(const Dual<T, N>& x) {
+  bool zero = is_constant_zero(x.value);
+  for (Eigen::Index i = 0; i < N; ++i) zero = zero && is_constant_zero(x.derivative[i]);
+  return zero;
+}
+/// slope · change, where nothing changes 0 even if there is no slope: x^y at x < 0 has one along x only.
+template <class T>
+T change_along(const T& slope, const T& change) {
+  return is_constant_zero(change) ? T(0) : T(slope * change);
+}
+
+/// x^y log(x)^k, which is 0 at x = 0 where y > 0; the derivatives of a power are made of these.
+template <class T>
+T power_log(const T& x, const T& y, int k) {
+  using std::log, std::pow;
+  if (k == 0) return pow(x, y);
+  if (x == T(0) && y > T(0)) return T(0);
+  T result = pow(x, y);
+  for (int i = 0; i < k; ++i) result *= log(x);
+  return result;
+}
+template <class T, int N>
+Dual<T, N> power_log(const Dual<T, N>& x, const Dual<T, N>& y, int k) {
+  T by_x(0);  // x^0 does not change with x
+  if (!is_constant_zero(y.value)) by_x = y.value * power_log(x.value, T(y.value - T(1)), k);
+  if (k > 0) by_x += T(k) * power_log(x.value, T(y.value - T(1)), k - 1);
+  const T by_y = power_log(x.value, y.value, k + 1);
+  Dual<T, N> result(power_log(x.value, y.value, k));
+  for (Eigen::Index i = 0; i < N; ++i)
+    result.derivative[i] = change_along(by_x, x.derivative[i]) + change_along(by_y, y.derivative[i]);
+  return result;
+}
+
+template <class T, int N>
+Dual<T, N> pow(const Dual<T, N>& x, const Dual<T, N>& y) {
+  return power_log(x, y, 0);
+}
 /// x^c with a constant exponent: also for negative x where c is an integer.
 template <class T, int N, class U>
 requires(Dual<T, N>::template constant<U>) Dual<T, N> pow(const Dual<T, N>& x, const U& c) {
   using std::pow;
-  if (c == U(0)) return Dual<T, N>(1);
-  // c stays a plain number, so that a dual of duals comes back here, and not to the exponential function.
-  return x.chain(static_cast<T>(pow(x.value, c)), static_cast<T>(c) * static_cast<T>(pow(x.value, c - U(1))));
-}
-template <class T, int N>
-Dual<T, N> pow(const Dual<T, N>& x, const Dual<T, N>& y) {
-  return exp(y * log(x));
+  if constexpr (requires { c.derivative; }) {
+    return pow(x, Dual<T, N>(c));  // constant on the outer level only
+  } else {
+    if (c == U(0)) return Dual<T, N>(1);
+    // c stays a plain number, so that a dual of duals comes back here, and not to the logarithm.
+    return x.chain(static_cast<T>(pow(x.value, c)),
+                   static_cast<T>(c) * static_cast<T>(pow(x.value, c - U(1))));
+  }
 }
 template <class T, int N, class U>
 requires(Dual<T, N>::template constant<U>) Dual<T, N> pow(const U& c, const Dual<T, N>& y) {
-  using std::log;
-  return exp(y * log(static_cast<T>(c)));
+  const T base = static_cast<T>(c);
+  return y.chain(power_log(base, y.value, 0), power_log(base, y.value, 1));
 }
 template <class T, int N>
 bool isfinite(const Dual<T, N>& x) {

@@ -44,7 +44,7 @@ struct CheckpointOptions {
 ///
 /// Comes last among the observers, for it saves what those before it have seen. The file is written whole and flushed to the
 /// disk before it takes the place of the one before; where that fails, std::runtime_error is thrown and the old one stays.
-/// From resume(), or the first save, on it is locked as long as this object lives, and a second run on it is refused.
+/// From resume(), or the first save, on it is locked as long as this object lives, and a run of another process on it is refused.
 /// Refers to the stepper and the observers, which must outlive it. `steps` may grow from run to run. A checkpoint holds for
 /// the compiler and the flags that the program was built with, as the last bits of any floating-point result do.
 template <class S, class... Observers>

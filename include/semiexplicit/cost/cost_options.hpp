@@ -17,6 +17,9 @@ struct CostOptions {
   /// overrun by a factor of two or so: CostOfAccuracy::spent_gradients says what it came to.
   double budget = 0.1;
   double min_gradients = 30'000;  ///< but no less: where the run is shorter, advice costs a larger part of it
+  /// Bound on the gradient calls that the scan takes, which is kept whatever the Hamiltonian; the guide above ends at a
+  /// third of it. What it leaves unfinished counts as out of reach, and CostOfAccuracy::why() says so.
+  double max_gradients = 1e7;
   CostBy by = CostBy::gradients;  ///< what is to be cheap
   /// Schemes of the semiexplicit method, from loose to tight targets.
   std::vector<std::string> schemes{"low_defect4_s7",  "low_defect4_s11", "low_defect6_s13",
@@ -38,6 +41,8 @@ inline void check(const CostOptions& options) {
     refuse("options.budget is " + in_words(options.budget, 3) + "; give a fraction of the run, as 0.05");
   if (!(options.min_gradients >= 0 && std::isfinite(options.min_gradients)))
     refuse("options.min_gradients is negative or not finite; give a number of gradient calls");
+  if (!(options.max_gradients >= 1000))
+    refuse("options.max_gradients is below 1000; give a bound that leaves room for a few steps");
   if (options.schemes.empty() && options.gauss_stages.empty())
     refuse("options.schemes and options.gauss_stages are both empty; give something to try");
   for (const int stages : options.gauss_stages)

@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include <semiexplicit/core/worst_step.hpp>
 #include <semiexplicit/cost/setting.hpp>
 
 namespace semiexplicit::detail {
@@ -30,7 +31,8 @@ struct Probe {
   double spread = 1;           ///< how much the ranges differ among the hard windows, as a factor
   bool confirmed = false;      ///< on more windows than the others
   std::int64_t gradients = 0;  ///< that the probe took
-  bool works() const { return status == Status::success; }
+  bool cut = false;            ///< the calls ended before the windows
+  bool works() const { return status == Status::success && !cut; }
 };
 
 /// Follows the energy along steps.
@@ -66,14 +68,16 @@ double unfinished(const StepReport& report, const State& z) {
   return size > 0 ? (e / size) * ((m + e) / size) : 0;
 }
 
-/// Tries a setting on windows. Gives up at the first step that fails, or when the error exceeds `hopeless`.
+/// Tries a setting on windows. Gives up at the first step that fails, or when the error exceeds `hopeless`, and before the first
+/// one that may take it beyond `affordable` gradient calls.
 template <class H, class State>
 Probe probe(const H& hamiltonian, const Setting& setting, const std::vector<Window<State>>& windows,
-            const typename H::Scalar& energy_unit, double hopeless) {
+            const typename H::Scalar& energy_unit, double hopeless, double affordable) {
   using Scalar = typename H::Scalar;
   Probe result;
   with_stepper(hamiltonian, setting, [&](auto& stepper) {
     EnergyRange<H> energies(hamiltonian, energy_unit);
+    const double worst = worst_step(stepper);
     double time = 0, steps_counted = 0;
     std::int64_t calls = 0, evaluations = 0;
     std::vector<double> hard;
@@ -84,6 +88,10 @@ Probe probe(const H& hamiltonian, const Setting& setting, const std::vector<Wind
       const auto steps = std::max<std::int64_t>(4, static_cast<std::int64_t>(window.length / setting.dt) + 1);
       double drift = 0;
       for (std::int64_t n = 0; n < steps; ++n) {
+        if (static_cast<double>(result.gradients) + worst > affordable) {
+          result.cut = true;
+          return;
+        }
         const StepReport report = stepper.step(z, Scalar(setting.dt));
         result.gradients += report.gradients;
         if (!report.ok()) {

@@ -16,6 +16,7 @@
 #include <semiexplicit/cost/cost_options.hpp>
 #include <semiexplicit/cost/hard_places.hpp>
 #include <semiexplicit/cost/probe.hpp>
+#include <semiexplicit/cost/right_gradient.hpp>
 
 namespace semiexplicit::detail {
 
@@ -43,17 +44,23 @@ class Scan {
 
   CostOfAccuracy result() {
     const double start = cpu_seconds();
+    families_ = families();  // refuses what is misspelled
     find_scale();
-    pilot();
-    windows_ = windows();
-    for (const auto& family : families()) families_.push_back(family);
-    std::vector<double> targets = options_.targets;
-    std::sort(targets.rbegin(), targets.rend());
-    for (const double target : targets) {
-      searched_part_ += 1 / static_cast<double>(targets.size());
-      search(target);
+    if (pilot()) {
+      windows_ = windows();
+      pilot_spent_ = cost_.spent_gradients;
+      std::vector<double> targets = options_.targets;
+      std::sort(targets.rbegin(), targets.rend());
+      double last = 0;
+      for (const double target : targets) {
+        searched_part_ += 1 / static_cast<double>(targets.size());
+        // What rounding forbids is not looked for, but how near one comes.
+        const double reachable = std::max(target, 10 * cost_.rounding);
+        if (reachable != last) search(reachable, target);
+        last = reachable;
+      }
+      finish_rows();
     }
-    finish_rows();
     cost_.spent_seconds = cpu_seconds() - start;
     return cost_;
   }
@@ -63,7 +70,8 @@ class Scan {
   struct Candidate {
     Setting setting;
     int order = 2;
-    double kicks = 1;  ///< gradient calls a step, at least
+    double kicks = 1;        ///< gradient calls a step, usually
+    double least_calls = 1;  ///< and at least
     std::map<double, Probe, std::greater<>> trials{};
   };
   using Family = std::vector<Candidate>;
@@ -76,15 +84,18 @@ class Scan {
         const auto scheme = schemes::by_name<double>(name);
         all.back().push_back({.setting = {.scheme = name},
                               .order = scheme.order,
-                              .kicks = static_cast<double>(scheme.kicks())});
+                              .kicks = static_cast<double>(scheme.kicks()),
+                              .least_calls = static_cast<double>(scheme.kicks())});
       }
     }
     const auto add_gauss = [&](Setting::Method method) {
       if (options_.gauss_stages.empty()) return;
       all.emplace_back();
       for (const int stages : options_.gauss_stages)
-        all.back().push_back(
-            {.setting = {.method = method, .stages = stages}, .order = 2 * stages, .kicks = 14.0 * stages});
+        all.back().push_back({.setting = {.method = method, .stages = stages},
+                              .order = 2 * stages,
+                              .kicks = 14.0 * stages,
+                              .least_calls = 2.0 * stages});
     };
     // In gradient calls the stages in lanes are no better: they only win in time.
     if (HasPackGradient<H> && options_.by == CostBy::seconds)
@@ -108,84 +119,100 @@ class Scan {
           "cost_of_accuracy: nothing moves at z0, the gradient is zero; give another state");
     const double size = static_cast<double>(norm(z0_.vector()));
     cost_.time_scale = std::min(cost_.time, size > 0 ? size / speed : cost_.time);
-    using std::abs;
-    energy_unit_ = abs(hamiltonian_.energy(z0_.q(), z0_.p()));
-    // Zero but for rounding, as of a light ray: errors are absolute then.
-    const Scalar rounding = 100 * Eigen::NumTraits<Scalar>::epsilon() * norm(z0_.vector()) * Scalar(speed);
-    if (energy_unit_ <= rounding) energy_unit_ = Scalar(1);
+    const auto energy = [this](const auto& q, const auto& p) { return Scalar(hamiltonian_.energy(q, p)); };
+    const Scalar first = energy(z0_.q(), z0_.p());
     using std::isfinite;
-    if (!isfinite(energy_unit_))
+    if (!isfinite(first))
       throw std::invalid_argument(
           "cost_of_accuracy: the energy at z0 is NaN or Inf; give another initial state");
-
-    // The flow of a true gradient keeps the energy. With a wrong sign no step ever would, and the scan not end.
-    const Scalar short_time = Scalar(1e-5 * cost_.time_scale);
-    State ahead = z0_, behind = z0_;
-    ahead.q() += short_time * gp, ahead.p() -= short_time * gq;
-    behind.q() -= short_time * gp, behind.p() += short_time * gq;
-    const Scalar change =
-        abs(hamiltonian_.energy(ahead.q(), ahead.p()) - hamiltonian_.energy(behind.q(), behind.p())) /
-        (2 * short_time);
-    Scalar terms(0);
-    for (Eigen::Index i = 0; i < gq.size(); ++i) terms += 2 * abs(gq[i] * gp[i]);
-    if (change > terms / 10 + 100 * Eigen::NumTraits<Scalar>::epsilon() * energy_unit_ / short_time)
-      throw std::invalid_argument(
-          "cost_of_accuracy: the energy changes along the flow of the gradient; check the gradient, its "
-          "signs first, "
-          "against differences of the energy");
+    const auto reference = reference_size(energy, first, z0_);
+    energy_unit_ = reference.size;
+    cost_.relative = reference.relative;
+    State velocity = z0_;
+    velocity.q() = gp, velocity.p() = -gq;
+    const Scalar noise = require_right_gradient("cost_of_accuracy", hamiltonian_, z0_, velocity,
+                                                cost_.time_scale, cost_.spent_gradients);
+    terms_ = std::max(1.0, static_cast<double>(reference.terms / energy_unit_));
+    if (isfinite(noise))
+      noise_ = 4 * static_cast<double>(noise / energy_unit_);  // a level, and the largest counts
+    cost_.rounding = rounding(cost_.time_scale);
+    // An energy that is small beside its terms has large relative errors where nothing is wrong.
+    hopeless_ = std::max(1.0, terms_ / 100);
+    coarse_ = std::max(coarse_error * hopeless_, 10 * cost_.rounding);
   }
 
-  /// Runs a cheap setting as far as its part of the budget goes, and keeps where its energy varied most.
-  void pilot() {
+  /// What the rounding of the states adds to the error over the whole time, and the noise of the energy.
+  double rounding(double dt) const {
+    const double epsilon = static_cast<double>(Eigen::NumTraits<Scalar>::epsilon());
+    return epsilon / 2 * terms_ * std::sqrt(cost_.time / dt) + noise_;
+  }
+
+  /// Runs a cheap setting as far as its part of the budget goes, and keeps where its energy varied most. False: there is nothing
+  /// to advise on, and cost_ says why.
+  bool pilot() {
     Setting coarse{.scheme = "low_defect4_s7", .rule = StoppingRule::product(1e-8)}, now = coarse;
     double rate = 0;
     now.dt = cost_.time_scale;
     // From the largest step that works at all on to the cheapest: large ones take many evaluations.
+    limit_ = std::min(options_.max_gradients, std::max(1e5, 10 * options_.min_gradients));
     for (int attempt = 0; attempt < 60; ++attempt, now.dt /= 1.4) {
-      const Probe seen = tried(now, {{z0_, std::min(cost_.time, 20 * now.dt), true}}, coarse_error);
+      const Probe seen = tried(now, {{z0_, std::min(cost_.time, 20 * now.dt), true}}, coarse_);
+      if (seen.cut) break;
       if (!seen.works() && rate == 0) continue;
       if (!seen.works() || (rate > 0 && seen.rate > rate)) break;
       rate = seen.rate;
       coarse = now;
     }
-    if (rate == 0)
-      throw std::invalid_argument(
-          "cost_of_accuracy: no step works at z0, however small; check the gradient against differences of "
-          "the energy");
+    cost_.budget = limit_;
+    if (rate == 0) {
+      if (cost_.spent_gradients + 1e4 > limit_) cost_.unfinished = 1;
+      return false;
+    }
     pilot_rate_ = rate;
     double run_rates = 0;
     for (const double target : options_.targets) run_rates += run_over_pilot(target) * rate;
-    budget_ = std::max(options_.min_gradients, options_.budget * run_rates * cost_.time);
+    budget_ = std::min(std::max(options_.min_gradients, options_.budget * run_rates * cost_.time),
+                       options_.max_gradients / 3);
+    cost_.budget = budget_;
     window_time_ = std::min(cost_.time, window_share * budget_ / (run_rates * trials_a_target));
     // As far as the calls go; what a short run leaves over makes it more faithful.
     const double affordable_time = pilot_share * budget_ / rate;
     coarse.dt /= std::clamp(affordable_time / cost_.time, 1.0, 6.0);
-    follow(coarse, std::min(cost_.time, affordable_time));
+    return follow(coarse, std::min(cost_.time, affordable_time));
   }
 
   /// How many times the gradient calls of the pilot a run to a target takes, in the same time: a rule of thumb.
   static double run_over_pilot(double target) { return 1.5 * std::pow(target / 1e-4, -0.12); }
 
-  /// The pilot run proper. A segment that fails, or whose energy goes astray, is done again with a smaller step.
-  void follow(Setting coarse, double length) {
-    double calls_left = 2 * pilot_share * budget_;
+  /// The pilot run proper. A segment that fails, or whose energy goes astray, is done again with a smaller step. False where no
+  /// step gets through a segment.
+  bool follow(Setting coarse, double length) {
+    double calls_left = 2 * pilot_share * budget_, farthest = 0;
     State z = z0_;
     segment_time_ = std::max({length / 2000, 4 * coarse.dt, window_time_ / window_count});
-    while (cost_.pilot_time < length && calls_left > 0 && segment_time_ / coarse.dt < 1e9) {
+    bool stuck = false, cut = false;
+    // To find out whether anything goes on takes more calls than it is worth otherwise.
+    while (cost_.pilot_time < length && calls_left > (stuck ? -budget_ : 0.0) && !cut &&
+           segment_time_ / coarse.dt < 1e9) {
       typename HardPlaces<State>::Segment segment{z, 0};
       const auto steps = static_cast<std::int64_t>(std::ceil(segment_time_ / coarse.dt));
       EnergyRange<H> energies(hamiltonian_, energy_unit_);
       energies.start(z);
       const bool done = with_stepper(hamiltonian_, coarse, [&](auto& stepper) {
+        const double worst = worst_step(stepper);
         for (std::int64_t n = 0; n < steps; ++n) {
+          cut = cost_.spent_gradients + worst > options_.max_gradients;
+          if (cut) return false;
           const StepReport report = stepper.step(z, Scalar(coarse.dt));
           calls_left -= static_cast<double>(report.gradients);
           cost_.spent_gradients += static_cast<double>(report.gradients);
-          if (!report.ok()) return false;
-          energies.add(z);
+          if (report.ok()) energies.add(z);
+          if (!report.ok() || !(energies.range() <= 3 * coarse_)) return false;
+          farthest = std::max(farthest, cost_.pilot_time + static_cast<double>(n + 1) * coarse.dt);
         }
-        return energies.range() <= 3 * coarse_error;
+        return true;
       });
+      stuck = !done;
       if (done) {
         segment.hardness = energies.range();
         cost_.pilot_time += static_cast<double>(steps) * coarse.dt;
@@ -195,8 +222,16 @@ class Scan {
         coarse.dt /= 1.5;
       }
     }
+    if (stuck) {
+      if (cut)
+        cost_.unfinished = 1;
+      else
+        cost_.orbit_end = farthest;
+      return false;
+    }
     if (places_.all().empty()) places_.add({z0_, 0});
     places_.rank();
+    return true;
   }
 
   /// The windows that all settings are tried on: the start, evenly spread ones, and the hardest.
@@ -221,22 +256,30 @@ class Scan {
   }
 
   Probe tried(const Setting& setting, const std::vector<Window<State>>& where, double hopeless) {
-    const Probe result = probe(hamiltonian_, setting, where, energy_unit_, hopeless);
+    const Probe result =
+        probe(hamiltonian_, setting, where, energy_unit_, hopeless, limit_ - cost_.spent_gradients);
+    exhausted_ = exhausted_ || result.cut;
     cost_.spent_gradients += static_cast<double>(result.gradients);
     return result;
   }
 
   /// The estimate of the error over the whole time.
   double error(const Candidate& candidate, const Probe& probe, double dt) const {
-    const double epsilon = static_cast<double>(Eigen::NumTraits<Scalar>::epsilon());
     return probe.range * probe.spread * places_.growth(candidate.order, cost_.time / cost_.pilot_time) +
-           probe.drift * cost_.time + epsilon / 2 * std::sqrt(cost_.time / dt);
+           probe.drift * cost_.time + rounding(dt);
   }
 
-  const Probe& trial(Candidate& candidate, double dt) {
+  /// Nothing where the calls do not suffice.
+  const Probe* trial(Candidate& candidate, double dt) {
     Setting setting = candidate.setting;
     setting.dt = dt;
-    return candidate.trials[dt] = tried(setting, windows_, 1.0);
+    double least = 0;
+    for (const auto& window : windows_) least += candidate.least_calls * std::max(4.0, window.length / dt);
+    exhausted_ = exhausted_ || !(cost_.spent_gradients + least <= limit_);
+    if (exhausted_) return nullptr;
+    const Probe seen = tried(setting, windows_, hopeless_);
+    if (seen.cut) return nullptr;
+    return &(candidate.trials[dt] = seen);
   }
 
   /// The cheapest rate of a candidate for a target; infinity where it does not reach it, or cannot be worth it.
@@ -290,7 +333,7 @@ class Scan {
             error_at(high) < 1e-9 && error_at(high) > 0.7 * error_at(next->first))
           return infinity;
       }
-      trial(candidate, dt);
+      if (trial(candidate, dt) == nullptr) break;
     }
     if (low == 0) return infinity;
     double cheapest = infinity;
@@ -303,9 +346,9 @@ class Scan {
       low /= seen.evaluations > 1.5 ? 1.3 : 1.12;
       const double single = options_.by == CostBy::seconds ? seconds_per_call(candidate) : 1.0;
       if (candidate.kicks / low * single > std::min(cheapest, 1.2 * best)) break;
-      const Probe& smaller = trials.contains(low) ? trials[low] : trial(candidate, low);
-      if (!smaller.works()) break;
-      if (error_at(low) <= target) cheapest = std::min(cheapest, cost_rate(candidate, smaller));
+      const Probe* const smaller = trials.contains(low) ? &trials[low] : trial(candidate, low);
+      if (smaller == nullptr || !smaller->works()) break;
+      if (error_at(low) <= target) cheapest = std::min(cheapest, cost_rate(candidate, *smaller));
     }
     return cheapest;
   }
@@ -338,8 +381,11 @@ class Scan {
         std::clamp(std::round(place), 0.0, static_cast<double>(family.size() - 1)));
   }
 
-  /// Looks for the cheapest of each family: from where it is expected to both sides, for as long as it gets cheaper.
-  void search(double target) {
+  /// Looks for the cheapest of each family: from where it is expected to both sides, for as long as it gets cheaper. `wanted` is
+  /// what the user asked for, where rounding forbids that.
+  void search(double target, double wanted) {
+    exhausted_ = false;
+    limit_ = std::min(options_.max_gradients, pilot_spent_ + search_limit * budget_ * searched_part_);
     best_rate_ = std::numeric_limits<double>::infinity();
     for (Family& family : families_) {
       const std::size_t middle = expected(family, target);
@@ -358,6 +404,17 @@ class Scan {
       walk([](std::size_t i) { return i - 1; });  // below zero it wraps round, beyond the size
     }
     confirm(target);
+    double least = std::numeric_limits<double>::infinity(), at = 1;
+    for (const Family& family : families_)
+      for (const Candidate& candidate : family)
+        for (const auto& [step, seen] : candidate.trials)
+          if (seen.works() && error(candidate, seen, step) < least)
+            least = error(candidate, seen, step), at = step;
+    if (least <= wanted) return;
+    if (least < 3 * rounding(at))
+      cost_.rounding = std::max(cost_.rounding, std::nextafter(wanted, 1.0));
+    else if (exhausted_)
+      cost_.unfinished = std::max(cost_.unfinished, wanted);
   }
 
   /// Whether there is something to advise, but no calls are left to look for better.
@@ -383,7 +440,8 @@ class Scan {
       Setting setting = chosen->setting;
       setting.dt = chosen_step;
       Probe& seen = chosen->trials[chosen_step];
-      const Probe again = tried(setting, confirming_windows(seen.rate), 1.0);
+      const Probe again = tried(setting, confirming_windows(seen.rate), hopeless_);
+      if (again.cut) return;
       seen.confirmed = true;
       seen.status = again.works() ? seen.status : again.status;
       seen.range = std::max(seen.range, again.range);
@@ -408,18 +466,20 @@ class Scan {
     with_stepper(hamiltonian_, setting, [&](auto& stepper) {
       // Where time decides it is worth a little more.
       const double enough = budget_ * (options_.by == CostBy::seconds ? 0.02 : 0.003);
+      const double worst = worst_step(stepper);
       State z = z0_;
       double calls = 0, begin = cpu_seconds();
       for (std::int64_t n = 0; calls < enough || n < 20; ++n) {
         if (n == 10) calls = 0, begin = cpu_seconds();  // warm now
+        if (cost_.spent_gradients + worst > options_.max_gradients) break;
         const StepReport report = stepper.step(z, Scalar(setting.dt));
+        cost_.spent_gradients += static_cast<double>(report.gradients);
         if (!report.ok()) {
           if (calls > 0 || n == 0) break;
           z = z0_;  // the warm part ran into something: time the first steps again
           continue;
         }
         calls += static_cast<double>(report.gradients);
-        cost_.spent_gradients += static_cast<double>(report.gradients);
       }
       known = calls > 0 ? (cpu_seconds() - begin) / calls : 0;
     });
@@ -451,12 +511,19 @@ class Scan {
   static constexpr double confirm_share = 0.25;
   static constexpr double trials_a_target = 12;
   static constexpr double window_count = 8;
+  static constexpr double search_limit =
+      5;  ///< budgets after which even a target without a setting is given up
 
   const H& hamiltonian_;
   State z0_;
   CostOptions options_;
   CostOfAccuracy cost_{};
   Scalar energy_unit_{};
+  double terms_ = 1, noise_ = 0;  ///< size of the energy's terms, and its noise, in its unit
+  double coarse_ = coarse_error,
+         hopeless_ = 1;                 ///< relative errors that the pilot run, and trials, are given up at
+  double limit_ = 0, pilot_spent_ = 0;  ///< gradient calls
+  bool exhausted_ = false;              ///< the search for a target has met the limit
   double budget_ = 0, pilot_rate_ = 0, segment_time_ = 0, window_time_ = 0, best_rate_ = 0,
          searched_part_ = 0;
   HardPlaces<State> places_{};

@@ -6,7 +6,9 @@
 #include <cstdint>
 #include <filesystem>
 #include <limits>
+#include <mutex>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <system_error>
@@ -44,9 +46,12 @@ class Descriptor {
  public:
   Descriptor() = default;
   explicit Descriptor(int number) : number_(number) {}
-  Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
-  Descriptor& operator=(Descriptor other) noexcept {
+  Descriptor(Descriptor&& other) noexcept { *this = std::move(other); }
+  Descriptor& operator=(Descriptor&& other) noexcept {
     std::swap(number_, other.number_);
+#if !defined(_WIN32)
+    std::swap(locked_, other.locked_);
+#endif
     return *this;
   }
   ~Descriptor() { close(); }
@@ -134,7 +139,13 @@ class Descriptor {
   }
   bool cut(std::uint64_t length) { return ::ftruncate(number_, static_cast<off_t>(length)) == 0; }
   bool sync() { return ::fsync(number_) == 0 || errno == EINVAL; }  // some file systems cannot
-  bool close() { return number_ < 0 || ::close(std::exchange(number_, -1)) == 0; }
+  bool close() {
+    if (std::exchange(locked_, false)) {
+      const std::lock_guard guard(held().mutex);
+      held().files.erase(identity());
+    }
+    return number_ < 0 || ::close(std::exchange(number_, -1)) == 0;
+  }
   bool regular() const {
     struct stat of_this;
     return ::fstat(number_, &of_this) == 0 && S_ISREG(of_this.st_mode);
@@ -161,10 +172,38 @@ class Descriptor {
     return false;
   }
   /// Locks it for this process. False: another one, or another part of this one, has it.
-  bool lock() { return ::flock(number_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK; }
+  bool lock() {
+    if (::flock(number_, LOCK_EX | LOCK_NB) != 0) return errno != EWOULDBLOCK;
+    const std::lock_guard guard(held().mutex);
+    locked_ = true;
+    held().files.insert(identity());
+    return true;
+  }
+  /// Whether this process itself has the lock.
+  bool locked_here() const {
+    const std::lock_guard guard(held().mutex);
+    return held().files.contains(identity());
+  }
 #endif
 
  private:
+#if !defined(_WIN32)
+  /// The files that this process has locked.
+  struct Held {
+    std::mutex mutex{};
+    std::set<std::pair<dev_t, ino_t>> files{};
+  };
+  static Held& held() {
+    static Held all;
+    return all;
+  }
+  std::pair<dev_t, ino_t> identity() const {
+    struct stat of_this {};
+    ::fstat(number_, &of_this);
+    return {of_this.st_dev, of_this.st_ino};
+  }
+  bool locked_ = false;
+#endif
   int number_ = -1;
 };
 
@@ -173,13 +212,16 @@ class Descriptor {
                            ": another run has it open; wait for its end, or give this run another file");
 }
 
-/// Locks the file that a name leads to, so that another run is refused; empty where there is none, or none that is to be
-/// locked. Throws std::runtime_error where another run has it.
+/// Locks the file that a name leads to, so that another process is refused; empty where there is none, none that is to be
+/// locked, or where this process has locked it already. Throws std::runtime_error where another process has it.
 inline Descriptor lock_existing([[maybe_unused]] const std::filesystem::path& path) {
 #if !defined(_WIN32)
   while (Descriptor file = Descriptor::open_existing(path)) {
     if (!file.regular()) break;
-    if (!file.lock()) throw_other_run(path);
+    if (!file.lock()) {
+      if (file.locked_here()) break;
+      throw_other_run(path);
+    }
     if (file.is(path)) return file;  // it was not replaced meanwhile
   }
 #endif

@@ -8,11 +8,12 @@
 #include <vector>
 
 #include <semiexplicit/core/hamiltonian_door.hpp>
+#include <semiexplicit/core/reference_size.hpp>
 
 namespace semiexplicit {
 
 /// An observer that follows any number of named functions of (q, p) and keeps how far each one strayed from its first value:
-/// relative to that value, or absolute where it is zero. Of an ExtendedPoint it takes q and p. A NaN counts as the worst.
+/// relative to that value, or absolute where it is zero up to the rounding of its terms (Row::relative tells). Of an ExtendedPoint it takes q and p. A NaN counts as the worst.
 ///
 ///     Invariants invariants(H);                                 // H.energy, under the name "energy"
 ///     invariants.add("mass", [](auto q, auto p) { return q.squaredNorm() + p.squaredNorm(); });
@@ -29,6 +30,8 @@ class Invariants {
     std::string name;
     Function value;
     Scalar initial = Scalar(0);
+    Scalar unit = Scalar(1);        ///< what errors are divided by: |initial|, or 1
+    bool relative = false;          ///< whether that is |initial|
     Scalar worst = Scalar(0);       ///< largest error so far
     Scalar worst_time = Scalar(0);  ///< when it was first seen
     Scalar final = Scalar(0);       ///< error at the last call
@@ -53,10 +56,8 @@ class Invariants {
     using std::abs;
     for (Row& row : rows_) {
       const Scalar now = row.value(state.q(), state.p());
-      if (!row.started) row.initial = now;
-      row.started = true;
-      row.final = abs(now - row.initial);
-      if (row.initial != Scalar(0)) row.final /= abs(row.initial);
+      if (!row.started) begin(row, now, state);
+      row.final = abs(now - row.initial) / row.unit;
       if (!(row.final <= row.worst) &&
           row.worst == row.worst) {  // also true for a first NaN, which then stays
         row.worst = row.final;
@@ -82,7 +83,9 @@ class Invariants {
   template <class Visitor>
   void visit_memory(Visitor&& visit) {
     for (Row& row : rows_) {
-      for (Scalar* number : {&row.initial, &row.worst, &row.worst_time, &row.final}) visit(*number);
+      for (Scalar* number : {&row.initial, &row.unit, &row.worst, &row.worst_time, &row.final})
+        visit(*number);
+      visit(row.relative);
       visit(row.started);
     }
   }
@@ -96,6 +99,16 @@ class Invariants {
   }
 
  private:
+  template <class State>
+  static void begin(Row& row, const Scalar& now, const State& state) {
+    const auto reference =
+        detail::reference_size(row.value, now, PhasePoint<Scalar, Dof>(state.q(), state.p()));
+    row.initial = now;
+    row.unit = reference.size;
+    row.relative = reference.relative;
+    row.started = true;
+  }
+
   std::vector<Row> rows_;
 };
 

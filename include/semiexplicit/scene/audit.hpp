@@ -12,6 +12,8 @@
 #include <utility>
 #include <vector>
 
+#include <semiexplicit/core/reference_size.hpp>
+#include <semiexplicit/core/worst_step.hpp>
 #include <semiexplicit/integrate.hpp>
 #include <semiexplicit/scene/audit_report.hpp>
 #include <semiexplicit/scene/runtime_scene.hpp>
@@ -31,6 +33,8 @@ struct AuditOptions {
   std::optional<Scheme<Scalar>> scheme{};  ///< else usual_scheme()
   int samples = 200;                       ///< how many times of the orbit are looked at
   Compare compare = Compare::positions;
+  /// Bound on the gradient calls of all runs together, which is kept: an audit that needs more is refused, or given up.
+  double max_gradients = 1e9;
   /// Functions of (q, p) that the whole scene keeps, by name; the energy is always among them.
   std::vector<std::pair<std::string,
                         std::function<Scalar(const ConstRef<Scalar, Dof>&, const ConstRef<Scalar, Dof>&)>>>
@@ -57,7 +61,15 @@ class Auditor {
     if (z0.dof() != scene_.dof())
       throw std::invalid_argument("audit: the state has " + std::to_string(z0.dof()) +
                                   " degrees of freedom, and the scene " + std::to_string(scene_.dof()));
+    if (!(options.max_gradients > 0))
+      throw std::invalid_argument(
+          "audit: options.max_gradients is not positive; give a number of gradient calls");
     const double steps = static_cast<double>(abs(t_end / options.dt));
+    const double runs = 3 + static_cast<double>(scene_.effects().size());
+    spent_ = 2 * (runs - 3) * (std::min<double>(options.samples, steps) + 2);  // to measure their sizes
+    const double least =
+        spent_ + steps * runs * (scene_.is_separable() ? 1.0 : static_cast<double>(scheme().kicks()));
+    if (!(least <= options.max_gradients)) refuse_cost("at least " + in_words(least, 3));
     each_ = std::max<std::int64_t>(1, std::llround(steps / options.samples));
     blocks_ = std::max<std::int64_t>(1, std::llround(std::ceil(steps / static_cast<double>(each_) - 1e-9)));
     dt_ = t_end / Scalar(each_ * blocks_);
@@ -78,13 +90,13 @@ class Auditor {
       AuditRow row;
       row.name = effect.name();
       row.coupled = effect.coupled();
-      row.seconds = seconds_per_gradient(effect, orbit);
       measure_size(effect, orbit, row);
       leave_out(effect.name(), orbit, row);
       audit.rows.push_back(std::move(row));
     }
     double total = 0;
-    for (const AuditRow& row : audit.rows) total += row.seconds;
+    for (std::size_t i = 0; i < audit.rows.size(); ++i)
+      total += audit.rows[i].seconds = seconds_per_gradient(scene_.effects()[i], orbit);
     for (AuditRow& row : audit.rows) row.time_share = row.seconds / total;
     return audit;
   }
@@ -93,24 +105,42 @@ class Auditor {
   /// The state at the times of the samples, with a step `finer` times smaller. All runs take the stepper that the whole scene
   /// needs: what is left of their errors is then alike and hardly enters the differences. Shorter where the run failed.
   Orbit run(const Chosen& scene, int finer, OnFailure on_failure) const {
-    const Scheme<Scalar> scheme =
-        options_.scheme ? *options_.scheme : usual_scheme<Scalar>(scene_.is_separable());
     const auto along = [&](auto stepper) {
       Orbit orbit{z0_};
       State z = z0_;
+      const double worst = worst_step(stepper);
       for (std::int64_t i = 0; i < blocks_; ++i) {
+        const auto affords = [&](const Scalar&, const State&, const IntegrationReport& so_far) {
+          return spent_ + static_cast<double>(so_far.gradients) + worst <= options_.max_gradients;
+        };
         const auto report = integrate(stepper, z,
                                       {.dt = dt_ / Scalar(finer),
                                        .steps = each_ * finer,
                                        .on_failure = on_failure,
-                                       .t0 = Scalar(i * each_) * dt_});
-        if (!report.ok()) break;
+                                       .t0 = Scalar(i * each_) * dt_},
+                                      affords);
+        spent_ += static_cast<double>(report.gradients);
+        // The last step of all may leave too little for another one, which nobody wants.
+        const bool over = i + 1 == blocks_ && report.steps == each_ * finer;
+        if (report.status == Status::stopped && !over) refuse_cost(in_words(spent_ + worst, 3) + " and more");
+        if (!report.ok() && !over) break;
         orbit.push_back(z);
       }
       return orbit;
     };
-    if (scene_.is_separable()) return along(stepper_for(SeparableRuntimeScene<Scalar, Dof>(scene), scheme));
-    return along(stepper_for(scene, scheme));
+    if (scene_.is_separable()) return along(stepper_for(SeparableRuntimeScene<Scalar, Dof>(scene), scheme()));
+    return along(stepper_for(scene, scheme()));
+  }
+
+  Scheme<Scalar> scheme() const {
+    return options_.scheme ? *options_.scheme : usual_scheme<Scalar>(scene_.is_separable());
+  }
+
+  [[noreturn]] void refuse_cost(const std::string& needed) const {
+    throw std::invalid_argument("audit: its runs take " + needed +
+                                " gradient calls, and options.max_gradients is " +
+                                in_words(options_.max_gradients, 3) +
+                                "; give a larger options.dt, a shorter time, or raise options.max_gradients");
   }
 
   /// The length that orbits are compared by.
@@ -181,7 +211,7 @@ class Auditor {
       row.invariant_shift[k] = strays(invariants_[k].second, other);
   }
 
-  /// How far a function goes from its first value, relative to that where it is not zero.
+  /// How far a function goes from its first value, in units of what its errors are relative to.
   template <class Function>
   double strays(const Function& value, const Orbit& orbit) const {
     using std::abs;
@@ -192,7 +222,7 @@ class Auditor {
       if (!(shift <= worst)) worst = shift;
       if (worst != worst) break;  // NaN stays
     }
-    return static_cast<double>(first != Scalar(0) ? worst / abs(first) : worst);
+    return static_cast<double>(worst / reference_size(value, first, z0_).size);
   }
 
   Chosen scene_;
@@ -201,6 +231,7 @@ class Auditor {
   decltype(AuditOptions<Scalar, Dof>::invariants) invariants_;
   std::int64_t each_ = 1, blocks_ = 1;
   Scalar dt_;
+  mutable double spent_ = 0;  ///< gradient calls
 };
 
 }  // namespace detail
@@ -213,7 +244,8 @@ class Auditor {
 ///     report.called_for(1e-6);  // names
 ///     std::cout << report;
 ///
-/// Takes k + 3 runs for k effects. Throws std::invalid_argument for nonsense, and IntegrationError where the whole scene
+/// Takes k + 3 runs for k effects, and 5 ms an effect to time it. Throws std::invalid_argument for nonsense and where the
+/// runs take more than options.max_gradients, and IntegrationError where the whole scene
 /// itself does not run.
 template <class Scalar, int Dof>
 Audit audit(const RuntimeScene<Scalar, Dof>& scene, const PhasePoint<Scalar, Dof>& z0,

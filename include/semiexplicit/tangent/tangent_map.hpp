@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -12,7 +13,7 @@ namespace semiexplicit {
 namespace detail {
 
 /// ∇²H at z, a symmetric 2d × 2d matrix: by H.hessian where there is one, else by central differences of the gradient, which are
-/// off by about 1e-10 of its size in double (ε^{2/3}).
+/// off by about 1e-10 of its size in double (ε^{2/3}); by more along a time so late that its own rounding shows.
 template <Hamiltonian H>
 class SecondDerivatives {
  public:
@@ -27,10 +28,14 @@ class SecondDerivatives {
     if constexpr (HasHessian<H>) {
       h.hessian(at_.q(), at_.p(), hessian);
     } else {
+      using std::abs;
       using std::cbrt;
-      const Scalar size = state_size(h, at_);
-      const Scalar shift = cbrt(Eigen::NumTraits<Scalar>::epsilon()) * (size > Scalar(0) ? size : Scalar(1));
+      const Scalar size_or_zero = state_size(h, at_);
+      const Scalar size = size_or_zero > Scalar(0) ? size_or_zero : Scalar(1);
       for (Eigen::Index i = 0; i < z.size(); ++i) {
+        // The best shift for the rounding of this entry: a time may be far larger than the state.
+        const Scalar rounding = Eigen::NumTraits<Scalar>::epsilon() * std::max<Scalar>(1, abs(z[i]) / size);
+        const Scalar shift = size * std::max<Scalar>(cbrt(rounding), 2 * rounding);
         const Scalar right = z[i] + shift, left = z[i] - shift;
         at_.vector()[i] = right;
         h.gradient(at_.q(), at_.p(), above_.q(), above_.p());

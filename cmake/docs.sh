@@ -2,6 +2,11 @@
 # docs.sh: installs what is missing and builds the documentation, build/docs/docs/html/index.html. A warning of Doxygen is an
 # error.
 set -euo pipefail
+if [ $# -gt 0 ]; then
+  echo "usage: bash cmake/docs.sh" >&2
+  [ "$*" = --help ] || exit 2
+  exit 0
+fi
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 bash cmake/install-dependencies.sh docs

@@ -7,6 +7,12 @@ set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/stage.sh"
 
 seconds=${1:-900}
+if ! [[ $seconds =~ ^[1-9][0-9]*$ ]]; then
+  echo "usage: bash cmake/fuzz.sh [SECONDS [HARNESS...]]" >&2
+  current_stage="arguments"
+  [ "$seconds" = --help ] || exit 2
+  exit 0
+fi
 shift || true
 harnesses=("$@")
 [ ${#harnesses[@]} -gt 0 ] || harnesses=(vortex_file arguments config checkpoint)

@@ -87,13 +87,14 @@ ScenePreset<4> preset(const std::string& name, const std::string& about, const s
 int main(int argc, char** argv) {
   SceneProgram<4> program{.name = "black_hole",
                           .about = "A body on a geodesic about a black hole; proper time."};
-  program.parameters = {{"mass", "", "of the hole: the unit of length and time, where it is 1"},
-                        {"spin", "", "of the hole, below its mass; negative: the body goes against it"},
-                        {"p", "", "of schwarzschild: semi-latus rectum in masses of the hole"},
-                        {"e", "", "of schwarzschild: eccentricity"},
-                        {"r", "", "of kerr and zoom_whirl: where the body starts, at a turning point of r"},
-                        {"l", "", "of kerr and zoom_whirl: axial angular momentum"},
-                        {"carter", "", "of kerr and zoom_whirl: Carter's constant, 0 in the equator"}};
+  program.parameters = {
+      {"mass", "", "of the hole: the unit of length and time, where it is 1", above_zero},
+      {"spin", "", "of the hole, below its mass; negative: the body goes against it"},
+      {"p", "", "of schwarzschild: semi-latus rectum in masses of the hole", above_zero},
+      {"e", "", "of schwarzschild: eccentricity"},
+      {"r", "", "of kerr and zoom_whirl: where the body starts, at a turning point of r", above_zero},
+      {"l", "", "of kerr and zoom_whirl: axial angular momentum"},
+      {"carter", "", "of kerr and zoom_whirl: Carter's constant, 0 in the equator", not_negative}};
   program.effects = {
       {{"mass"},
        "Chandrasekhar, The Mathematical Theory of Black Holes (1983)",
@@ -116,6 +117,7 @@ int main(int argc, char** argv) {
     const double spin2 = std::pow(hole(c).spin, 2);
     const double horizon = std::sqrt(2 * hole(c).mass * outer_horizon(c));
     const auto square = std::make_shared<Square>();
+    const auto chords = std::make_shared<Chords>();
     View<4> view;
     view.columns = {"coordinate_t", "r", "theta", "phi", "p_t", "p_r", "p_theta", "p_phi", "x", "y", "z"};
     view.append = [=](const Half& q, const Half& p, std::vector<double>& row) {
@@ -124,11 +126,16 @@ int main(int argc, char** argv) {
       const double rho = std::sqrt(q[1] * q[1] + spin2) * std::sin(q[2]);
       row.insert(row.end(), {rho * std::cos(q[3]), rho * std::sin(q[3]), q[1] * std::cos(q[2])});
       square->hold(row[9], row[10]);
+      chords->see(row[9], row[10]);
     };
-    view.memory = [=](CheckpointMemory& visit) { square->visit_memory(visit); };
+    view.memory = [=](CheckpointMemory& visit) {
+      square->visit_memory(visit);
+      chords->visit_memory(visit);
+    };
     view.plot = [=](const std::filesystem::path& csv) {
       return square->ranges() + "set object 1 circle at 0,0 size " + formatted("%.9g", horizon) +
-             " fillcolor rgb 'black' fillstyle solid\n" + path_plot(csv, 10, 11, "x", "y");
+             " fillcolor rgb 'black' fillstyle solid\n" +
+             path_plot(csv, 10, 11, in("x", c.units.name(0)), in("y", c.units.name(0)), *chords);
     };
     return view;
   };

@@ -1,5 +1,6 @@
 // A charge in magnetic and electric fields: gyration, a magnetic bottle, a proton in the Earth's dipole field.
 #include <cmath>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -164,7 +165,17 @@ std::vector<ScenePreset<3>> presets() {
 
 /// From above, and along the axis.
 View<3> view(const Choice& c) {
-  View<3> view = path_view<3>({"x", "y", "z", "px", "py", "pz"}, "x", "y");
+  const std::string unit = c.units.name(0);
+  View<3> view = path_view<3>({"x", "y", "z", "px", "py", "pz"}, "x", "y", unit);
+  const auto chords = std::make_shared<Chords>();  // of the second picture
+  view.append = [=, append = view.append](const auto& q, const auto& p, std::vector<double>& row) {
+    append(q, p, row);
+    chords->see(std::hypot(q[0], q[1]), q[2]);
+  };
+  view.memory = [=, memory = view.memory](CheckpointMemory& visit) {
+    memory(visit);
+    chords->visit_memory(visit);
+  };
   const std::string earth =
       c.preset == "dipole" ? "set object 1 circle at 0,0 size 1 fillstyle solid fillcolor rgb '#999999'\n"
                            : "";
@@ -175,11 +186,10 @@ View<3> view(const Choice& c) {
            from_above(csv) +
            "unset object\nset size noratio\nset lmargin at screen 0.72\nset rmargin at screen 0.95\n"
            "set xtics rotate by -90\nset xrange [0:*]\nset yrange [*:*]\nset offsets 0, graph 0.1, 0, 0\nset "
-           "xlabel 'distance from the axis'\n"
-           "set ylabel 'z'\nplot " +
-           quoted(csv.string()) +
-           " skip 1 using (sqrt($2**2 + $3**2)):4 with lines linewidth 1 linecolor rgb '#0072B2'\n"
-           "set xtics norotate\nset offsets 0, 0, 0, 0\n";
+           "xlabel " +
+           quoted(in("distance from the axis", unit)) + "\nset ylabel " + quoted(in("z", unit)) + "\n" +
+           chords->label() + "plot " + quoted(csv.string()) + " skip 1 using (sqrt($2**2 + $3**2)):4" +
+           chords->style("rgb '#0072B2'") + "\nset xtics norotate\nset offsets 0, 0, 0, 0\n";
   };
   return view;
 }
@@ -188,21 +198,22 @@ View<3> view(const Choice& c) {
 
 int main(int argc, char** argv) {
   SceneProgram<3> program{.name = "charges", .about = "A charge in magnetic and electric fields."};
-  program.parameters = {{"charge", "C", "the charge"},
-                        {"mass", "kg", "its mass"},
-                        {"energy", "J", "kinetic energy at the start"},
-                        {"pitch", "rad", "angle of the velocity to the field at the start"},
-                        {"r", "m", "distance of the start from the dipole"},
-                        {"b", "T", "uniform magnetic field"},
-                        {"moment", "T m3", "magnetic moment times μ₀/(4π); the Earth's points down"},
-                        {"b0", "T", "field in the middle of the bottle"},
-                        {"length", "m", "where on its axis the bottle's field is doubled"},
-                        {"ex", "V/m", "uniform electric field, x"},
-                        {"ey", "V/m", "uniform electric field, y"},
-                        {"ez", "V/m", "uniform electric field, z"},
-                        {"centre", "V m", "the point charge, Q/(4πε₀); 1.44e-9 V m for a proton"},
-                        {"quadrupole", "V/m2", "strength of the electric quadrupole"},
-                        {"gm", "m3/s2", "GM of the point mass"}};
+  program.parameters = {
+      {"charge", "C", "the charge", {"a number other than 0", [](double x) { return x != 0; }}},
+      {"mass", "kg", "its mass", above_zero},
+      {"energy", "J", "kinetic energy at the start", not_negative},
+      {"pitch", "rad", "angle of the velocity to the field at the start, 0 to 180 degrees", half_turn},
+      {"r", "m", "distance of the start from the dipole", above_zero},
+      {"b", "T", "uniform magnetic field"},
+      {"moment", "T m3", "magnetic moment times μ₀/(4π); the Earth's points down"},
+      {"b0", "T", "field in the middle of the bottle"},
+      {"length", "m", "where on its axis the bottle's field is doubled", above_zero},
+      {"ex", "V/m", "uniform electric field, x"},
+      {"ey", "V/m", "uniform electric field, y"},
+      {"ez", "V/m", "uniform electric field, z"},
+      {"centre", "V m", "the point charge, Q/(4πε₀); 1.44e-9 V m for a proton"},
+      {"quadrupole", "V/m2", "strength of the electric quadrupole"},
+      {"gm", "m3/s2", "GM of the point mass", above_zero}};
   program.effects = all_effects();
   program.presets = presets();
   program.view = view;

@@ -1,4 +1,5 @@
 // A chain of sites: nonlinearity, hopping, disorder, as the user chooses.
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -83,10 +84,11 @@ View<any> view(const Choice& c) {
   view.append = [](const Half& q, const Half& p, std::vector<double>& row) {
     for (Eigen::Index i = 0; i < q.size(); ++i) row.push_back(q[i] * q[i] + p[i] * p[i]);
   };
-  view.plot = [n = sites(c)](const std::filesystem::path& csv) {
+  view.plot = [n = sites(c), unit = c.units.name(1)](const std::filesystem::path& csv) {
     // Rows are evenly spaced, but for the last one.
     return "stats " + quoted(csv.string()) + " skip 1 using 1 every ::::1 nooutput\nspacing = STATS_max\n" +
-           "set key off\nset xlabel 'time'\nset ylabel 'site'\nset cblabel '|ψ|²'\nset rmargin at screen "
+           "set key off\nset xlabel " + quoted(in("time", unit)) +
+           "\nset ylabel 'site'\nset cblabel '|ψ|²'\nset rmargin at screen "
            "0.86\n"
            "set logscale cb\nset format cb '10^{%T}'\nset cbrange [1e-6:*]\n"
            "set palette defined (0 '#000020', 1 '#08519c', 2 '#6baed6', 3 '#fee391', 4 '#ffffe5')\n"
@@ -102,13 +104,20 @@ View<any> view(const Choice& c) {
 
 int main(int argc, char** argv) {
   SceneProgram<any> program{.name = "lattice", .about = "A chain of sites with the effects that you choose."};
-  program.parameters = {{"sites", "", "how many"},
-                        {"mass", "", "Σ|ψ|² at the start, on the middle site"},
-                        {"g", "", "strength of the nonlinearity"},
-                        {"k", "", "strength of the quartic coupling"},
-                        {"j", "", "rate of hopping, J"},
-                        {"width", "", "of the range of the random energies, W"},
-                        {"seed", "", "of the random energies"}};
+  program.parameters = {
+      {"sites",
+       "",
+       "how many",
+       {"a whole number from 1 to 10000000",
+        [](double x) { return 1 <= x && x <= 1e7 && x == std::floor(x); }}},
+      {"mass", "", "Σ|ψ|² at the start, on the middle site", above_zero},
+      {"g", "", "strength of the nonlinearity"},
+      {"k", "", "strength of the quartic coupling"},
+      {"j", "", "rate of hopping, J"},
+      {"width", "", "of the range of the random energies, W", not_negative},
+      {"seed", "", "of the random energies", {"a whole number from 0 to 2^53", [](double x) {
+                                                return 0 <= x && x <= 0x1p53 && x == std::floor(x);
+                                              }}}};
   program.effects = all_effects();
   program.presets = presets();
   program.view = view;

@@ -46,7 +46,7 @@ Run run_sites(const Method& method, Eigen::Index sites, double dt, const Rows& r
   });
 }
 
-/// The four contestants. All take the same step, and the schemes are such that a step costs nearly the same, 21 to 28
+/// The four contestants. All take the same step, and the schemes are such that a step costs nearly the same, 21 to 27
 /// gradient calls: the rivals have the published sixth-order one that serves them best at that price (Tao's map takes
 /// compositions of Strang only).
 std::vector<Method> contestants(const Method& semiexplicit) {
@@ -155,7 +155,7 @@ int main(int argc, char** argv) {
     std::vector<std::string> listening;
     for (const Method& m : methods) listening.push_back(m.name);
     if (!request.chosen) refuse_idle_options(app, listening);
-    const std::int64_t steps = settings.steps();
+    const std::int64_t steps = settings.fit_steps();
     settings.make_output_folder();
 
     const Rows rows =

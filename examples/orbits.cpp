@@ -24,7 +24,6 @@ using std::numbers::pi;
 State at_periapsis(const Choice& c) {
   const double a = c["a"], e = c["e"], tilt = c["inclination"];
   if (!(0 <= e && e < 1)) throw std::invalid_argument("--e: a bound orbit has 0 <= e < 1");
-  if (!(a > 0) || !(c["gm"] > 0)) throw std::invalid_argument("--a and --gm of an orbit are positive");
   const double speed = std::sqrt(c["gm"] / a * (1 + e) / (1 - e));
   return {{a * (1 - e), 0, 0}, {0, speed * std::cos(tilt), speed * std::sin(tilt)}};
 }
@@ -59,7 +58,7 @@ std::vector<ScenePreset<3>> presets() {
                   {"x", "0.994"},
                   {"vy", "-2.00158510637908252240537862224"}},
        .dt = "0.0004",
-       .time = "17.0652165601579625588917206249",
+       .time = formatted("%.17g", arenstorf_period),
        .start =
            [](const Choice& c) {  // p = v + omega x q
              return State({c["x"], 0, 0},
@@ -93,17 +92,23 @@ std::vector<ScenePreset<3>> presets() {
 int main(int argc, char** argv) {
   using namespace orbits;
   SceneProgram<3> program{.name = "orbits", .about = "The orbit of one body about a centre or two."};
-  program.parameters = {{"gm", "m3/s2", "GM of the centre"},
-                        {"mu", "", "mass of the second centre, of both together"},
+  program.parameters = {{"gm", "m3/s2", "GM of the centre", above_zero},
+                        {"mu",
+                         "",
+                         "mass of the second centre, of both together",
+                         {"a number from 0 to 1", [](double x) { return 0 <= x && x <= 1; }}},
                         {"j2", "", "J2 of the centre"},
-                        {"radius", "m", "equatorial radius of the centre"},
+                        {"radius", "m", "equatorial radius of the centre", above_zero},
                         {"frame-rate", "1/s", "radians by which the frame turns in a unit of time"},
-                        {"c", "m/s", "speed of light"},
-                        {"nu", "", "symmetric mass ratio, 0 to 1/4"},
+                        {"c", "m/s", "speed of light", above_zero},
+                        {"nu",
+                         "",
+                         "symmetric mass ratio, 0 to 1/4",
+                         {"a number from 0 to 1/4", [](double x) { return 0 <= x && x <= 0.25; }}},
                         {"gs", "m5/s3", "G times the spin of the centre"},
-                        {"a", "m", "semi-major axis"},
+                        {"a", "m", "semi-major axis", above_zero},
                         {"e", "", "eccentricity"},
-                        {"inclination", "rad", "of the orbit to the equator"},
+                        {"inclination", "rad", "of the orbit to the equator, 0 to 180 degrees", half_turn},
                         {"x", "m", "where arenstorf starts, on the axis of the centres"},
                         {"vy", "m/s", "how fast, across it"}};
   const std::string djs = "Damour, Jaranowski, Schaefer, Phys. Rev. D 62 (2000) 044024";
@@ -137,7 +142,7 @@ int main(int argc, char** argv) {
   program.view = [](const Choice& c) {
     std::vector<std::pair<double, double>> centres{{0, 0}};
     if (c.on("two_centres")) centres = {{-c["mu"], 0}, {1 - c["mu"], 0}};
-    return path_view<3>({"x", "y", "z", "px", "py", "pz"}, "x", "y", centres);
+    return path_view<3>({"x", "y", "z", "px", "py", "pz"}, "x", "y", c.units.name(0), centres);
   };
   return run_scene_program(program, argc, argv);
 }

@@ -176,7 +176,7 @@ int main(int argc, char** argv) {
   program.parameters = {{"strain_rate", "1/s", "of the strain"},
                         {"strain_angle", "rad", "of the axis along which it stretches"},
                         {"rotation_rate", "rad/s", "of the rotation, counterclockwise"},
-                        {"radius", "m", "of the disk"}};
+                        {"radius", "m", "of the disk", above_zero}};
   program.effects = all_effects(vortices);
   program.presets = presets();
   SceneRequest<any> request(program);
@@ -228,8 +228,9 @@ int main(int argc, char** argv) {
     if (app.count("--method") == 0 && scene.is_separable()) method.name = "splitting";
     if (!cost.wanted(app)) refuse_idle_options(app, {method.name});
     request.put_times_into(settings);
-    request.print_idle_parameters(std::cout, choice);
+    request.refuse_idle_parameters(choice);
     const State z0 = start(vortices);
+    refuse_start(scene, z0);
     const auto invariants =
         with_hamiltonian([&](const auto& h) { return invariants_of(h, system, vortices, choice); });
     if (request.audit) {
@@ -247,7 +248,7 @@ int main(int argc, char** argv) {
       cost.choose(found, method, settings);
     }
     settle_method(scene, method);
-    const std::int64_t steps = settings.steps();
+    const std::int64_t steps = settings.fit_steps();
     settings.make_output_folder();
 
     const std::filesystem::path csv = settings.output / "vortices.csv",
@@ -270,7 +271,7 @@ int main(int argc, char** argv) {
 
     print_table(std::cout, {run}, settings.dt);
     cost.compare_with(run);
-    if (measurement.report) measurement.report(std::cout);
+    measurement.print(std::cout, run);
     places.commit();
     write_series(csv, {run});
     checkpoint.finish();
@@ -278,10 +279,9 @@ int main(int argc, char** argv) {
     const std::string headline =
         std::to_string(vortices.x.size()) + (vortices.x.size() == 1 ? " vortex (" : " vortices (") +
         std::filesystem::path(preset.name).filename().string() + "): " + joined(scene.names()) + "; " +
-        method.name + ", dt = " + formatted("%g", settings.dt);
+        method.name + ", dt = " + formatted("%g", settings.dt) + (run.is_result() ? "" : "; NO RESULT");
     if (!settings.no_plot)
-      draw(png, vortex_script(png, places_csv, csv, vortices, run, headline, settings.time, places.square(),
-                              choice));
+      draw(png, vortex_script(png, places_csv, csv, vortices, run, headline, settings.time, places, choice));
 
     return tell_failure(run) ? 1 : 0;
   });

@@ -14,11 +14,22 @@
 
 #include <CLI/CLI.hpp>
 
+#include <semiexplicit/scene/nearest_names.hpp>
+
 #include "config_file.hpp"
 #include "method.hpp"
 #include "units.hpp"
 
 namespace examples {
+
+/// How many steps of dt at most go into `time`; more than a multiple takes one more, and not because of rounding.
+inline std::int64_t steps_in(double time, double dt) {
+  if (dt > time)
+    throw std::invalid_argument("--dt is larger than --time; give a smaller step or a longer time");
+  const double count = time / dt, whole = std::round(count);
+  if (!(count <= 1e15)) throw std::invalid_argument("--time / --dt is more steps than anybody can wait for");
+  return static_cast<std::int64_t>(std::abs(count - whole) <= 1e-9 * count ? whole : std::ceil(count));
+}
 
 /// What every program lets its user choose about a run, beside the method.
 struct Settings {
@@ -28,13 +39,11 @@ struct Settings {
   std::filesystem::path output = "out";
   bool no_plot = false;
 
-  /// The whole number of steps that comes nearest to `time`.
-  std::int64_t steps() const {
-    if (dt > time)
-      throw std::invalid_argument("--dt is larger than --time; give a smaller step or a longer time");
-    const double count = std::round(time / dt);
-    if (count > 1e15) throw std::invalid_argument("--time / --dt is more steps than anybody can wait for");
-    return static_cast<std::int64_t>(count);
+  /// Takes dt so much smaller that whole steps end at `time`, and gives their number.
+  std::int64_t fit_steps() {
+    const std::int64_t count = steps_in(time, dt);
+    dt = time / static_cast<double>(count);
+    return count;
   }
 
   void make_output_folder() const {
@@ -75,22 +84,6 @@ inline CLI::Validator whole_number(std::int64_t least, std::int64_t most) {
           "", "whole number"};
 }
 
-/// How many single-letter edits lie between two words (Levenshtein).
-inline std::size_t edits_between(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, replaced});
-    }
-  }
-  return row.back();
-}
-
 inline std::string joined(const std::vector<std::string>& words) {
   std::string text;
   for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
@@ -101,11 +94,8 @@ inline std::string joined(const std::vector<std::string>& words) {
 inline CLI::Validator one_of(const std::vector<std::string>& words) {
   return {[=](std::string& text) {
             if (std::find(words.begin(), words.end(), text) != words.end()) return std::string();
-            const auto nearest =
-                std::min_element(words.begin(), words.end(), [&](const auto& a, const auto& b) {
-                  return edits_between(text, a) < edits_between(text, b);
-                });
-            return "there is no '" + text + "'; did you mean " + *nearest + "? Known: " + joined(words);
+            return "there is no '" + text + "'; did you mean " + nearest_names(text, words, 1).front() +
+                   "? Known: " + joined(words);
           },
           "", "known name"};
 }
@@ -126,7 +116,7 @@ inline void add_settings(CLI::App& app, Settings& settings) {
   const auto add = [&](const char* name, auto& value, const char* about) {
     return app.add_option(name, value, about)->check(positive())->type_name("X")->capture_default_str();
   };
-  add("--dt", settings.dt, "step size");
+  add("--dt", settings.dt, "step size; made a little smaller where the time is no multiple");
   add("--time", settings.time, "time to integrate to");
   add_output(app, settings);
 }
@@ -211,14 +201,22 @@ inline std::string place_of(const CLI::App& app, const std::string& message, int
   return file ? file->where(message) : "";
 }
 
-/// What to say where the shell has taken a number and its unit apart; "" where the argument is no unit.
-inline std::string loose_unit(const std::string& argument) {
-  try {
-    read_unit(argument);
-  } catch (const std::invalid_argument&) {
-    return "";
+/// What to say of arguments that belong to no option: the nearest one, or that the shell has taken a number and its unit apart.
+inline std::string about_extras(const CLI::App& app, const std::vector<std::string>& extras) {
+  for (const std::string& extra : extras) {
+    if (!extra.starts_with("-")) continue;
+    const std::string name = extra.substr(0, extra.find('='));
+    std::vector<std::string> names;
+    for (const CLI::Option* known : app.get_options()) names.push_back("--" + known->get_single_name());
+    return "there is no option " + name + "; did you mean " + nearest_names(name, names, 1).front() + "?";
   }
-  return "'" + argument + "' stands alone; a number and its unit need quotes, as \"5 " + argument + "\"";
+  try {
+    read_unit(extras.front());
+    return "'" + extras.front() + "' stands alone; a number and its unit need quotes, as \"5 " +
+           extras.front() + "\"";
+  } catch (const std::invalid_argument&) {
+    return "'" + extras.front() + "' belongs to no option";
+  }
 }
 
 /// Parses the arguments and runs `body`, which gives the exit code. Bad arguments (std::invalid_argument, too) end in
@@ -240,8 +238,7 @@ int run_program(CLI::App& app, int argc, char** argv, const Body& body) {
     return complain(error.what(), "", 2);
   } catch (const CLI::ExtrasError& error) {
     const std::vector<std::string> extras = app.remaining();
-    const std::string unit = extras.empty() ? "" : loose_unit(extras.front());
-    return complain(unit.empty() ? error.what() : unit, hint.c_str(), 2);
+    return complain(extras.empty() ? error.what() : about_extras(app, extras), hint.c_str(), 2);
   } catch (const CLI::ParseError& error) {
     return complain(place_of(app, error.what(), argc, argv) + error.what(), hint.c_str(), 2);
   } catch (const std::invalid_argument& error) {

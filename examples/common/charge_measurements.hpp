@@ -4,6 +4,7 @@
 #include <memory>
 #include <numbers>
 #include <ostream>
+#include <string>
 
 #include <semiexplicit/semiexplicit.hpp>
 
@@ -23,37 +24,55 @@ struct Velocity {
 
 /// About the origin; other effects than the field would make it wander.
 inline Measurement<3> gyration(const Choice& c) {
-  if (!c.on("uniform_field") || c.effects.size() > (c.on("kinetic") ? 2 : 1))
-    return {{},
-            [](std::ostream& out) {
-              out << "gyrofrequency: not measured, the formula holds for uniform_field alone\n";
-            },
-            {}};
   const auto turning = std::make_shared<Turning>();
-  const double rate = c["charge"] * c["b"] / c["mass"], radius = std::abs(Velocity(c).across / rate);
+  const bool alone = c.only({"uniform_field"}) || c.only({"kinetic", "uniform_field"});
+  const double rate = c["charge"] * (alone ? c["b"] : 0) / c["mass"],
+               radius = std::abs(Velocity(c).across / rate);
   return {[=](double t, const HalfRef<3>& q, const HalfRef<3>&) { turning->see(t, q[0], q[1]); },
-          [=](std::ostream& out) {
+          [=](std::ostream& out, const Run&) {
+            const std::string coarse = too_coarse(turning->largest());
+            const std::string why = !alone ? "the formula holds for uniform_field alone"
+                                    : !(radius > 0)
+                                        ? "nothing moves across the field; give another --pitch or --energy"
+                                    : !coarse.empty() ? coarse
+                                    : std::abs(turning->turned()) < 2 * std::numbers::pi
+                                        ? "the run has no whole turn; give more --time"
+                                        : "";
+            if (!why.empty()) return print_none(out, "gyrofrequency", why);
             print_comparison(out, "gyrofrequency, rad/s", -turning->rate(), "eB/m", rate);
             print_comparison(out, "gyroradius, m", turning->mean_radius(), "mv/(eB)", radius);
           },
           memory_of(turning)};
 }
 
+/// The adiabatic estimates are for a gyroradius much smaller than the length of the field, and for the field alone.
 inline Measurement<3> mirrors(const Choice& c) {
   if (!c.on("magnetic_bottle")) return {};
   const auto bouncing = std::make_shared<Bouncing>();
   const Velocity v(c);
-  const double length = c["length"];
+  const double length = c["length"], gyroradius = std::abs(v.across * c["mass"] / (c["charge"] * c["b0"]));
+  const std::string no_estimate = !(c.only({"magnetic_bottle"}) || c.only({"kinetic", "magnetic_bottle"}))
+                                      ? "other effects than the field are on"
+                                  : gyroradius > 0.05 * length ? "the gyroradius is not small beside --length"
+                                                               : "";
   return {[=](double t, const HalfRef<3>& q, const HalfRef<3>&) { bouncing->see(t, q[2]); },
-          [=](std::ostream& out) {
-            if (bouncing->bounces() == 0) {
-              out << "turning point and bounce period: not measured, the run has no whole bounce; give more "
-                     "--time, or a stronger field, which keeps the charge near the axis\n";
-              return;
+          [=](std::ostream& out, const Run&) {
+            std::string why = bouncing->missing();
+            if (bouncing->highest() < 1e-6 * gyroradius)
+              why = "the charge stays in the middle; give another --pitch";
+            if (!why.empty())
+              return print_none(out, "turning point and bounce period",
+                                why + (why.find("--time") == why.npos
+                                           ? ""
+                                           : ", or a stronger field, which keeps the charge near the axis"));
+            const double highest = bouncing->highest(), period = bouncing->period();
+            if (!no_estimate.empty()) {
+              print_figure(out, "turning point, m", highest, no_estimate);
+              return print_figure(out, "bounce period, s", period, no_estimate);
             }
-            print_comparison(out, "turning point, m", bouncing->highest(), "adiabatic, L cot(pitch)",
-                             length * v.along / v.across);
-            print_comparison(out, "bounce period, s", bouncing->period(), "adiabatic, 2πL/(v sin(pitch))",
+            print_comparison(out, "turning point, m", highest, "adiabatic, L cot(pitch)",
+                             length * std::abs(v.along) / v.across);
+            print_comparison(out, "bounce period, s", period, "adiabatic, 2πL/(v sin(pitch))",
                              2 * std::numbers::pi * length / v.across);
           },
           memory_of(bouncing)};
@@ -69,18 +88,40 @@ inline Measurement<3> bounce_and_drift(const Choice& c) {
   const double way = 1.3802 - 0.3198 * (y + std::sqrt(y)), bounce = 4 * l / v * way;
   const double drift = (5.5208 - 0.4381 * y - 0.6397 * (y * std::log(y) + std::sqrt(y))) / 12;
   const double rate = 3 * l * v * v * c["mass"] / (c["charge"] * c["moment"]) * drift / way;
+  // As an angle about the dipole.
+  const double gyroradius = std::abs(Velocity(c).across * c["mass"] * l * l / (c["charge"] * c["moment"]));
+  const std::string no_estimate =
+      !(c.only({"dipole_field"}) || c.only({"kinetic", "dipole_field"}))
+          ? "other effects than the field are on"
+      : !(gyroradius < 0.1) || !(y > 0.01)
+          ? "the gyroradius is not small beside --r, or --pitch is too near to the field"
+          : "";
   return {[=](double t, const HalfRef<3>& q, const HalfRef<3>&) {
             bouncing->see(t, q[2]);
             drifting->see(t, q[0], q[1]);
           },
-          [=](std::ostream& out) {
-            if (bouncing->bounces() > 0)
-              print_comparison(out, "bounce period, s", bouncing->period(), "adiabatic", bounce);
-            else
-              out << "bounce period: not measured, the run has no whole bounce; give more --time\n";
-            print_comparison(out, "drift period, s (westward: negative)",
-                             2 * std::numbers::pi / drifting->rate(), "adiabatic",
-                             2 * std::numbers::pi / rate);
+          [=](std::ostream& out, const Run&) {
+            const auto figure = [&](const std::string& what, const std::string& why, double measured,
+                                    double estimate) {
+              if (!why.empty())
+                print_none(out, what, why);
+              else if (!no_estimate.empty())
+                print_figure(out, what, measured, no_estimate);
+              else
+                print_comparison(out, what, measured, "adiabatic", estimate);
+            };
+            const std::string coarse = too_coarse(drifting->largest());
+            figure("bounce period, s",
+                   bouncing->highest() < 1e-6 * l ? "the charge stays in the equator; give another --pitch"
+                                                  : bouncing->missing(),
+                   bouncing->period(), bounce);
+            // In less the gyration, which is part of the angle, tells.
+            const bool far = std::abs(drifting->turned()) > 10 * gyroradius;
+            figure("drift period, s (westward: negative)",
+                   !coarse.empty() ? coarse
+                   : far           ? ""
+                                   : "the drift is not yet large beside the gyroradius; give more --time",
+                   2 * std::numbers::pi / drifting->rate(), 2 * std::numbers::pi / rate);
           },
           [=](CheckpointMemory& visit) {
             bouncing->visit_memory(visit);

@@ -32,6 +32,16 @@ inline void add_checkpoint(CLI::App& app, CheckpointRequest& request) {
                                     "file to save the run in from time to time; where it is there and fits, "
                                     "the run goes on from it")
                          ->type_name("FILE")
+                         ->check(CLI::Validator(
+                             [](const std::string& text) -> std::string {
+                               const std::filesystem::path path(text), folder = path.parent_path();
+                               if (std::filesystem::is_directory(path) || !path.has_filename())
+                                 return "'" + text + "' is a folder; give the name of a file in it";
+                               if (!folder.empty() && !std::filesystem::is_directory(folder))
+                                 return "the folder " + folder.string() + " is not there; make it first";
+                               return "";
+                             },
+                             "", "file"))
                          ->excludes("--cost")
                          ->excludes("--accuracy");
   app.add_option("--checkpoint-every", request.every, "steps from one to the next; without it, a minute")

@@ -74,7 +74,7 @@ struct CostRequest {
 
   /// What came of the choice.
   void compare_with(const Run& run) const {
-    if (chosen)
+    if (chosen && run.is_result())
       std::cout << "energy error: "
                 << formatted("%.1e asked for, %.1e expected, %.1e reached\n", accuracy, chosen->error,
                              run.quantities.front().worst);

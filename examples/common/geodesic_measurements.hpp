@@ -2,15 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <memory>
 #include <numbers>
 #include <optional>
 #include <ostream>
-#include <utility>
+#include <string>
 
 #include <semiexplicit/semiexplicit.hpp>
 
+#include "motions.hpp"
 #include "scene_choice.hpp"
 #include "table.hpp"
 
@@ -25,50 +27,60 @@ struct Ellipse {
 /// turns between two apoapsides are known.
 inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::optional<Ellipse>& ellipse) {
   struct Seen {
-    bool started = false;
     double energy = 0, momentum = 0;  // at first
     double nearest = std::numeric_limits<double>::infinity(), farthest = 0, highest = 0;
-    double last_r_momentum = 0, last_phi = 0, apoapsis = 0;
-    int orbits = 0;
+    double last_r_momentum = 0, last_phi = 0, first = 0, latest = 0, turn = 0;
+    std::int64_t rows = 0, apoapsides = 0;
     void visit_memory(CheckpointMemory& visit) {
-      visit(started);
-      for (double* number :
-           {&energy, &momentum, &nearest, &farthest, &highest, &last_r_momentum, &last_phi, &apoapsis})
+      for (double* number : {&energy, &momentum, &nearest, &farthest, &highest, &last_r_momentum, &last_phi,
+                             &first, &latest, &turn})
         visit(*number);
-      visit(orbits);
+      visit(rows);
+      visit(apoapsides);
     }
   };
   using std::numbers::pi;
   const auto seen = std::make_shared<Seen>();
   const auto observe = [=](double, const HalfRef<4>& q, const HalfRef<4>& p) {
     Seen& s = *seen;
-    if (!std::exchange(s.started, true)) {
+    const auto apoapsis = [&](double phi) {
+      if (s.apoapsides++ == 0) s.first = phi;
+      s.latest = phi;
+    };
+    if (s.rows == 0) {
       s.energy = -p[0];
       s.momentum = p[3];
+    } else {
+      s.turn = std::max(s.turn, std::abs(q[3] - s.last_phi));
+      // The start may be one.
+      if (s.rows == 1 && s.last_r_momentum == 0 && p[1] < 0) apoapsis(s.last_phi);
+      if (s.last_r_momentum > 0 && p[1] <= 0)
+        apoapsis(s.last_phi + s.last_r_momentum / (s.last_r_momentum - p[1]) * (q[3] - s.last_phi));
     }
-    if (s.last_r_momentum > 0 && p[1] <= 0) {
-      const double w = s.last_r_momentum / (s.last_r_momentum - p[1]);
-      s.apoapsis = s.last_phi + w * (q[3] - s.last_phi);
-      ++s.orbits;
-    }
+    ++s.rows;
     s.last_r_momentum = p[1];
     s.last_phi = q[3];
     s.nearest = std::min(s.nearest, q[1]);
     s.farthest = std::max(s.farthest, q[1]);
     s.highest = std::max(s.highest, std::abs(q[2] - pi / 2));
   };
-  const auto report = [=](std::ostream& out) {
+  const auto report = [=](std::ostream& out, const Run&) {
     const Seen& s = *seen;
     out << formatted("E = %.9g, L = %.9g; ", s.energy, s.momentum)
         << formatted("r from %.5f to %.5f, ", s.nearest, s.farthest)
         << formatted("%.2f degrees off the equator\n", s.highest * 180 / pi)
         << formatted("innermost stable circular orbit: r = %.5f\n", hole.innermost_stable_orbit());
-    if (s.orbits == 0) {
-      out << "turns from apoapsis to apoapsis: not measured, the run has no whole orbit; give more --time\n";
-      return;
-    }
-    out << formatted("turns from apoapsis to apoapsis: %.6f", s.apoapsis / s.orbits / (2 * pi))
-        << formatted(", mean of %d orbits", s.orbits);
+    const std::string what = "turns from apoapsis to apoapsis";
+    if (s.nearest <= hole.mass + std::sqrt(hole.mass * hole.mass - hole.spin * hole.spin))
+      return print_none(out, what, "the body has fallen through the horizon");
+    if (s.farthest - s.nearest < 1e-6 * s.farthest)
+      return print_none(out, what, "the orbit is a circle; give another --e, --r or --l");
+    const std::string coarse = too_coarse(s.turn);
+    if (!coarse.empty()) return print_none(out, what, coarse);
+    const std::int64_t orbits = s.apoapsides - 1;
+    if (orbits < 1) return print_none(out, what, "the run has no whole orbit; give more --time");
+    out << what << formatted(": %.6f", (s.latest - s.first) / static_cast<double>(orbits) / (2 * pi))
+        << ", mean of " << orbits << (orbits == 1 ? " orbit" : " orbits");
     if (ellipse) {  // Cutler, Kennefick, Poisson, Phys. Rev. D 50 (1994) 3816, section II
       const double width = ellipse->p - 6 + 2 * ellipse->e;
       out << formatted("; closed form: %.6f", 2 / pi * std::sqrt(ellipse->p / width) *

@@ -7,22 +7,17 @@
 #include <memory>
 #include <ostream>
 #include <random>
-#include <stdexcept>
 
 #include <Eigen/Eigenvalues>
 #include <semiexplicit/semiexplicit.hpp>
 
+#include "motions.hpp"
 #include "scene_choice.hpp"
 #include "table.hpp"
 
 namespace examples {
 
-inline Eigen::Index sites(const Choice& c) {
-  const double n = c["sites"];
-  if (!(n >= 1 && n <= 1e7) || n != std::floor(n))
-    throw std::invalid_argument("--sites: give a whole number from 1 to 10000000");
-  return static_cast<Eigen::Index>(n);
-}
+inline Eigen::Index sites(const Choice& c) { return static_cast<Eigen::Index>(c["sites"]); }
 
 /// Independent energies, uniform from -W/2 to W/2; the same everywhere for a seed.
 inline Eigen::VectorXd energies(const Choice& c) {
@@ -46,7 +41,8 @@ inline Eigen::VectorXd density(const HalfRef<Eigen::Dynamic>& q, const HalfRef<E
 
 /// How many sites share the mass: (Σ|ψ|²)²/Σ|ψ|⁴.
 inline double participation(const Eigen::VectorXd& density) {
-  return density.sum() * density.sum() / density.squaredNorm();
+  const Eigen::VectorXd scaled = density / density.maxCoeff();  // small ones must not underflow
+  return scaled.sum() * scaled.sum() / scaled.squaredNorm();
 }
 
 /// The densities at t where nothing but hopping and disorder acts: the eigenvectors of the chain turn at their energies.
@@ -75,7 +71,7 @@ inline Measurement<Eigen::Dynamic> localisation(const Choice& c) {
             seen->t = t;
             seen->last = density(q, p);
           },
-          [=](std::ostream& out) {
+          [=](std::ostream& out, const Run&) {
             out << "participation number at the end: " << formatted("%.4f", participation(seen->last))
                 << " of " << sites(c) << " sites\n";
             if (c.on("on_site") || c.on("pair_exchange") || sites(c) > 1000) return;
@@ -91,29 +87,43 @@ inline Measurement<Eigen::Dynamic> localisation(const Choice& c) {
 /// Rev. B 34 (1986) 4959; the threshold of the long chain: M. Molina and G. Tsironis, Physica D 65 (1993) 267.
 inline Measurement<Eigen::Dynamic> trapping(const Choice& c) {
   struct Seen {
-    double least = 1, sum = 0, count = 0;
+    double least = 1, sum = 0, count = 0, last = 1, change = 0;
     void visit_memory(CheckpointMemory& visit) {
-      for (double* number : {&least, &sum, &count}) visit(*number);
+      for (double* number : {&least, &sum, &count, &last, &change}) visit(*number);
     }
   };
   const auto seen = std::make_shared<Seen>();
   const Eigen::Index middle = sites(c) / 2;
-  const double mass = c["mass"], strength = c["g"] * mass / c["j"];
+  const double mass = c["mass"];
+  // Both references are for on_site and hopping alone.
+  const double strength = c.only({"on_site", "hopping"}) ? c["g"] * mass / c["j"] : NAN;
   return {[=](double, const HalfRef<Eigen::Dynamic>& q, const HalfRef<Eigen::Dynamic>& p) {
             const double share = (q[middle] * q[middle] + p[middle] * p[middle]) / mass;
             seen->least = std::min(seen->least, share);
             seen->sum += share;
             ++seen->count;
+            seen->change = std::max(seen->change, std::abs(share - seen->last));
+            seen->last = share;
           },
-          [=, two = sites(c) == 2](std::ostream& out) {
+          [=, n = sites(c)](std::ostream& out, const Run&) {
+            if (seen->change > 0.1)
+              return print_none(out, "left on the site of the start",
+                                "it changes by more than a tenth in a step; give a smaller --dt");
             out << "left on the site of the start: " << formatted("%.6f at least, ", seen->least)
-                << formatted("%.6f in the mean", seen->sum / seen->count) << "; g|ψ|²/J = " << strength;
-            if (two)
-              out << "; in closed form, at least "
-                  << formatted("%.6f\n",
-                               strength > 4 ? (1 + std::sqrt(1 - 16 / (strength * strength))) / 2 : 0.0);
-            else
-              out << ", self-trapping in a long chain from 3.2 on\n";
+                << formatted("%.6f in the mean", seen->sum / seen->count);
+            if (std::isfinite(strength)) {
+              out << "; g|ψ|²/J = " << strength;
+              if (n == 2 && seen->least == seen->last)
+                out << "; still falling at the end: no closed form for that, give more --time";
+              else if (n == 2)
+                out << "; in closed form, at least "
+                    << formatted("%.6f", std::abs(strength) > 4
+                                             ? (1 + std::sqrt(1 - 16 / (strength * strength))) / 2
+                                             : 0.0);
+              else if (n >= 20)
+                out << ", self-trapping in a long chain from 3.2 on";
+            }
+            out << '\n';
           },
           memory_of(seen)};
 }

@@ -1,117 +1,192 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <numbers>
-#include <optional>
 #include <ostream>
+#include <string>
 #include <utility>
 
+#include <Eigen/Geometry>
 #include <semiexplicit/semiexplicit.hpp>
 
+#include "motions.hpp"
 #include "scene_choice.hpp"
 #include "table.hpp"
 
 namespace examples {
 
-/// Follows an angle of the orbit from the first to the last upward passage of a function through zero. In between it turns
-/// slowly, so that a straight line between the two steps about a passage is enough.
+/// Follows a direction, in the plane across `axis`, from one upward passage of a function through zero to the next. In between
+/// it turns slowly, so that a straight line between the two steps about a passage is enough.
 class Passages {
  public:
-  void see(double t, double function, double angle) {
+  using Direction = Eigen::Vector3d;
+
+  void see(double t, double function, const Direction& direction, const Direction& axis) {
     if (seen_ && last_function_ < 0 && function >= 0) {
-      const double w = last_function_ / (last_function_ - function);
-      const double at = last_t_ + w * (t - last_t_), turned = last_angle_ + w * near(angle - last_angle_);
-      if (!first_t_) {
-        first_t_ = at;
-      } else {
-        turned_ += near(turned - at_passage_);
-        passed_ = at - *first_t_;
-        ++orbits_;
+      const double w = last_function_ / (last_function_ - function), at = last_t_ + w * (t - last_t_);
+      const Direction now = last_ + w * (direction - last_);
+      if (passages_++ > 0) {
+        const double angle = angle_about(axis, at_passage_, now);
+        turned_ += angle;
+        largest_ = std::max(largest_, std::abs(angle));
+        passed_ += at - passage_;
       }
-      at_passage_ = turned;
+      at_passage_ = now;
+      passage_ = at;
     }
     seen_ = true;
     last_t_ = t;
     last_function_ = function;
-    last_angle_ = angle;
+    last_ = direction;
   }
-  int orbits() const { return orbits_; }
-  double per_orbit() const { return turned_ / orbits_; }
+  int orbits() const { return std::max(passages_ - 1, 0); }
   double per_time() const { return turned_ / passed_; }
+  /// Is it plain which way round the direction went in an orbit?
+  bool plain() const { return largest_ < std::numbers::pi / 2; }
+
+  /// From a to b, both nearly across the axis.
+  static double angle_about(const Direction& axis, const Direction& a, const Direction& b) {
+    return std::atan2(axis.normalized().dot(a.cross(b)), a.dot(b));
+  }
 
   void visit_memory(CheckpointMemory& visit) {
     visit(seen_);
-    visit(orbits_);
-    bool begun = first_t_.has_value();
-    double first = first_t_.value_or(0.0);
-    visit(begun);
-    for (double* number : {&first, &last_t_, &last_function_, &last_angle_, &at_passage_, &turned_, &passed_})
+    visit(passages_);
+    for (double* number : {&last_t_, &last_function_, &passage_, &turned_, &passed_, &largest_})
       visit(*number);
-    if (begun) first_t_ = first;
+    visit(last_);
+    visit(at_passage_);
   }
 
  private:
-  static double near(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
   bool seen_ = false;
-  double last_t_ = 0, last_function_ = 0, last_angle_ = 0, at_passage_ = 0, turned_ = 0, passed_ = 0;
-  std::optional<double> first_t_;
-  int orbits_ = 0;
+  double last_t_ = 0, last_function_ = 0, passage_ = 0, turned_ = 0, passed_ = 0, largest_ = 0;
+  Direction last_ = Direction::Zero(), at_passage_ = last_;
+  int passages_ = 0;
 };
 
-/// Mercury's perihelion. The Laplace-Runge-Lenz vector points to it at the passage.
+/// What turns an orbit, in radians a radian of the mean motion, to first order. Oblateness: Vallado, section 9.4; relativity:
+/// Damour and Deruelle, Ann. Inst. H. Poincaré 43 (1985) 107, at this order without the mass ratio; spin: Lense, Thirring.
+struct FirstOrder {
+  explicit FirstOrder(const Choice& c) {
+    const double a = c["a"], e = c["e"], tilt = c["inclination"], p = a * (1 - e * e);
+    const auto take = [&](const char* name, double size, double of_node, double of_periapsis) {
+      terms += (terms.empty() ? "" : " and ") + std::string(name);
+      largest = std::max(largest, std::abs(size));
+      node += size * of_node;
+      from_node += size * of_periapsis;
+    };
+    if (c.on("1pn")) take("1PN", 3 * c["gm"] / (c["c"] * c["c"] * p), 0, 1);
+    if (c.on("j2"))
+      take("J2", 1.5 * c["j2"] * std::pow(c["radius"] / p, 2), -std::cos(tilt),
+           2 - 2.5 * std::pow(std::sin(tilt), 2));
+    if (c.on("spin_orbit"))
+      take("spin", 2 * c["gs"] / (c["c"] * c["c"] * std::sqrt(c["gm"] * p * p * p)), 1, -3 * std::cos(tilt));
+    along = from_node + std::cos(tilt) * node;
+  }
+  std::string terms;
+  double node = 0, from_node = 0, along = 0, largest = 0;
+  bool holds() const { return largest < 0.01; }
+};
+
+/// How the periapsis and the node of an orbit turn, in `unit`: a radian a unit of time is `factor` of these. Where something
+/// turns the node the periapsis is also counted from there; along the orbit (dω + cos i dΩ) it has a meaning without a node, too.
+inline Measurement<3> turning_orbit(const Choice& c, const std::string& unit, double factor) {
+  using std::numbers::pi;
+  struct Seen {
+    Passages along, from_node, node;
+    Eigen::Vector3d last = Eigen::Vector3d::Zero();
+    double step = 0;     // the largest angle from one step to the next
+    double upright = 1;  // the smallest sine of the inclination
+    void visit_memory(CheckpointMemory& visit) {
+      for (Passages* passages : {&along, &from_node, &node}) passages->visit_memory(visit);
+      visit(last);
+      visit(step);
+      visit(upright);
+    }
+  };
+  const auto seen = std::make_shared<Seen>();
+  const double gm = c["gm"], e = c["e"];
+  const auto observe = [=](double t, const HalfRef<3>& q, const HalfRef<3>& p) {
+    const Eigen::Vector3d x = q, v = p, momentum = x.cross(v), axis(0, 0, 1), node = axis.cross(momentum);
+    const Eigen::Vector3d laplace = v.cross(momentum) / gm - x.normalized();  // it points to the periapsis
+    const double omega = Passages::angle_about(momentum, node, laplace);
+    seen->along.see(t, x.dot(v), laplace, momentum);
+    seen->from_node.see(t, x.dot(v), {std::cos(omega), std::sin(omega), 0}, axis);
+    seen->node.see(t, x[2], node, axis);
+    seen->upright = std::min(seen->upright, node.norm() / momentum.norm());
+    if (!seen->last.isZero())
+      seen->step = std::max(seen->step, std::atan2(seen->last.cross(x).norm(), seen->last.dot(x)));
+    seen->last = x;
+  };
+  const auto report = [=](std::ostream& out, const Run& run) {
+    const bool about_the_node = c.preset == "gps";  // its orbit is a circle
+    const std::string first = about_the_node ? "node" : "perihelion advance";
+    if (!c.on("kinetic") || !c.on("attraction") || c.on("two_centres") || c.on("rotating_frame"))
+      return print_none(out, first, "that is for kinetic, attraction, j2, 1pn, 2pn and spin_orbit only");
+    if (seen->step > pi / 6)
+      return print_none(out, first,
+                        formatted("a step goes through %.0f degrees of the orbit; ", seen->step * 180 / pi) +
+                            formatted("give a --dt %.0f times smaller", std::ceil(seen->step * 12 / pi)));
+    const FirstOrder expected(c);
+    const double motion = std::sqrt(gm / std::pow(c["a"], 3)) * factor;  // per radian of the mean motion
+    // An error of the energy goes along with a turn of the periapsis, as measured up to five times as large a radian.
+    const double uncertain = 6 * run.quantities.front().worst * motion;
+    const auto figure = [&](const std::string& what, const Passages& passages, double closed_form) {
+      if (passages.orbits() < 2)
+        return print_none(out, what, "the run has no two whole orbits; give more --time");
+      if (!passages.plain())
+        return print_none(out, what,
+                          "it turns by more than a quarter in an orbit, so that the way round is not plain");
+      if (!(uncertain <= (expected.largest > 0 ? 0.1 * expected.largest : 1e-3) * motion))
+        return print_none(out, what,
+                          formatted("the energy error leaves ± %.2g ", uncertain) + unit +
+                              " open; give a smaller --dt, or a --scheme of higher order");
+      const auto decimals = [](double x) { return formatted("%.4f", std::round(x * 1e4) / 1e4 + 0.0); };
+      out << what << ": " << decimals(passages.per_time() * factor) << ' ' << unit
+          << formatted(" from %d orbits", passages.orbits())
+          << formatted(" (± %.1g by the energy error)", uncertain);
+      if (expected.holds())
+        out << "; " << (expected.terms.empty() ? "Kepler" : expected.terms + " to first order") << ": "
+            << decimals(closed_form * motion);
+      else
+        out << "; too strong a field for a formula of first order";
+      out << '\n';
+    };
+    const bool has_node = seen->upright > 1e-3;
+    if (!about_the_node || e > 0) {
+      if (e < 1e-6 || e < 10 * expected.largest)
+        print_none(out, "perihelion advance",
+                   "the orbit is too near to a circle, for what turns it, to have one; give a larger --e");
+      else if ((c.on("j2") || c.on("spin_orbit")) && has_node) {
+        figure("perihelion advance", seen->from_node, expected.from_node);
+        figure("perihelion and node, along the orbit", seen->along, expected.along);
+      } else {
+        figure("perihelion advance", seen->along, expected.along);
+      }
+    }
+    if (!has_node && about_the_node)
+      print_none(out, "node",
+                 "an orbit in the equator has none; give an --inclination between 0 and 180 degrees");
+    else if (has_node && (about_the_node || c.on("j2") || c.on("spin_orbit")))
+      figure("node", seen->node, expected.node);
+  };
+  return {observe, report, memory_of(seen)};
+}
+
 inline Measurement<3> perihelion(const Choice& c) {
-  auto passages = std::make_shared<Passages>();
-  const double gm = c["gm"], a = c["a"], e = c["e"];
-  const auto observe = [=](double t, const HalfRef<3>& q, const HalfRef<3>& p) {
-    const double r = q.norm(), radial = q.dot(p), along = p.squaredNorm() / gm - 1 / r;
-    passages->see(t, radial,
-                  std::atan2(along * q[1] - radial * p[1] / gm, along * q[0] - radial * p[0] / gm));
-  };
-  double expected = 0, parameter = a * (1 - e * e);
-  if (c.on("1pn")) expected += 6 * std::numbers::pi * gm / (c["c"] * c["c"] * parameter);
-  if (c.on("j2")) expected += 3 * std::numbers::pi * c["j2"] * std::pow(c["radius"] / parameter, 2);
-  const auto report = [=](std::ostream& out) {
-    if (passages->orbits() == 0) {
-      out << "perihelion advance: not measured, the run is shorter than two passages; give more --time\n";
-      return;
-    }
-    const double arcseconds = 180 / std::numbers::pi * 3600,
-                 a_century = 100 * std::sqrt(gm / (a * a * a)) / (2 * std::numbers::pi);
-    out << "perihelion advance: "
-        << formatted("%.4f arcseconds a century from %d orbits",
-                     passages->per_orbit() * a_century * arcseconds, passages->orbits())
-        << formatted("; 1PN and J2 to first order: %.4f\n", expected * a_century * arcseconds);
-  };
-  return {observe, report, memory_of(passages)};
+  return turning_orbit(c, "arcseconds a century", 100 * 3600 * 180 / std::numbers::pi);
 }
 
-/// How far the node of a tilted orbit turns.
 inline Measurement<3> node(const Choice& c) {
-  auto passages = std::make_shared<Passages>();
-  const auto observe = [=](double t, const HalfRef<3>& q, const HalfRef<3>& p) {
-    passages->see(t, q[2], std::atan2(q[1] * p[2] - q[2] * p[1], q[0] * p[2] - q[2] * p[0]));
-  };
-  const double a = c["a"], rate = std::sqrt(c["gm"] / (a * a * a)), flat = 1 - c["e"] * c["e"];
-  const double expected =
-      c.on("j2") ? -1.5 * rate * c["j2"] * std::pow(c["radius"] / (a * flat), 2) * std::cos(c["inclination"])
-                 : 0;
-  const auto report = [=](std::ostream& out) {
-    if (passages->orbits() == 0) {
-      out << "node: not measured, the run has no two upward passages through the equator; give more --time "
-             "or "
-             "an --inclination\n";
-      return;
-    }
-    const double degrees_a_year = 180 / std::numbers::pi * 365.25 * 86400;
-    out << formatted("node: %.4f degrees a year", passages->per_time() * degrees_a_year)
-        << formatted(" from %d orbits; J2 to first order: ", passages->orbits())
-        << formatted("%.4f\n", expected * degrees_a_year);
-  };
-  return {observe, report, memory_of(passages)};
+  return turning_orbit(c, "degrees a year", 365.25 * 86400 * 180 / std::numbers::pi);
 }
 
-/// How well the orbit closes, and Jacobi's constant.
+inline constexpr double arenstorf_period = 17.0652165601579625588917206249;
+
+/// How well Arenstorf's orbit closes, which it does for his values only, and Jacobi's constant.
 inline Measurement<3> closure(const Choice& c) {
   struct Seen {
     bool begun = false;
@@ -127,17 +202,20 @@ inline Measurement<3> closure(const Choice& c) {
     seen->last = PhasePoint<double, 3>(q, p);
     if (!std::exchange(seen->begun, true)) seen->first = seen->last;
   };
+  const bool restricted = c.only({"kinetic", "two_centres", "rotating_frame"}) && c["frame-rate"] == 1;
   const auto jacobi = [=](const PhasePoint<double, 3>& z) {
     return -2 * (Scene(orbits::Kinetic<3>{}, orbits::TwoCentres<3>::restricted(c["mu"]),
                        orbits::RotatingFrame<3>{.omega = c["frame-rate"]})
                      .energy(z.q(), z.p()));
   };
-  const auto report = [=](std::ostream& out) {
-    out << formatted("closure: %.2e in position", (seen->last.q() - seen->first.q()).norm());
-    if (c.on("two_centres") && c.on("rotating_frame"))
-      out << formatted("; Jacobi's constant: %.12f at first, ", jacobi(seen->first))
-          << formatted("%.12f at last", jacobi(seen->last));
-    out << '\n';
+  const auto report = [=](std::ostream& out, const Run& run) {
+    if (restricted && c.is_preset && std::abs(run.report.t - arenstorf_period) < 1e-9)
+      out << formatted("closure: %.2e in position\n", (seen->last.q() - seen->first.q()).norm());
+    else
+      out << "closure: not measured, the orbit closes with the preset's effects, values and --time only\n";
+    if (restricted)
+      out << formatted("Jacobi's constant: %.12f at first, ", jacobi(seen->first))
+          << formatted("%.12f at last\n", jacobi(seen->last));
   };
   return {observe, report, memory_of(seen)};
 }

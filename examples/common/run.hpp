@@ -60,7 +60,7 @@ struct Run {
   std::string failure{};  ///< empty if the run came to its end
   std::string doubt{};    ///< not empty if the result means nothing although it did
 
-  double attempted_steps() const { return static_cast<double>(report.steps + (failure.empty() ? 0 : 1)); }
+  bool is_result() const { return failure.empty() && doubt.empty(); }
 };
 
 /// An observer that fills a Run's series, and follows the defect of methods that work with copies. Comes after the
@@ -165,8 +165,7 @@ Run run_method(const Method& method, const H& hamiltonian, const PhasePoint<doub
     const auto save = [&](double t, const auto& z, const IntegrationReport& so_far) {
       if (request.wanted()) checkpoints(t, z, so_far);
     };
-    Progress progress(static_cast<double>(steps) * dt, method.name,
-                      static_cast<double>(options.done.steps) * dt);
+    Progress progress(static_cast<double>(steps) * dt, method.name);
     try {
       run.report = integrate(stepper, state, options, invariants, watch, observers..., progress, save);
     } catch (const IntegrationError& error) {

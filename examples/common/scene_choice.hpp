@@ -1,11 +1,13 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
 #include <ostream>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
@@ -20,10 +22,21 @@
 
 namespace examples {
 
+/// Which values of a parameter mean something, in words for "'7' is not ...", and as a test.
+struct Allowed {
+  std::string words = "a number";
+  bool (*holds)(double) = [](double) { return true; };
+};
+inline const Allowed above_zero{"a positive number", [](double x) { return x > 0; }};
+inline const Allowed not_negative{"a number from 0 on", [](double x) { return x >= 0; }};
+inline const Allowed half_turn{"an angle from 0 to 180 deg",
+                               [](double x) { return x >= 0 && x <= std::acos(-1.0) * (1 + 1e-15); }};
+
 /// A number that the user may set: the option --name. `unit` is any unit of its kind ("m/s" for a velocity), or "" for a
 /// number; users may write one behind the value.
 struct Parameter {
   std::string name, unit, about;
+  Allowed allowed{};
 };
 
 /// What the user chose, in the units of the preset.
@@ -32,9 +45,18 @@ class Choice {
   std::string preset;
   std::vector<std::string> effects;
   std::map<std::string, double> values;
+  bool is_preset = false;  ///< nothing but the preset's own effects and values
+  UnitSystem units{};
+  /// Those that something has asked for; the others would be set in vain.
+  std::shared_ptr<std::set<std::string>> used = std::make_shared<std::set<std::string>>();
 
   bool on(const std::string& effect) const {
     return std::find(effects.begin(), effects.end(), effect) != effects.end();
+  }
+  /// Are these, and no others, on?
+  bool only(const std::vector<std::string>& names) const {
+    return effects.size() == names.size() &&
+           std::all_of(names.begin(), names.end(), [this](const auto& name) { return on(name); });
   }
   bool has(const std::string& parameter) const { return values.count(parameter) > 0; }
   /// The value of a parameter. Throws std::invalid_argument where neither preset nor user gives one.
@@ -42,6 +64,7 @@ class Choice {
     const auto found = values.find(parameter);
     if (found == values.end())
       throw std::invalid_argument("the preset " + preset + " has no value for --" + parameter + "; give one");
+    used->insert(parameter);
     return found->second;
   }
 };
@@ -100,9 +123,18 @@ using HalfRef = ConstRef<double, Dof>;
 template <int Dof>
 struct Measurement {
   std::function<void(double t, const HalfRef<Dof>& q, const HalfRef<Dof>& p)> observe;
-  std::function<void(std::ostream&)> report;
+  std::function<void(std::ostream&, const Run&)> report;
   std::function<void(CheckpointMemory&)>
       memory;  ///< of what it has seen, for checkpoints; see CheckpointMemory
+
+  /// Nothing is said of a run that is no result.
+  void print(std::ostream& out, const Run& run) const {
+    if (!report) return;
+    if (run.is_result())
+      report(out, run);
+    else
+      out << "nothing else is measured, as the run is no result; see the end of it\n";
+  }
 };
 
 /// A measurement as an observer.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <stdexcept>
@@ -33,7 +34,7 @@
 //                           .values = {{"gm", "1 GMsun"}, {"a", "1"}},
 //                           .dt = "2 day", .time = "1 century",
 //                           .start = [](const Choice& c) { return PhasePoint<double, 3>(...); }}};
-//       program.view = [](const Choice&) { return path_view<3>({"x", "y", "z", "px", "py", "pz"}, "x", "y"); };
+//       program.view = [](const Choice&) { return path_view<3>({"x", "y", "z", "px", "py", "pz"}, "x", "y", "AU"); };
 //       return run_scene_program(program, argc, argv);
 //     }
 //
@@ -61,6 +62,16 @@ void show_audit(const RuntimeScene<double, Dof>& scene, const PhasePoint<double,
       std::cout << " (below the numerical error: " << joined(open) << "; take a smaller --dt)";
     std::cout << '\n';
   }
+}
+
+/// A start that is not finite, or where the energy is not.
+template <int Dof>
+void refuse_start(const RuntimeScene<double, Dof>& scene, const PhasePoint<double, Dof>& z0) {
+  if (!z0.vector().allFinite() || !std::isfinite(scene.energy(z0.q(), z0.p())))
+    throw std::invalid_argument(
+        "these values make no start: its position, momentum or energy is not finite; is one of them zero "
+        "that "
+        "must not be, or too large?");
 }
 
 /// Says which effects are on and what they make of the method; chooses it where the user has not.
@@ -117,6 +128,8 @@ int run_scene_program(const SceneProgram<Dof>& program, int argc, char** argv) {
     if (app.count("--samples") == 0) settings.samples = preset.samples;
     const RuntimeScene<double, Dof> scene = request.scene(choice);
     const PhasePoint<double, Dof> z0 = preset.start(choice);
+    request.refuse_idle_parameters(choice);
+    refuse_start(scene, z0);
     Invariants<double, Dof> invariants(scene);
     if (program.add_invariants) program.add_invariants(invariants, choice);
 
@@ -127,7 +140,6 @@ int run_scene_program(const SceneProgram<Dof>& program, int argc, char** argv) {
       const std::string usual = scene.is_separable() ? "splitting" : "semiexplicit";
       refuse_idle_options(app, {method.name.empty() ? usual : method.name});
     }
-    request.print_idle_parameters(std::cout, choice);
     std::cout << preset.name << ": " << preset.about << " (units: " << preset.units.about << ")\n";
     if (request.audit) {
       show_audit(scene, z0, invariants, settings, method, program.compare);
@@ -145,7 +157,7 @@ int run_scene_program(const SceneProgram<Dof>& program, int argc, char** argv) {
       cost.choose(found, method, settings);
     }
     settle_method(scene, method);
-    const std::int64_t steps = settings.steps();
+    const std::int64_t steps = settings.fit_steps();
     settings.make_output_folder();
 
     const std::filesystem::path csv = settings.output / (program.name + ".csv"),
@@ -168,7 +180,7 @@ int run_scene_program(const SceneProgram<Dof>& program, int argc, char** argv) {
 
     print_table(std::cout, {run}, settings.dt);
     cost.compare_with(run);
-    if (measurement.report) measurement.report(std::cout);
+    measurement.print(std::cout, run);
     path.commit();
     write_series(csv, {run});
     checkpoint.finish();
@@ -176,8 +188,9 @@ int run_scene_program(const SceneProgram<Dof>& program, int argc, char** argv) {
     const std::string headline = program.name + ", " + preset.name + ": " + joined(scene.names()) + "\n" +
                                  method.name + " (" + method.coefficients() +
                                  "), dt = " + formatted("%.4g", settings.dt) +
-                                 "; units: " + preset.units.about;
-    if (!settings.no_plot) draw(png, scene_script(png, path_csv, csv, view, run, headline, settings.time));
+                                 "; units: " + preset.units.about + (run.is_result() ? "" : "; NO RESULT");
+    if (!settings.no_plot)
+      draw(png, scene_script(png, path_csv, csv, view, run, headline, settings.time, preset.units.name(1)));
     return tell_failure(run) ? 1 : 0;
   });
 }

@@ -64,23 +64,30 @@ class SceneRequest {
   /// Throws std::invalid_argument, in one line, for unknown names and units.
   Choice choice() const {
     const auto& chosen = preset();
-    Choice choice{.preset = chosen.name, .effects = effects, .values = {}};
+    Choice choice{.preset = chosen.name, .effects = effects, .values = {}, .units = chosen.units};
     if (effects.empty()) {
       choice.effects = chosen.effects;
       if (audit) choice.effects.insert(choice.effects.end(), chosen.also.begin(), chosen.also.end());
     }
     std::vector<std::string> names;
     for (const auto& entry : program_.effects) names.push_back(entry.name);
-    for (const std::string& effect : choice.effects)
+    for (const std::string& effect : choice.effects) {
       if (std::find(names.begin(), names.end(), effect) == names.end())
         throw std::invalid_argument("--effects: " + unknown_name("effect", effect, names));
-    for (const auto& [name, unit, about] : program_.parameters) {
+      if (std::count(choice.effects.begin(), choice.effects.end(), effect) > 1)
+        throw std::invalid_argument("--effects: " + effect + " is named twice");
+    }
+    choice.is_preset = choice.only(chosen.effects);
+    for (const auto& [name, unit, about, allowed] : program_.parameters) {
       const auto given = chosen.values.find(name);
+      if (given != chosen.values.end()) choice.values[name] = quantity(name, given->second, unit);
       const std::string& text = texts_.at(name);
-      if (!text.empty())
-        choice.values[name] = quantity(name, text, unit);
-      else if (given != chosen.values.end())
-        choice.values[name] = quantity(name, given->second, unit);
+      if (text.empty()) continue;
+      const double value = quantity(name, text, unit);
+      if (!allowed.holds(value))
+        throw std::invalid_argument("--" + name + ": '" + text + "' is not " + allowed.words);
+      if (given == chosen.values.end() || value != choice.values[name]) choice.is_preset = false;
+      choice.values[name] = value;
     }
     return choice;
   }
@@ -89,7 +96,7 @@ class SceneRequest {
   void put_times_into(Settings& settings) const {
     settings.dt = quantity("dt", dt.empty() ? preset().dt : dt, "s", true);
     settings.time = quantity("time", time.empty() ? preset().time : time, "s", true);
-    settings.dt = settings.time / static_cast<double>(settings.steps());
+    settings.fit_steps();
   }
 
   /// The effects that are on, in the program's order.
@@ -128,20 +135,19 @@ class SceneRequest {
         << joined(units) << ".\n";
   }
 
-  /// A parameter whose effects are off is named, so that nobody takes it for active. One that no effect has is the start's:
-  /// throws std::invalid_argument where the preset does not have it either.
-  void print_idle_parameters(std::ostream& out, const Choice& choice) const {
+  /// To be called when the effects and the start are made. Throws std::invalid_argument where one of the parameters that the
+  /// user gave has not been asked for.
+  void refuse_idle_parameters(const Choice& choice) const {
     for (const auto& [name, text] : texts_) {
-      if (text.empty()) continue;
+      if (text.empty() || choice.used->count(name) > 0) continue;
       std::vector<std::string> listeners;
       for (const auto& entry : program_.effects)
         if (std::find(entry.parameters.begin(), entry.parameters.end(), name) != entry.parameters.end())
           listeners.push_back(entry.name);
-      if (listeners.empty() && preset().values.count(name) == 0)
-        throw std::invalid_argument("--" + name + " means nothing to the preset " + preset().name);
-      if (!listeners.empty() &&
-          std::none_of(listeners.begin(), listeners.end(), [&](const auto& e) { return choice.on(e); }))
-        out << "--" << name << " goes with an effect that is off: " << joined(listeners) << '\n';
+      throw std::invalid_argument("--" + name + " means nothing to the preset " + preset().name +
+                                  (listeners.empty()
+                                       ? std::string("; leave it out")
+                                       : " with these effects; it goes with " + joined(listeners)));
     }
   }
 

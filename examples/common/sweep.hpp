@@ -10,6 +10,7 @@
 
 #include <semiexplicit/semiexplicit.hpp>
 
+#include "arguments.hpp"
 #include "table.hpp"
 
 namespace examples {
@@ -43,7 +44,7 @@ struct Sweep {
     return names;
   }
 
-  std::int64_t steps() const { return static_cast<std::int64_t>(std::round(time / dt)); }
+  std::int64_t steps() const { return steps_in(time, dt); }
 
   /// All that the results depend on.
   std::string in_words() const {

@@ -84,7 +84,8 @@ class SweepResults {
     };
     out << "members: " << size() << ", failed " << size() - energy.size() << " ("
         << share(size() - energy.size()) << ")\n";
-    if (energy.empty()) return;
+    if (energy.empty())
+      throw std::runtime_error("every member failed, there is nothing to show; give a smaller --dt");
     const auto quantile = [&](double q) {
       return formatted("%.1e", energy[static_cast<std::size_t>(q * static_cast<double>(energy.size() - 1))]);
     };

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdio>
 #include <functional>
 #include <iomanip>
@@ -14,7 +15,7 @@ namespace examples {
 
 template <class... Numbers>
 std::string formatted(const char* format, Numbers... numbers) {
-  char text[64];
+  char text[200];
   std::snprintf(text, sizeof text, format, numbers...);
   return text;
 }
@@ -34,6 +35,12 @@ inline void print_table(std::ostream& out, const std::vector<Run>& runs, double 
     for (const Run& run : runs) lines.back().push_back(entry(run));
   };
 
+  const auto failed = [](const Run& run) { return "FAILED at t = " + formatted("%.3g", run.report.t); };
+  const auto a_step = [](const char* format, const Run& run, std::int64_t count) {
+    return run.failure.empty()
+               ? formatted(format, static_cast<double>(count) / static_cast<double>(run.report.steps))
+               : std::string("-");
+  };
   line("", [](const Run& run) { return run.method.name; });
   line("scheme", [](const Run& run) { return run.method.coefficients(); });
   line("dt", [&](const Run&) { return formatted("%g", dt); });
@@ -45,22 +52,19 @@ inline void print_table(std::ostream& out, const std::vector<Run>& runs, double 
     std::replace(what.begin(), what.end(), '_', ' ');
     const auto entry = [&](double Run::Quantity::*which) {
       return [=](const Run& run) {
-        return i < run.quantities.size() ? formatted("%.1e", run.quantities[i].*which) : std::string("-");
+        if (i >= run.quantities.size()) return std::string("-");
+        return run.failure.empty() ? formatted("%.1e", run.quantities[i].*which) : failed(run);
       };
     };
     line(what + ", worst", entry(&Run::Quantity::worst));
     line(what + ", final", entry(&Run::Quantity::final));
   }
   line("gradient calls", [](const Run& run) { return std::to_string(run.report.gradients); });
-  line("calls per step", [](const Run& run) {
-    return formatted("%.1f", static_cast<double>(run.report.gradients) / run.attempted_steps());
-  });
-  line("evaluations per step", [](const Run& run) {
-    return formatted("%.2f", static_cast<double>(run.report.evaluations) / run.attempted_steps());
-  });
+  line("calls per step", [&](const Run& run) { return a_step("%.1f", run, run.report.gradients); });
+  line("evaluations per step", [&](const Run& run) { return a_step("%.2f", run, run.report.evaluations); });
   line("seconds", [](const Run& run) { return formatted("%.3f", run.report.seconds); });
-  line("status", [](const Run& run) {
-    if (!run.failure.empty()) return "FAILED, t = " + formatted("%.3g", run.report.t);
+  line("status", [&](const Run& run) {
+    if (!run.failure.empty()) return failed(run);
     return (run.doubt.empty() ? "t = " : "WRONG, t = ") + formatted("%g", run.report.t);
   });
 

@@ -135,6 +135,15 @@ struct UnitSystem {
   std::string about;  ///< "AU, year"
   double length = NAN, time = NAN, mass = NAN, charge = NAN;
 
+  /// The name of the k-th unit in `about`, for labels: 0 the length, 1 the time; none for plain numbers.
+  std::string name(int k) const {
+    if (about == "numbers") return "";
+    std::string rest = about;
+    for (std::size_t comma = 0; k > 0 && (comma = rest.find(", ")) != std::string::npos; --k)
+      rest.erase(0, comma + 2);
+    return rest.substr(0, rest.find(", "));
+  }
+
   /// What such a unit is in this system.
   double size_of(const Unit& unit) const {
     const double base[] = {length, time, mass, charge};

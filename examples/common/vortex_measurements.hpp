@@ -4,6 +4,7 @@
 #include <memory>
 #include <numbers>
 #include <ostream>
+#include <string>
 
 #include <semiexplicit/semiexplicit.hpp>
 
@@ -15,7 +16,7 @@ namespace examples {
 /// A pair of vortices, the second of circulation 1, that comes down to a wall: it parts there, and its halves go along the
 /// wall, with 1/x² + 1/y² kept. Source: H. Lamb, Hydrodynamics (1932), article 155.
 inline Measurement<Eigen::Dynamic> along_the_wall(const Choice& c) {
-  if (!c.on("pairs") || !c.on("half_plane") || c.effects.size() > 2) return {};
+  if (!c.only({"pairs", "half_plane"})) return {};
   struct Seen {
     double first = 0, t = 0, x = 0, y = 0, speed = 0, middle = 0;
     void visit_memory(CheckpointMemory& visit) {
@@ -33,8 +34,10 @@ inline Measurement<Eigen::Dynamic> along_the_wall(const Choice& c) {
             seen->x = x;
             seen->y = y;
           },
-          [=](std::ostream& out) {
+          [=](std::ostream& out, const Run&) {
             const double x = seen->middle, y = 1 / std::sqrt(seen->first - 1 / (x * x));
+            if (!std::isfinite(y))
+              return print_none(out, "speed along the wall", "the pair has not parted yet; give more --time");
             print_comparison(out, "1/x² + 1/y² at the end", kept(seen->x, seen->y), "at the start",
                              seen->first);
             print_comparison(out, "speed along the wall at the end", seen->speed, "Γ/(4πy)/(1 + y²/x²)",
@@ -47,14 +50,19 @@ inline Measurement<Eigen::Dynamic> along_the_wall(const Choice& c) {
 inline Measurement<Eigen::Dynamic> about_the_centre(const Choice& c) {
   if (!c.on("disk")) return {};
   const auto turning = std::make_shared<Turning>();
-  return {
-      [=](double t, const auto& q, const auto& p) { turning->see(t, q[0], p[0]); },
-      [=, radius = c["radius"], background = c.on("rotation") ? c["rotation_rate"] : 0](std::ostream& out) {
-        const double r = turning->mean_radius();
-        print_comparison(out, "turns at", turning->rate(), "Γ/(2π(R² - r²)), with the background",
-                         background + 1 / (2 * std::numbers::pi * (radius * radius - r * r)));
-      },
-      memory_of(turning)};
+  return {[=](double t, const auto& q, const auto& p) { turning->see(t, q[0], p[0]); },
+          [=, radius = c["radius"], background = c.on("rotation") ? c["rotation_rate"] : 0](std::ostream& out,
+                                                                                            const Run&) {
+            const double r = turning->mean_radius();
+            const std::string coarse = too_coarse(turning->largest());
+            if (!coarse.empty()) return print_none(out, "turns at", coarse);
+            if (std::abs(turning->turned()) < 0.1)
+              return print_none(out, "turns at",
+                                "it has turned by less than a tenth of a radian; give more --time");
+            print_comparison(out, "turns at", turning->rate(), "Γ/(2π(R² - r²)), with the background",
+                             background + 1 / (2 * std::numbers::pi * (radius * radius - r * r)));
+          },
+          memory_of(turning)};
 }
 
 }  // namespace examples

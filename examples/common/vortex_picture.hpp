@@ -30,13 +30,18 @@ class PlacesCsv {
   };
 
   PlacesCsv(const std::filesystem::path& path, const Places& system)
-      : system_(system), writer_(path, names(system.dof())) {}
+      : system_(system),
+        writer_(path, names(system.dof())),
+        chords_(static_cast<std::size_t>(system.dof())) {}
 
   template <class State>
   void operator()(double t, const State& state) {
     const Eigen::VectorXd x = system_.x(state.q()), y = system_.y(state.p());
     row_.assign(1, t);
-    for (Eigen::Index i = 0; i < x.size(); ++i) row_.insert(row_.end(), {x[i], y[i]});
+    for (Eigen::Index i = 0; i < x.size(); ++i) {
+      row_.insert(row_.end(), {x[i], y[i]});
+      chords_[static_cast<std::size_t>(i)].see(x[i], y[i]);
+    }
     writer_.row(row_);
     left_ = std::min(left_, x.minCoeff());
     right_ = std::max(right_, x.maxCoeff());
@@ -47,7 +52,9 @@ class PlacesCsv {
   void visit_memory(CheckpointMemory& visit) {
     writer_.visit_memory(visit);
     for (double* side : {&left_, &right_, &low_, &high_}) visit(*side);
+    for (Chords& chords : chords_) chords.visit_memory(visit);
   }
+  const std::vector<Chords>& chords() const { return chords_; }
 
   Square square() const {
     const double width = std::max(right_ - left_, high_ - low_);
@@ -64,6 +71,7 @@ class PlacesCsv {
 
   Places system_;
   CsvWriter writer_;
+  std::vector<Chords> chords_;  // of each vortex
   std::vector<double> row_;
   double left_ = std::numeric_limits<double>::infinity(), right_ = -left_, low_ = left_, high_ = -left_;
 };
@@ -71,8 +79,10 @@ class PlacesCsv {
 /// The plane above, the errors below.
 inline std::string vortex_script(const std::filesystem::path& png, const std::filesystem::path& places,
                                  const std::filesystem::path& csv, const Vortices& v, const Run& run,
-                                 const std::string& headline, double time, const PlacesCsv::Square& square,
+                                 const std::string& headline, double time, const PlacesCsv& seen,
                                  const Choice& c) {
+  const PlacesCsv::Square square = seen.square();
+  const std::vector<Chords>& chords = seen.chords();
   // gnuplot reads the file anew for every path.
   const Eigen::Index drawn = std::min<Eigen::Index>(v.x.size(), 100);
   const double strongest = v.circulation.cwiseAbs().maxCoeff();
@@ -97,10 +107,14 @@ inline std::string vortex_script(const std::filesystem::path& png, const std::fi
       << (c.on("disk") ? "set object 1 circle at 0,0 size " + formatted("%.9g", wall) +
                              " fillstyle empty border linecolor rgb 'black' linewidth 3\n"
                        : "")
-      << "set cbrange [" << -strongest << ':' << strongest << "]\nset cblabel 'circulation Γ'\nplot ";
+      << "set cbrange [" << -strongest << ':' << strongest << "]\nset cblabel 'circulation Γ'\n";
+  const auto dotted =
+      std::find_if(chords.begin(), chords.end(), [](const Chords& path) { return path.sparse(); });
+  out << (dotted != chords.end() ? *dotted : chords.front()).label() << "plot ";
   for (Eigen::Index i = 0; i < drawn; ++i)
     out << quoted(places.string()) << " skip 1 using " << 2 + 2 * i << ':' << 3 + 2 * i
-        << " with lines linewidth 0.9 linecolor palette cb " << v.circulation[i] << ", \\\n  ";
+        << chords[static_cast<std::size_t>(i)].style("palette cb " + formatted("%g", v.circulation[i]), 0.9)
+        << ", \\\n  ";
   out << "$start using 1:2 with points pointtype 7 pointsize 1.8 linecolor rgb 'black', \\\n"
       << "  $start using 1:2:3 with points pointtype 7 pointsize 1.2 linecolor palette\nunset arrow\nunset "
          "object\n"

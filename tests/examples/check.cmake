@@ -1,9 +1,9 @@
 # cmake -D PROGRAM=... -D "ARGUMENTS=..." -D FOLDER=... [-D EXIT_CODE=0] [-D COMPLAINT=regex] [-D FILE=... [-D HEADER=...]]
-#       [-D ABSENT=...] [-D PRINTS=regex] [-D PATH=...] -P check.cmake
+#       [-D ABSENT=...] [-D PRINTS=regex] [-D LACKS=regex] [-D PATH=...] -P check.cmake
 #
 # Runs PROGRAM in FOLDER, emptied before, and fails unless it ends with EXIT_CODE; writes one line that matches COMPLAINT
-# to stderr, or nothing where none is given; prints what matches PRINTS; leaves FILE, whose first line is HEADER; leaves
-# neither ABSENT nor half a file. PATH replaces the search path.
+# to stderr, or nothing where none is given; prints what matches PRINTS, and nothing that matches LACKS; leaves FILE, whose
+# first line is HEADER; leaves neither ABSENT nor half a file. PATH replaces the search path.
 if(NOT DEFINED EXIT_CODE)
   set(EXIT_CODE 0)
 endif()
@@ -32,6 +32,9 @@ elseif(NOT complaint STREQUAL "")
 endif()
 if(DEFINED PRINTS AND NOT output MATCHES "${PRINTS}")
   message(FATAL_ERROR "Nothing in the output matches '${PRINTS}'.")
+endif()
+if(DEFINED LACKS AND output MATCHES "${LACKS}")
+  message(FATAL_ERROR "Something in the output matches '${LACKS}'.")
 endif()
 if(DEFINED FILE)
   file(STRINGS "${FOLDER}/${FILE}" rows)

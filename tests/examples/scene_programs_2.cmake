@@ -20,7 +20,7 @@ check(charges "is thrown back by a bottle" "--preset bottle --time 4e-5s --no-pl
   PRINTS "turning point, m: 0.5773[0-9]+; .*bounce period, s: 1.6575[0-9]+e-05; .*1.6575")
 check(charges "says why it measures nothing" "--preset bottle --b0 1G --no-plot" FILE out/charges.csv
   PRINTS "turning point and bounce period: not measured, the run has no whole bounce")
-check(charges "reads small units" "--b \"1e8 nT\" --ex 1e4mV/m --no-plot" FILE out/charges.csv PRINTS "eB/m: 9578833.2 ")
+check(charges "reads small units" "--b \"1e8 nT\" --energy 1e-3MeV --no-plot" FILE out/charges.csv PRINTS "eB/m: 9578833.2 ")
 check(charges "bounces and drifts about the Earth" "--preset dipole --no-plot" FILE out/charges.csv
   PRINTS "bounce period, s: 2.3[0-9]+; .*e-03.\n.*drift period, s .westward: negative.: -77.[0-9]+; adiabatic: -78.[0-9]+")
 check(charges "moves without kinetic in a field" "--preset bottle --effects magnetic_bottle,coulomb --time 1e-6s --no-plot"
@@ -43,7 +43,7 @@ check(lattice "traps on two sites as in closed form" "--preset dnls --sites 2 --
   HEADER "t,density0,density1" PRINTS "start: 0.7290[0-9]+ at least.*at least 0.7290")
 check(lattice "lets go below the threshold" "--preset dnls --sites 2 --g 3.9 --time 20 --dt 0.005 --no-plot" FILE out/lattice.csv
   PRINTS "start: 0.0000[0-9]+ at least.*at least 0.000000")
-refuses(lattice "half a site" "--sites 2.5" "--sites: give a whole number from 1")
+refuses(lattice "half a site" "--sites 2.5" "--sites: '2.5' is not a whole number from 1")
 
 check(vortices "draw apart before a wall" "--preset wall --no-plot" FILE out/vortices.csv
   HEADER "t,energy_error,impulse_y_error,defect" PRINTS "speed along the wall at the end: 0.080291[0-9]+; .*: 0.080291")

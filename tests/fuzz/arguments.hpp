@@ -66,7 +66,7 @@ void put_options(const Parse& parse) {
     const Choice choice = request.choice();
     for (const auto& [name, value] : choice.values) promise(std::isfinite(value), "a parameter is a number");
     request.put_times_into(settings);
-    promise(settings.dt > 0 && std::isfinite(settings.dt) && settings.time > 0 && settings.steps() > 0,
+    promise(settings.dt > 0 && std::isfinite(settings.dt) && settings.time > 0 && settings.fit_steps() > 0,
             "there are steps to take");
     promise(settings.samples > 0, "there are rows to write");
     promise(method.omega - method.omega == 0 && method.stages >= 1 && method.stages <= 8,

@@ -188,13 +188,23 @@ TEST_CASE("CSV: a state of another size is not written", "[observers]") {
 #if __has_include(<unistd.h>)
 namespace {
 
-/// Half a second of a run under a progress bar.
+/// Half a second of a run under a progress bar; then a line, while the observer is still there.
 void run_with_progress() {
   Idle stepper;
   Point z(0, 0);
   Progress progress(12, "the label", 2);
   integrate(stepper, z, {.dt = 1, .steps = 10, .t0 = 2}, progress,
             [](double, const Point&) { std::this_thread::sleep_for(std::chrono::milliseconds(50)); });
+  std::fputs("next line", stderr);
+}
+
+/// Eight steps at 20 a second of a run that was resumed at its step 900 of 1000.
+void resume_with_progress() {
+  Progress progress(1000, "resumed");
+  for (double t = 900; t < 908; ++t) {
+    progress(t, Point(0, 0));
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
 }
 
 /// Runs with the file descriptor 2 leading to `to`.
@@ -211,37 +221,52 @@ void with_stderr_to(int to, const Action& action) {
 
 }  // namespace
 
-TEST_CASE("The progress bar is drawn on a terminal, taken away, and nowhere else seen", "[observers]") {
-  const Folder folder;
-  const fs::path path = folder.path / "stderr";
-  const int file = open(path.c_str(), O_WRONLY | O_CREAT, 0600);
-  REQUIRE(file >= 0);
-  with_stderr_to(file, run_with_progress);
-  close(file);
-  CHECK(contents(path).empty());
-
+/// What `action` writes to a terminal; nothing where none is to be had.
+template <class Action>
+std::string on_terminal(const Action& action) {
   const int master = posix_openpt(O_RDWR | O_NOCTTY);
-  if (master < 0 || grantpt(master) != 0 || unlockpt(master) != 0) return;  // no terminals to be had here
+  if (master < 0 || grantpt(master) != 0 || unlockpt(master) != 0) return "";
   const int terminal = open(ptsname(master), O_RDWR | O_NOCTTY);
-  if (terminal < 0) return;
-  with_stderr_to(terminal, run_with_progress);
+  if (terminal < 0) return "";
+  with_stderr_to(terminal, action);
   close(terminal);
   std::string drawn;
   char piece[256];
   for (auto n = read(master, piece, sizeof piece); n > 0; n = read(master, piece, sizeof piece))
     drawn.append(piece, static_cast<std::size_t>(n));
   close(master);
+  return drawn;
+}
+
+TEST_CASE("The progress bar is drawn on a terminal, taken away at the end of the run, and nowhere else seen",
+          "[observers]") {
+  const Folder folder;
+  const fs::path path = folder.path / "stderr";
+  const int file = open(path.c_str(), O_WRONLY | O_CREAT, 0600);
+  REQUIRE(file >= 0);
+  with_stderr_to(file, run_with_progress);
+  close(file);
+  CHECK(contents(path) == "next line");
+
+  const std::string drawn = on_terminal(run_with_progress);
+  if (drawn.empty()) return;
   CAPTURE(drawn);
   CHECK(drawn.find("the label [#") != std::string::npos);
   CHECK(drawn.find("%  t = ") != std::string::npos);
   CHECK(drawn.find(" s left") != std::string::npos);
-  const std::string erased = "\r\x1b[K";
-  REQUIRE(drawn.size() > erased.size());
-  CHECK(drawn.substr(drawn.size() - erased.size()) == erased);
+  CHECK(drawn.ends_with("\r\x1b[Knext line"));
   // Ten times a second at most.
   std::size_t bars = 0;
   for (std::size_t at = drawn.find('['); at != std::string::npos; at = drawn.find("the label [", at + 1))
     ++bars;
   CHECK(bars <= 8);
+}
+
+TEST_CASE("The time left of a resumed run is not reckoned from steps taken earlier", "[observers]") {
+  const std::string drawn = on_terminal(resume_with_progress);
+  CAPTURE(drawn);
+  if (drawn.empty()) return;
+  CHECK(drawn.find("90%  t = 90") != std::string::npos);
+  CHECK(drawn.find("  0 s left") == std::string::npos);  // it takes nearly five
 }
 #endif

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <string>
@@ -25,26 +26,44 @@ inline bool is_terminal(std::FILE* stream) {
 }
 }  // namespace detail
 
-/// An observer that draws a progress bar on stderr, if that is a terminal, at most ten times a second, and takes it away at
-/// the end. Elsewhere it does nothing. `t_end` is the time at which the run will be done.
+/// An observer that draws a progress bar on stderr, if that is a terminal, at most ten times a second, and takes it away with
+/// the last step, or where the run ends early, when it is destroyed. Elsewhere it does nothing. `t_end` is the time at which
+/// the run will be done. The time left is reckoned from the pace since the first call, so that a run which is resumed does not
+/// count the steps of an earlier one.
 class Progress {
  public:
   explicit Progress(double t_end, std::string label = "", double t_begin = 0)
       : begin_(t_begin), end_(t_end), label_(std::move(label)), shown_(detail::is_terminal(stderr)) {}
-  ~Progress() {
-    if (drawn_) std::fputs("\r\x1b[K", stderr);
-  }
+  ~Progress() { take_away(); }
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
   template <class Scalar, class State>
   void operator()(const Scalar& t, const State&) {
-    if (!shown_ || ++calls_ < next_) return;
-    look_at_clock(static_cast<double>(t));
+    if (!shown_) return;
+    see(static_cast<double>(t));
   }
 
  private:
   using Clock = std::chrono::steady_clock;
+
+  void see(double t) {
+    if (calls_++ == 0) {
+      first_t_ = before_ = t;
+      start_ = last_ = Clock::now();
+    }
+    // Another such step would lie farther from the end than this one: it is the last.
+    const bool last = std::abs(end_ - t) <= std::abs(t - before_) / 2;
+    before_ = t;
+    if (last)
+      take_away();
+    else if (calls_ >= next_)
+      look_at_clock(t);
+  }
+
+  void take_away() {
+    if (std::exchange(drawn_, false)) std::fputs("\r\x1b[K", stderr);
+  }
 
   // Reading the clock costs as much as a small step: the number of calls that pass unlooked follows the pace of the run.
   void look_at_clock(double t) {
@@ -65,18 +84,19 @@ class Progress {
     const int full = static_cast<int>(fraction * width);
     const std::string bar = std::string(static_cast<std::size_t>(full), '#') +
                             std::string(static_cast<std::size_t>(width - full), '.');
-    const double left = fraction > 0 ? elapsed * (1 - fraction) / fraction : 0;
-    std::fprintf(stderr, "\r%s [%s] %3.0f%%  t = %.6g  %.0f s left\x1b[K", label_.c_str(), bar.c_str(),
+    const double left = t != first_t_ ? std::max(elapsed * (end_ - t) / (t - first_t_), 0.0) : 0.0;
+    // The cursor stays at the begin of the line: what a run that fails says is not written behind the bar.
+    std::fprintf(stderr, "\r%s [%s] %3.0f%%  t = %.6g  %.0f s left\x1b[K\r", label_.c_str(), bar.c_str(),
                  100 * fraction, t, left);
     std::fflush(stderr);
     drawn_ = true;
   }
 
-  double begin_, end_;
+  double begin_, end_, first_t_ = 0, before_ = 0;
   std::string label_;
   bool shown_, drawn_ = false;
   std::int64_t calls_ = 0, next_ = 0, last_calls_ = 0;
-  Clock::time_point start_ = Clock::now(), last_ = start_;
+  Clock::time_point start_{}, last_{};
 };
 
 }  // namespace semiexplicit

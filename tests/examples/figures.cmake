@@ -1,0 +1,69 @@
+# What the programs print beside their errors holds for the case at hand, or is said to be missing; CMakeLists.txt includes this
+# file.
+
+# prints(<program> <what> "<arguments>" <regex>): the same as check(), without files or a picture of interest.
+function(prints program title arguments regex)
+  check(${program} "${title}" "${arguments} --no-plot" PRINTS "${regex}")
+endfunction()
+
+# Relativity turns the perihelion along the orbit, whatever its inclination and the ratio of the masses.
+foreach(inclination IN ITEMS 0 30 63.4 91 150 180)
+  prints(orbits "turns the perihelion at ${inclination} degrees" "--inclination ${inclination}deg --time \"3 year\""
+    "perihelion advance: 42.9[78][0-9]* arcseconds a century .*; 1PN to first order: 42.98")
+endforeach()
+prints(orbits "turns the perihelion of equal masses" "--nu 0.25 --time \"3 year\"" "perihelion advance: 42.9[78][0-9]* arc")
+# A J2 that turns it by k = 253.93 in the equator: k (2 - 5/2 sin²i) from the node, whose own turn is -k cos i.
+set(j2 "--effects kinetic,attraction,j2 --j2 2e-3 --time \"10 year\"")
+prints(orbits "turns by J2 in the equator" "${j2}" "perihelion advance: 254.01[0-9]* arc.*; J2 to first order: 254.0159")
+prints(orbits "turns by J2 at the critical inclination" "${j2} --inclination 63.4349488deg"
+  "perihelion advance: -?0.0[0-9]* arc[^\n]*; J2 to first order: 0.0000\n.*node: -113.6[0-9]* arc[^\n]*: -113.6")
+prints(orbits "turns by J2 over the poles" "${j2} --inclination 90deg"
+  "perihelion advance: -127.0[0-9]* arc[^\n]*; J2 to first order: -127.00[0-9]*\n.*node: 0.0000 arc[^\n]*: 0.0000\n")
+prints(orbits "turns by J2 against the rotation" "${j2} --inclination 150deg"
+  "perihelion advance: 349.2[0-9]* arc[^\n]*: 349.27[0-9]*\n.*node: 2(19|20).[0-9]* arc[^\n]*: 219.98")
+# The centre's spin, a million times the Sun's: Lense and Thirring.
+prints(orbits "turns by the spin of the centre" "--effects kinetic,attraction,spin_orbit --gs \"1e36 m^5/s^3\" --time \"10 year\" --inclination 60deg"
+  "perihelion advance: -119.37[0-9]* arc[^\n]*; spin to first order: -119.37[0-9]*\n.*node: 79.58")
+
+# What means nothing is not printed.
+prints(orbits "does not measure what the step hides" "--dt \"4 day\""
+  "perihelion advance: not measured, the energy error leaves [^0-9]+ [0-9]+ arcseconds a century open; give a smaller --dt")
+prints(orbits "does not measure a perihelion in less than two orbits" "--time \"100 day\"" "not measured, the run has no two whole orbits; give more --time")
+prints(orbits "does not measure the perihelion of a circle" "--e 0 --time \"1 year\"" "too near to a circle")
+prints(orbits "does not measure by a formula for something else" "--effects kinetic,attraction,rotating_frame --frame-rate 1 --time \"1 year\""
+  "perihelion advance: not measured, that is for")
+prints(orbits "does not call an open orbit closed" "--preset arenstorf --time 3 --dt 0.002" "closure: not measured, .*Jacobi's constant: ")
+prints(orbits "finds no node in the equator" "--preset gps --time 2day --inclination 180deg" "node: not measured, an orbit in the equator has none")
+prints(black_hole "does not measure half an orbit" "--time 100" "not measured, the run has no whole orbit; give more --time")
+prints(black_hole "does not measure a circle" "--e 0 --time 300" "not measured, the orbit is a circle")
+prints(charges "does not measure less than a turn" "--time 1e-7s" "gyrofrequency: not measured, the run has no whole turn; give more --time")
+prints(charges "does not measure turns that a step hides" "--dt 2e-7s" "gyrofrequency: not measured, it turns by up to [0-9]+ degrees in a step; give a --dt")
+prints(charges "does not measure what does not turn" "--pitch 0" "gyrofrequency: not measured, nothing moves across the field")
+prints(charges "does not compare with a formula for something else" "--preset bottle --effects kinetic,magnetic_bottle,electric --time 4e-5s"
+  "bounce period, s: [0-9.e-]+; no closed form, other effects")
+prints(charges "does not measure a drift that has hardly begun" "--preset dipole --time 1s" "drift period[^\n]*not measured, the drift is not yet large")
+prints(charges "do not bounce in the equator" "--preset dipole --pitch 90deg --time 20s" "bounce period, s: not measured, the charge stays")
+prints(lattice "counts sites of next to no mass" "--preset anderson --mass 1e-200" "participation number at the end: 8.4204")
+prints(lattice "does not compare a start with the end of an exchange" "--preset dnls --sites 2 --time 0.2" "no closed form for that")
+prints(vortices "do not measure a turn that has hardly begun" "--preset disk --time 0.3" "turns at: not measured")
+check(charges "has no figures of a run that failed" "--dt 1e-6s --time 1e-4s --no-plot" EXIT_CODE 1 COMPLAINT "step 1 failed"
+  PRINTS "energy error, worst +FAILED at t = 0\n.*nothing else is measured" LACKS "nan|0.0e.00|gyro")
+check(vortices "have no figures of a run that failed" "--dt 66.3 --no-plot" EXIT_CODE 1 COMPLAINT "step [0-9]+ failed"
+  PRINTS "energy error, worst +FAILED at t = " LACKS "nan|0.0e.00")
+
+# Values against their help.
+refuses(orbits "a mass ratio above 1/4" "--nu 7" "--nu: '7' is not a number from 0 to 1/4")
+refuses(orbits "light that stands" "--c 0" "--c: '0' is not a positive number")
+refuses(orbits "an inclination of more than half a turn" "--inclination 200deg" "--inclination: '200deg' is not an angle from 0 to 180 deg")
+refuses(orbits "an effect named twice" "--effects kinetic,attraction,kinetic" "--effects: kinetic is named twice")
+refuses(orbits "a value for an effect that is off" "--j2 1e-3" "--j2 means nothing to the preset mercury with these effects; it goes with j2")
+refuses(black_hole "a spin of what does not turn" "--spin 2" "--spin means nothing to the preset schwarzschild .*it goes with kerr")
+refuses(lattice "a negative width" "--width -3" "--width: '-3' is not a number from 0 on")
+refuses(lattice "half a seed" "--seed 1.5" "--seed: '1.5' is not a whole number from 0")
+refuses(charges "a field without a start" "--b 0" "these values make no start")
+foreach(program IN ITEMS orbits nls vortices driven ensemble_mpi)
+  refuses(${program} "an option spelt wrongly" "--no-plott" "there is no option --no-plott; did you mean --no-plot")
+endforeach()
+refuses(nls "an option and its value" "--dtt 0.1" "there is no option --dtt; did you mean --dt")
+refuses(nls "a checkpoint in a folder that is not there" "--checkpoint nowhere/x" "--checkpoint: the folder nowhere is not there; make it first")
+refuses(orbits "a checkpoint that is a folder" "--checkpoint ." "--checkpoint: '.' is a folder")

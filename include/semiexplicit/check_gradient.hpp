@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include <semiexplicit/core/hamiltonian.hpp>
+#include <semiexplicit/core/hamiltonian_door.hpp>
 #include <semiexplicit/core/phase_point.hpp>
 
 namespace semiexplicit {
@@ -321,9 +321,10 @@ Scalar entry_size(const PhasePoint<Scalar, Dof>& z, Eigen::Index i, const Scalar
 /// hold anything. An entry about which the differences say too little, as at the edge of the domain, is not judged:
 /// GradientCheck::judged() is false then. Choose z with care: at a point of symmetry, as z = 0, many wrong gradients vanish like
 /// the right one. Throws std::invalid_argument if z has another size than H, or the energy at z is not finite.
-template <HasEnergy H>
-GradientCheck<typename H::Scalar> check_gradient(const H& hamiltonian,
-                                                 const PhasePoint<typename H::Scalar, H::Dof>& z) {
+template <class H>
+GradientCheck<typename detail::EnergyDoor<H>::Scalar> check_gradient(
+    const H& hamiltonian,
+    const PhasePoint<typename detail::EnergyDoor<H>::Scalar, detail::EnergyDoor<H>::Dof>& z) {
   using Scalar = typename H::Scalar;
   using std::abs;
   using std::isfinite;

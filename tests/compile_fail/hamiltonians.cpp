@@ -50,7 +50,8 @@ struct Mine {
 #elif defined(gradient_by_value)
   void gradient(In q, In p, Eigen::Vector2d dHdq, Eigen::Vector2d dHdp) const { dHdq = p, dHdp = q; }
 #elif defined(gradient_of_other_size)
-  void gradient(ConstRef<double, 3> q, ConstRef<double, 3> p, Ref<double, 3> dHdq, Ref<double, 3> dHdp) const {
+  void gradient(ConstRef<double, 3> q, ConstRef<double, 3> p, Ref<double, 3> dHdq,
+                Ref<double, 3> dHdp) const {
     dHdq = p, dHdp = q;
   }
 #elif defined(gradient_of_floats)

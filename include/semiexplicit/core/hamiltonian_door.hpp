@@ -197,4 +197,8 @@ struct HamiltonianDoor<H, true> {
   static constexpr int Dof = H::Dof;
 };
 
+/// The same of a Hamiltonian whose energy is needed.
+template <class H, bool = has_energy<H>()>
+struct EnergyDoor : HamiltonianDoor<H> {};
+
 }  // namespace semiexplicit::detail

@@ -27,12 +27,11 @@ namespace semiexplicit {
 /// H needs an energy(q, p), by whose error everything is judged. z0 is not changed. Throws std::invalid_argument, naming
 /// the quantity and the remedy, unless T is finite and positive, z0 finite and of the size of H and not at rest, the targets
 /// positive, and something is left to try. An exception of the gradient passes through.
-template <Hamiltonian H>
-CostOfAccuracy cost_of_accuracy(const H& hamiltonian, const PhasePoint<typename H::Scalar, H::Dof>& z0,
-                                double T, const CostOptions& options = {}) {
-  static_assert(HasEnergy<H>,
-                "cost_of_accuracy judges by the energy error: give the Hamiltonian a member "
-                "Scalar energy(q, p) const; see HasEnergy in core/hamiltonian.hpp");
+template <class H>
+CostOfAccuracy cost_of_accuracy(
+    const H& hamiltonian,
+    const PhasePoint<typename detail::EnergyDoor<H>::Scalar, detail::EnergyDoor<H>::Dof>& z0, double T,
+    const CostOptions& options = {}) {
   if constexpr (HasEnergy<H>) {
     detail::check(options);
     if (!(T > 0 && std::isfinite(T)))

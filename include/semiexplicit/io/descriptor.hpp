@@ -5,9 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <limits>
 #include <mutex>
-#include <optional>
 #include <set>
 #include <stdexcept>
 #include <string>

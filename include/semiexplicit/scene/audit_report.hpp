@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <iomanip>
 #include <limits>
+#include <locale>
 #include <ostream>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -61,11 +63,11 @@ struct Audit {
 };
 
 /// A table, an effect a line. An asterisk marks a shift that is no larger than the numerical error.
-inline std::ostream& operator<<(std::ostream& out, const Audit& audit) {
+inline std::ostream& operator<<(std::ostream& to, const Audit& audit) {
+  std::ostringstream out;
+  out.imbue(std::locale::classic());
   std::size_t width = 6;
   for (const AuditRow& row : audit.rows) width = std::max(width, row.name.size());
-  const auto flags = out.flags();
-  const auto precision = out.precision();
   const auto name = [&](const std::string& text) {
     out << std::left << std::setw(static_cast<int>(width)) << text << std::right;
   };
@@ -87,9 +89,7 @@ inline std::ostream& operator<<(std::ostream& out, const Audit& audit) {
     out << '\n';
   }
   out << "numerical error of the orbit: " << std::scientific << std::setprecision(1) << audit.noise << '\n';
-  out.flags(flags);
-  out.precision(precision);
-  return out;
+  return to << out.str();
 }
 
 }  // namespace semiexplicit

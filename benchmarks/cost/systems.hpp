@@ -15,12 +15,12 @@ struct MagneticBottle {
   static constexpr int Dof = 3;
 
   static double field(double z) { return 1 + z * z / 400; }
-  double energy(const ConstRef<double, 3>& q, const ConstRef<double, 3>& p) const {
+  double energy(const In<double, 3>& q, const In<double, 3>& p) const {
     const double half = field(q[2]) / 2, vx = p[0] + half * q[1], vy = p[1] - half * q[0];
     return (vx * vx + vy * vy + p[2] * p[2]) / 2;
   }
-  void gradient(const ConstRef<double, 3>& q, const ConstRef<double, 3>& p, Ref<double, 3> dHdq,
-                Ref<double, 3> dHdp) const {
+  void gradient(const In<double, 3>& q, const In<double, 3>& p, Out<double, 3> dHdq,
+                Out<double, 3> dHdp) const {
     const double half = field(q[2]) / 2, vx = p[0] + half * q[1], vy = p[1] - half * q[0];
     dHdq << -half * vy, half * vx, q[2] / 400 * (vx * q[1] - vy * q[0]);
     dHdp << vx, vy, p[2];
@@ -34,15 +34,15 @@ struct PostNewtonian {
   static constexpr int Dof = 2;
   double per_c_squared = 0.01;
 
-  double energy(const ConstRef<double, 2>& q, const ConstRef<double, 2>& p) const {
+  double energy(const In<double, 2>& q, const In<double, 2>& p) const {
     const double r = std::hypot(q[0], q[1]), pp = p[0] * p[0] + p[1] * p[1];
     const double np = (q[0] * p[0] + q[1] * p[1]) / r, nu = 0.25;
     return pp / 2 - 1 / r +
            per_c_squared *
                (-(1 - 3 * nu) * pp * pp / 8 - ((3 + nu) * pp + nu * np * np) / (2 * r) + 1 / (2 * r * r));
   }
-  void gradient(const ConstRef<double, 2>& q, const ConstRef<double, 2>& p, Ref<double, 2> dHdq,
-                Ref<double, 2> dHdp) const {
+  void gradient(const In<double, 2>& q, const In<double, 2>& p, Out<double, 2> dHdq,
+                Out<double, 2> dHdp) const {
     const double rr = q[0] * q[0] + q[1] * q[1], r = std::sqrt(rr), pp = p[0] * p[0] + p[1] * p[1];
     const double qp = q[0] * p[0] + q[1] * p[1], nu = 0.25, k = per_c_squared;
     // The term with (n·p)² is -k nu (q·p)²/(2r³).
@@ -63,13 +63,13 @@ struct DoublePendulum {
   using Scalar = double;
   static constexpr int Dof = 2;
 
-  double energy(const ConstRef<double, 2>& q, const ConstRef<double, 2>& p) const {
+  double energy(const In<double, 2>& q, const In<double, 2>& p) const {
     const double c = std::cos(q[0] - q[1]), n = 2 - c * c;
     return (p[0] * p[0] + 2 * p[1] * p[1] - 2 * p[0] * p[1] * c) / (2 * n) - 2 * std::cos(q[0]) -
            std::cos(q[1]);
   }
-  void gradient(const ConstRef<double, 2>& q, const ConstRef<double, 2>& p, Ref<double, 2> dHdq,
-                Ref<double, 2> dHdp) const {
+  void gradient(const In<double, 2>& q, const In<double, 2>& p, Out<double, 2> dHdq,
+                Out<double, 2> dHdp) const {
     const double c = std::cos(q[0] - q[1]), s = std::sin(q[0] - q[1]), n = 2 - c * c;
     const double top = p[0] * p[0] + 2 * p[1] * p[1] - 2 * p[0] * p[1] * c;
     const double turn = p[0] * p[1] * s / n - top * c * s / (n * n);  // ∂/∂(q₀ - q₁) of the kinetic energy

@@ -29,8 +29,8 @@ struct Plain {
   using Scalar = double;
   static constexpr int Dof = H::Dof;
   H system;
-  void gradient(const ConstRef<double, Dof>& q, const ConstRef<double, Dof>& p, Ref<double, Dof> dHdq,
-                Ref<double, Dof> dHdp) const {
+  void gradient(const In<double, Dof>& q, const In<double, Dof>& p, Out<double, Dof> dHdq,
+                Out<double, Dof> dHdp) const {
     system.gradient(q, p, dHdq, dHdp);
   }
 };

@@ -26,11 +26,9 @@ class PairsOnce {
   explicit PairsOnce(Base base) : base_(std::move(base)) {}
 
   Eigen::Index dof() const { return base_.dof(); }
-  double energy(const ConstRef<double, Dof>& q, const ConstRef<double, Dof>& p) const {
-    return base_.energy(q, p) / 2;
-  }
-  void gradient(const ConstRef<double, Dof>& q, const ConstRef<double, Dof>& p, Ref<double, Dof> dHdq,
-                Ref<double, Dof> dHdp) const {
+  double energy(const In<double, Dof>& q, const In<double, Dof>& p) const { return base_.energy(q, p) / 2; }
+  void gradient(const In<double, Dof>& q, const In<double, Dof>& p, Out<double, Dof> dHdq,
+                Out<double, Dof> dHdp) const {
     base_.gradient(q, p, dHdq, dHdp);
     dHdq /= 2;
     dHdp /= 2;

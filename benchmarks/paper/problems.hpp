@@ -14,7 +14,7 @@ namespace paper {
 template <int Dof>
 struct Invariant {
   std::string name;
-  std::function<double(const ConstRef<double, Dof>&, const ConstRef<double, Dof>&)> value;
+  std::function<double(const In<double, Dof>&, const In<double, Dof>&)> value;
 };
 
 /// A test problem: Hamiltonian, initial state, invariants, and Tao's ω.

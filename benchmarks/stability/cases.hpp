@@ -32,19 +32,18 @@ struct Case {
   double t_long = 0;           ///< how far the benchmark goes
   double energy_error = 0;     ///< the worst relative error allowed: of the energy,
   double invariant_error = 0;  ///< and of the other invariant, where there is one
-  std::function<Scalar(const ConstRef<Scalar, H::Dof>&, const ConstRef<Scalar, H::Dof>&)> invariant{};
+  std::function<Scalar(const In<Scalar, H::Dof>&, const In<Scalar, H::Dof>&)> invariant{};
 };
 
 /// H = p²/2 + q⁴/4 - q²/2 + q²p²/5: a double well, of which the orbit comes back to the saddle again and again.
 struct DoubleWell {
   using Scalar = double;
   static constexpr int Dof = 1;
-  double energy(ConstRef<double, 1> q, ConstRef<double, 1> p) const {
+  double energy(In<double, 1> q, In<double, 1> p) const {
     const double qq = q[0] * q[0], pp = p[0] * p[0];
     return pp / 2 + qq * qq / 4 - qq / 2 + qq * pp / 5;
   }
-  void gradient(ConstRef<double, 1> q, ConstRef<double, 1> p, Ref<double, 1> dHdq,
-                Ref<double, 1> dHdp) const {
+  void gradient(In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
     const double qq = q[0] * q[0], pp = p[0] * p[0];
     dHdq[0] = q[0] * (qq - 1 + pp * 2 / 5);
     dHdp[0] = p[0] * (1 + qq * 2 / 5);
@@ -57,11 +56,8 @@ using bench::DoublePendulum;
 struct Kepler {
   using Scalar = double;
   static constexpr int Dof = 2;
-  double energy(ConstRef<double, 2> q, ConstRef<double, 2> p) const {
-    return p.squaredNorm() / 2 - 1 / q.norm();
-  }
-  void gradient(ConstRef<double, 2> q, ConstRef<double, 2> p, Ref<double, 2> dHdq,
-                Ref<double, 2> dHdp) const {
+  double energy(In<double, 2> q, In<double, 2> p) const { return p.squaredNorm() / 2 - 1 / q.norm(); }
+  void gradient(In<double, 2> q, In<double, 2> p, Out<double, 2> dHdq, Out<double, 2> dHdp) const {
     const double rr = q.squaredNorm();
     dHdq = q / (rr * std::sqrt(rr));
     dHdp = p;

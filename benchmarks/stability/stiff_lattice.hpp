@@ -13,14 +13,13 @@ struct StiffLattice {
   using Scalar = double;
   static constexpr int Dof = 8;
   static double frequency(int i) { return 0.1 * std::pow(10.0, 4.0 * i / 7.0); }
-  double energy(ConstRef<double, 8> q, ConstRef<double, 8> p) const {
+  double energy(In<double, 8> q, In<double, 8> p) const {
     double sum = 0;
     for (int i = 0; i < 8; ++i) sum += frequency(i) * (q[i] * q[i] + p[i] * p[i]) / 2;
     for (int i = 1; i < 8; ++i) sum += 0.01 * q[i] * q[i - 1] * p[i] * p[i - 1];
     return sum;
   }
-  void gradient(ConstRef<double, 8> q, ConstRef<double, 8> p, Ref<double, 8> dHdq,
-                Ref<double, 8> dHdp) const {
+  void gradient(In<double, 8> q, In<double, 8> p, Out<double, 8> dHdq, Out<double, 8> dHdp) const {
     for (int i = 0; i < 8; ++i) {
       dHdq[i] = frequency(i) * q[i];
       dHdp[i] = frequency(i) * p[i];

@@ -57,7 +57,8 @@ struct CostRequest {
                                (best ? ": the best found is " + formatted("%.1e", best->error) + " by " +
                                            best->setting.name() +
                                            " with dt = " + formatted("%.3g", best->setting.dt)
-                                     : std::string("; no setting works")));
+                                     : std::string("; no setting works")) +
+                               "; " + cost.why(accuracy));
     }
     std::cout << cost << '\n';
     const Setting& setting = chosen->setting;

@@ -174,7 +174,7 @@ Run run_method(const Method& method, const H& hamiltonian, const PhasePoint<doub
     }
     watch.finish();
     for (const auto& row : invariants.rows())
-      if (row.name == "energy" && row.initial != 0 && !(row.worst <= 0.5))
+      if (row.name == "energy" && row.relative && !(row.worst <= 0.5))
         run.doubt =
             "the energy is off by more than half of itself, the result means nothing; give a smaller "
             "--dt, or another method";

@@ -117,7 +117,7 @@ struct EffectEntry {
 };
 
 template <int Dof>
-using HalfRef = ConstRef<double, Dof>;
+using HalfRef = In<double, Dof>;
 
 /// Looks on at a run and says something about it at the end.
 template <int Dof>

@@ -23,7 +23,7 @@ namespace examples {
 /// How a program shows states: the columns of its trajectory file behind t, and the upper part of its picture.
 template <int Dof>
 struct View {
-  using Half = ConstRef<double, Dof>;
+  using Half = In<double, Dof>;
 
   std::vector<std::string> columns;
   /// Appends a number for each column.

@@ -10,11 +10,8 @@ using namespace semiexplicit;
 struct Mistaken {  // H = (q² + 1)(p² + 1)/2
   using Scalar = double;
   static constexpr int Dof = 1;
-  double energy(ConstRef<double, 1> q, ConstRef<double, 1> p) const {
-    return (q[0] * q[0] + 1) * (p[0] * p[0] + 1) / 2;
-  }
-  void gradient(ConstRef<double, 1> q, ConstRef<double, 1> p, Ref<double, 1> dHdq,
-                Ref<double, 1> dHdp) const {
+  double energy(In<double, 1> q, In<double, 1> p) const { return (q[0] * q[0] + 1) * (p[0] * p[0] + 1) / 2; }
+  void gradient(In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
     dHdq[0] = -q[0] * (p[0] * p[0] + 1);  // it is +
     dHdp[0] = p[0] * (q[0] * q[0] + 1);
   }

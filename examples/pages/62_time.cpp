@@ -11,11 +11,8 @@ using namespace semiexplicit;
 struct Kepler {  // H = |p|²/2 - 1/|q|
   using Scalar = double;
   static constexpr int Dof = 2;
-  double energy(ConstRef<double, 2> q, ConstRef<double, 2> p) const {
-    return p.squaredNorm() / 2 - 1 / q.norm();
-  }
-  void gradient(ConstRef<double, 2> q, ConstRef<double, 2> p, Ref<double, 2> dHdq,
-                Ref<double, 2> dHdp) const {
+  double energy(In<double, 2> q, In<double, 2> p) const { return p.squaredNorm() / 2 - 1 / q.norm(); }
+  void gradient(In<double, 2> q, In<double, 2> p, Out<double, 2> dHdq, Out<double, 2> dHdp) const {
     dHdq = q / std::pow(q.squaredNorm(), 1.5);
     dHdp = p;
   }

@@ -9,13 +9,12 @@ using namespace semiexplicit;
 struct HenonHeiles {  // H = (|p|² + |q|²)/2 + x²y - y³/3
   using Scalar = double;
   static constexpr int Dof = 2;
-  void gradient(ConstRef<double, 2> q, ConstRef<double, 2> p, Ref<double, 2> dHdq,
-                Ref<double, 2> dHdp) const {
+  void gradient(In<double, 2> q, In<double, 2> p, Out<double, 2> dHdq, Out<double, 2> dHdp) const {
     dHdq[0] = q[0] + 2 * q[0] * q[1];
     dHdq[1] = q[1] + q[0] * q[0] - q[1] * q[1];
     dHdp = p;
   }
-  void hessian(ConstRef<double, 2> q, ConstRef<double, 2>, Eigen::Ref<Eigen::Matrix4d> matrix) const {
+  void hessian(In<double, 2> q, In<double, 2>, Eigen::Ref<Eigen::Matrix4d> matrix) const {
     matrix.setIdentity();
     matrix(0, 0) += 2 * q[1];
     matrix(0, 1) = matrix(1, 0) = 2 * q[0];

@@ -8,11 +8,10 @@ using namespace semiexplicit;
 struct VaryingMass {  // p²/(2(1 + q²)) + q²/2
   using Scalar = double;
   static constexpr int Dof = 1;
-  double energy(ConstRef<double, 1> q, ConstRef<double, 1> p) const {
+  double energy(In<double, 1> q, In<double, 1> p) const {
     return p[0] * p[0] / (2 * (1 + q[0] * q[0])) + q[0] * q[0] / 2;
   }
-  void gradient(ConstRef<double, 1> q, ConstRef<double, 1> p, Ref<double, 1> dHdq,
-                Ref<double, 1> dHdp) const {
+  void gradient(In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
     const double velocity = p[0] / (1 + q[0] * q[0]);
     dHdq[0] = q[0] - velocity * velocity * q[0];
     dHdp[0] = velocity;

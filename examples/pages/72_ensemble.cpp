@@ -13,7 +13,7 @@ struct Oscillator {  // S is double, or a pack of them
   using Scalar = S;
   static constexpr int Dof = 1;
   S k;
-  void gradient(ConstRef<S, 1> q, ConstRef<S, 1> p, Ref<S, 1> dHdq, Ref<S, 1> dHdp) const {
+  void gradient(In<S, 1> q, In<S, 1> p, Out<S, 1> dHdq, Out<S, 1> dHdp) const {
     dHdq[0] = q[0] * (p[0] * p[0] + k * q[0] * q[0]) + k * q[0] * (q[0] * q[0] + 1.0);
     dHdp[0] = p[0] * (q[0] * q[0] + 1.0);
   }

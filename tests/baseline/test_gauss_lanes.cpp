@@ -37,8 +37,7 @@ static_assert(HasPackGradient<Kepler> && HasPackGradient<systems::Product<double
 struct Plain {
   using Scalar = double;
   static constexpr int Dof = 1;
-  void gradient(ConstRef<double, 1> q, ConstRef<double, 1> p, Ref<double, 1> dHdq,
-                Ref<double, 1> dHdp) const {
+  void gradient(In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
     dHdq = q;
     dHdp = p;
   }

@@ -20,12 +20,11 @@ struct Counted {
   using Scalar = double;
   static constexpr int Dof = 1;
 
-  void gradient(ConstRef<double, 1> q, ConstRef<double, 1> p, Ref<double, 1> dHdq,
-                Ref<double, 1> dHdp) const {
+  void gradient(In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
     ++*gradients;
     system.gradient(q, p, dHdq, dHdp);
   }
-  void hessian(ConstRef<double, 1> q, ConstRef<double, 1> p, Eigen::Ref<Eigen::Matrix2d> result) const {
+  void hessian(In<double, 1> q, In<double, 1> p, Eigen::Ref<Eigen::Matrix2d> result) const {
     ++*hessians;
     system.hessian(q, p, result);
   }
@@ -40,8 +39,7 @@ static_assert(HasHessian<Counted>);
 struct NoHessian {
   using Scalar = double;
   static constexpr int Dof = 1;
-  void gradient(ConstRef<double, 1> q, ConstRef<double, 1> p, Ref<double, 1> dHdq,
-                Ref<double, 1> dHdp) const {
+  void gradient(In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
     system.gradient(q, p, dHdq, dHdp);
   }
   Counted system;

@@ -63,8 +63,8 @@ double error(int stages, int n) {
 struct HalfLine {
   using Scalar = double;
   static constexpr int Dof = 1;
-  void gradient(const ConstRef<double, 1>& q, const ConstRef<double, 1>& p, Ref<double, 1> dHdq,
-                Ref<double, 1> dHdp) const {
+  void gradient(const In<double, 1>& q, const In<double, 1>& p, Out<double, 1> dHdq,
+                Out<double, 1> dHdp) const {
     dHdq[0] = p[0] * p[0] / (2 * std::sqrt(q[0]));
     dHdp[0] = p[0] + 2 * p[0] * std::sqrt(q[0]);
   }
@@ -75,8 +75,8 @@ struct Throwing {
   using Scalar = double;
   static constexpr int Dof = 1;
   std::shared_ptr<bool> throws = std::make_shared<bool>(false);
-  void gradient(const ConstRef<double, 1>& q, const ConstRef<double, 1>& p, Ref<double, 1> dHdq,
-                Ref<double, 1> dHdp) const {
+  void gradient(const In<double, 1>& q, const In<double, 1>& p, Out<double, 1> dHdq,
+                Out<double, 1> dHdp) const {
     if (*throws) {
       dHdq[0] = dHdp[0] = std::numeric_limits<double>::quiet_NaN();
       throw std::domain_error("no gradient today");

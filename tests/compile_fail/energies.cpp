@@ -10,23 +10,23 @@
 #include <semiexplicit/observers/invariants.hpp>
 
 using namespace semiexplicit;
-using In = ConstRef<double, 2>;
-using Out = Ref<double, 2>;
+using Column = In<double, 2>;
+using Half = Out<double, 2>;
 
 struct Mine {
   using Scalar = double;
   static constexpr int Dof = 2;
 #if defined(no_energy) || defined(check_without_energy) || defined(cost_without_energy)
 #elif defined(energy_not_const)
-  double energy(In q, In p) { return q.dot(p); }
+  double energy(Column q, Column p) { return q.dot(p); }
 #elif defined(energy_is_no_number)
-  const char* energy(In, In) const { return "much"; }
+  const char* energy(Column, Column) const { return "much"; }
 #elif defined(energy_of_other_arguments)
   double energy(const PhasePoint<double, 2>& z) const { return z.q().dot(z.p()); }
 #else
-  double energy(In q, In p) const { return q.dot(p); }
+  double energy(Column q, Column p) const { return q.dot(p); }
 #endif
-  void gradient(In q, In p, Out dHdq, Out dHdp) const { dHdq = p, dHdp = q; }
+  void gradient(Column q, Column p, Half dHdq, Half dHdp) const { dHdq = p, dHdp = q; }
 };
 
 int main() {

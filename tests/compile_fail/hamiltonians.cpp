@@ -16,9 +16,10 @@
 #include <semiexplicit/projection/semiexplicit.hpp>
 #include <semiexplicit/splitting/schemes.hpp>
 
+using namespace Eigen;  // whose names are others
 using namespace semiexplicit;
-using In = ConstRef<double, 2>;
-using Out = Ref<double, 2>;
+using Column = In<double, 2>;
+using Half = Out<double, 2>;
 
 struct Mine {
 #ifndef no_scalar
@@ -37,31 +38,30 @@ struct Mine {
 #endif
 
 #if defined(no_gradient)
-  double energy(In q, In p) const { return q.dot(p); }
+  double energy(Column q, Column p) const { return q.dot(p); }
 #elif defined(gradient_not_const)
-  void gradient(In q, In p, Out dHdq, Out dHdp) { dHdq = p, dHdp = q; }
+  void gradient(Column q, Column p, Half dHdq, Half dHdp) { dHdq = p, dHdp = q; }
 #elif defined(gradient_returned)
-  Eigen::Vector4d gradient(In q, In p) const { return {p[0], p[1], q[0], q[1]}; }
+  Eigen::Vector4d gradient(Column q, Column p) const { return {p[0], p[1], q[0], q[1]}; }
 #elif defined(gradient_of_vectors)
   void gradient(const Eigen::VectorXd& q, const Eigen::VectorXd& p, Eigen::VectorXd& dHdq,
                 Eigen::VectorXd& dHdp) const {
     dHdq = p, dHdp = q;
   }
 #elif defined(gradient_by_value)
-  void gradient(In q, In p, Eigen::Vector2d dHdq, Eigen::Vector2d dHdp) const { dHdq = p, dHdp = q; }
+  void gradient(Column q, Column p, Eigen::Vector2d dHdq, Eigen::Vector2d dHdp) const { dHdq = p, dHdp = q; }
 #elif defined(gradient_of_other_size)
-  void gradient(ConstRef<double, 3> q, ConstRef<double, 3> p, Ref<double, 3> dHdq,
-                Ref<double, 3> dHdp) const {
+  void gradient(In<double, 3> q, In<double, 3> p, Out<double, 3> dHdq, Out<double, 3> dHdp) const {
     dHdq = p, dHdp = q;
   }
 #elif defined(gradient_of_floats)
-  void gradient(ConstRef<float, 2> q, ConstRef<float, 2> p, Ref<float, 2> dHdq, Ref<float, 2> dHdp) const {
+  void gradient(In<float, 2> q, In<float, 2> p, Out<float, 2> dHdq, Out<float, 2> dHdp) const {
     dHdq = p, dHdp = q;
   }
 #elif defined(time_dependent)
-  void gradient(double t, In q, In p, Out dHdq, Out dHdp) const { dHdq = t * p, dHdp = q; }
+  void gradient(double t, Column q, Column p, Half dHdq, Half dHdp) const { dHdq = t * p, dHdp = q; }
 #else
-  void gradient(In q, In p, Out dHdq, Out dHdp) const { dHdq = p, dHdp = q; }
+  void gradient(Column q, Column p, Half dHdq, Half dHdp) const { dHdq = p, dHdp = q; }
 #endif
 };
 

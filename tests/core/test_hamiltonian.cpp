@@ -13,8 +13,7 @@ using namespace semiexplicit;
 struct Good {
   using Scalar = double;
   static constexpr int Dof = 1;
-  void gradient(ConstRef<double, 1> q, ConstRef<double, 1> p, Ref<double, 1> dHdq,
-                Ref<double, 1> dHdp) const {
+  void gradient(In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
     dHdq = q;
     dHdp = p;
   }
@@ -23,9 +22,7 @@ static_assert(Hamiltonian<Good>);
 static_assert(!HasEnergy<Good> && !HasHessian<Good>);
 
 struct WithEnergy : Good {
-  double energy(ConstRef<double, 1> q, ConstRef<double, 1> p) const {
-    return (q[0] * q[0] + p[0] * p[0]) / 2;
-  }
+  double energy(In<double, 1> q, In<double, 1> p) const { return (q[0] * q[0] + p[0] * p[0]) / 2; }
 };
 static_assert(HasEnergy<WithEnergy>);
 static_assert(HasEnergy<systems::Product<double>> && HasHessian<systems::Product<double>>);
@@ -47,8 +44,8 @@ struct ByReference {
   using Scalar = double;
   static constexpr int Dof = Eigen::Dynamic;
   Eigen::Index dof() const { return 4; }
-  void gradient(const ConstRef<double, Eigen::Dynamic>& q, const ConstRef<double, Eigen::Dynamic>& p,
-                Ref<double, Eigen::Dynamic> dHdq, Ref<double, Eigen::Dynamic> dHdp) const {
+  void gradient(const In<double, Eigen::Dynamic>& q, const In<double, Eigen::Dynamic>& p,
+                Out<double, Eigen::Dynamic> dHdq, Out<double, Eigen::Dynamic> dHdp) const {
     dHdq = q;
     dHdp = p;
   }
@@ -57,11 +54,11 @@ static_assert(Hamiltonian<ByReference>);
 
 struct NoScalar {
   [[maybe_unused]] static constexpr int Dof = 1;
-  void gradient(ConstRef<double, 1>, ConstRef<double, 1>, Ref<double, 1>, Ref<double, 1>) const {}
+  void gradient(In<double, 1>, In<double, 1>, Out<double, 1>, Out<double, 1>) const {}
 };
 struct NoDof {
   using Scalar = double;
-  void gradient(ConstRef<double, 1>, ConstRef<double, 1>, Ref<double, 1>, Ref<double, 1>) const {}
+  void gradient(In<double, 1>, In<double, 1>, Out<double, 1>, Out<double, 1>) const {}
 };
 struct ZeroDof : Good {
   static constexpr int Dof = 0;
@@ -73,17 +70,17 @@ struct NoGradient {
 struct NotConst {
   using Scalar = double;
   static constexpr int Dof = 1;
-  void gradient(ConstRef<double, 1>, ConstRef<double, 1>, Ref<double, 1>, Ref<double, 1>) {}
+  void gradient(In<double, 1>, In<double, 1>, Out<double, 1>, Out<double, 1>) {}
 };
 struct OneHalf {
   using Scalar = double;
   static constexpr int Dof = 1;
-  void gradient(ConstRef<double, 1>, ConstRef<double, 1>, Ref<double, 1>) const {}
+  void gradient(In<double, 1>, In<double, 1>, Out<double, 1>) const {}
 };
 struct NoRuntimeDof {
   using Scalar = double;
   static constexpr int Dof = Eigen::Dynamic;
-  void gradient(ConstRef<double, -1>, ConstRef<double, -1>, Ref<double, -1>, Ref<double, -1>) const {}
+  void gradient(In<double, -1>, In<double, -1>, Out<double, -1>, Out<double, -1>) const {}
 };
 struct NotCopyable : Good {
   NotCopyable() = default;

@@ -52,9 +52,9 @@ TEST_CASE("A phase point is one contiguous vector, positions first", "[phase poi
   CHECK(dynamic.vector() == (Eigen::VectorXd(6) << 1, 2, 3, 1, 1, 1).finished());
 
   // The halves bind to what a gradient takes, without a copy.
-  const ConstRef<double, 2> q = static_cast<const Fixed&>(fixed).q();
+  const In<double, 2> q = static_cast<const Fixed&>(fixed).q();
   CHECK(q.data() == fixed.vector().data());
-  Ref<double, Eigen::Dynamic> p = dynamic.p();
+  Out<double, Eigen::Dynamic> p = dynamic.p();
   CHECK(p.data() == dynamic.vector().data() + 3);
 }
 

@@ -235,13 +235,12 @@ TEST_CASE("a gradient that does not belong to the energy is refused before anyth
   struct Chain : systems::NlsLattice<double> {
     using systems::NlsLattice<double>::NlsLattice;
     double* energies;
-    double energy(const ConstRef<double, Eigen::Dynamic>& q,
-                  const ConstRef<double, Eigen::Dynamic>& p) const {
+    double energy(const In<double, Eigen::Dynamic>& q, const In<double, Eigen::Dynamic>& p) const {
       ++*energies;
       return systems::NlsLattice<double>::energy(q, p);
     }
-    void gradient(const ConstRef<double, Eigen::Dynamic>& q, const ConstRef<double, Eigen::Dynamic>& p,
-                  Ref<double, Eigen::Dynamic> dHdq, Ref<double, Eigen::Dynamic> dHdp) const {
+    void gradient(const In<double, Eigen::Dynamic>& q, const In<double, Eigen::Dynamic>& p,
+                  Out<double, Eigen::Dynamic> dHdq, Out<double, Eigen::Dynamic> dHdp) const {
       systems::NlsLattice<double>::gradient(q, p, dHdq, dHdp);
       dHdq[377] *= -1;
     }

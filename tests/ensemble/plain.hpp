@@ -16,8 +16,8 @@ struct Lattice {
   static constexpr int Dof = N;
   systems::NlsLattice<double, N> lattice;
   Eigen::Index dof() const { return lattice.dof(); }
-  void gradient(const ConstRef<double, N>& q, const ConstRef<double, N>& p, Ref<double, N> dHdq,
-                Ref<double, N> dHdp) const {
+  void gradient(const In<double, N>& q, const In<double, N>& p, Out<double, N> dHdq,
+                Out<double, N> dHdp) const {
     lattice.gradient(q, p, dHdq, dHdp);
   }
 };
@@ -28,7 +28,7 @@ struct Product {
   using Scalar = S;
   static constexpr int Dof = 1;
   S k = S(1.0);
-  void gradient(ConstRef<S, 1> q, ConstRef<S, 1> p, Ref<S, 1> dHdq, Ref<S, 1> dHdp) const {
+  void gradient(In<S, 1> q, In<S, 1> p, Out<S, 1> dHdq, Out<S, 1> dHdp) const {
     dHdq[0] = k * q[0] * (p[0] * p[0] + 1.0);
     dHdp[0] = k * p[0] * (q[0] * q[0] + 1.0);
   }
@@ -39,7 +39,7 @@ template <class S>
 struct Quadratic {
   using Scalar = S;
   static constexpr int Dof = 1;
-  void gradient(ConstRef<S, 1> q, ConstRef<S, 1> p, Ref<S, 1> dHdq, Ref<S, 1> dHdp) const {
+  void gradient(In<S, 1> q, In<S, 1> p, Out<S, 1> dHdq, Out<S, 1> dHdp) const {
     dHdq[0] = q[0] + 0.3 * p[0];
     dHdp[0] = p[0] + 0.3 * q[0];
   }

@@ -31,7 +31,7 @@ struct Fragile {
   static constexpr int Dof = 1;
   S k;
   double limit;
-  void gradient(ConstRef<S, 1> q, ConstRef<S, 1> p, Ref<S, 1> dHdq, Ref<S, 1> dHdp) const {
+  void gradient(In<S, 1> q, In<S, 1> p, Out<S, 1> dHdq, Out<S, 1> dHdp) const {
     using std::experimental::any_of;
     if (any_of(q[0] > limit)) throw std::domain_error("q is above the limit");
     dHdq[0] = k * q[0];
@@ -181,6 +181,21 @@ TEST_CASE("An exception of the observer comes out when the others are done") {
     CHECK(ensemble.report(0).steps == 5);
     CHECK(ensemble.report(20).steps == 10);
   }
+}
+
+TEST_CASE("A member that does not exist is refused") {
+  std::vector<PhasePoint<double, 5>> starts(3);
+  for (auto& z : starts) z.q().setOnes();
+  Ensemble ensemble(systems::NlsLattice<double, 5>(), starts, schemes::low_defect6_s13<double>());
+  CHECK(ensemble.run({.dt = 0.01, .steps = 2}).ok());
+  for (const Eigen::Index member : {Eigen::Index(-1), Eigen::Index(3), Eigen::Index(1'000'000)}) {
+    CHECK_THROWS_AS(ensemble.state(member), std::out_of_range);
+    CHECK_THROWS_AS(ensemble.set_state(member, starts[0]), std::out_of_range);
+    CHECK_THROWS_AS(ensemble.report(member), std::out_of_range);
+    CHECK_THROWS_AS(ensemble.failure(member), std::out_of_range);
+    CHECK_THROWS_AS(ensemble.hamiltonian(member), std::out_of_range);
+  }
+  CHECK(ensemble.state(2).dof() == 5);
 }
 
 TEST_CASE("An ensemble that makes no sense is refused") {

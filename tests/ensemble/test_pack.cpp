@@ -65,7 +65,7 @@ template <class S>
 struct Driven {
   using Scalar = S;
   static constexpr int Dof = 1;
-  void gradient(const S&, ConstRef<S, 1> q, ConstRef<S, 1> p, Ref<S, 1> dHdq, Ref<S, 1> dHdp) const {
+  void gradient(const S&, In<S, 1> q, In<S, 1> p, Out<S, 1> dHdq, Out<S, 1> dHdp) const {
     Product<S>().gradient(q, p, dHdq, dHdp);
   }
 };

@@ -20,15 +20,14 @@ struct ForcedOscillator {
   static constexpr int Dof = 1;
   double frequency = 1.3, force = 0.7, driving = 2.1;
 
-  double energy(double t, ConstRef<double, 1> q, ConstRef<double, 1> p) const {
+  double energy(double t, In<double, 1> q, In<double, 1> p) const {
     return (p[0] * p[0] + frequency * frequency * q[0] * q[0]) / 2 - force * q[0] * std::cos(driving * t);
   }
-  void gradient(double t, ConstRef<double, 1> q, ConstRef<double, 1> p, Ref<double, 1> dHdq,
-                Ref<double, 1> dHdp) const {
+  void gradient(double t, In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
     dHdq[0] = frequency * frequency * q[0] - force * std::cos(driving * t);
     dHdp[0] = p[0];
   }
-  double time_derivative(double t, ConstRef<double, 1> q, ConstRef<double, 1>) const {
+  double time_derivative(double t, In<double, 1> q, In<double, 1>) const {
     return force * driving * q[0] * std::sin(driving * t);
   }
 };
@@ -40,8 +39,7 @@ static_assert(!TimeDependentHamiltonian<systems::Product<double>>);
 struct Undifferentiated {
   using Scalar = double;
   static constexpr int Dof = 1;
-  void gradient(double t, ConstRef<double, 1> q, ConstRef<double, 1> p, Ref<double, 1> dHdq,
-                Ref<double, 1> dHdp) const {
+  void gradient(double t, In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
     ForcedOscillator().gradient(t, q, p, dHdq, dHdp);
   }
 };
@@ -104,7 +102,7 @@ TEST_CASE("A forced oscillator follows the closed form, and p_t the work", "[aut
 
 TEST_CASE("A wrong dH/dt is found by the check of the gradient", "[autonomous]") {
   struct Wrong : ForcedOscillator {
-    double time_derivative(double t, ConstRef<double, 1> q, ConstRef<double, 1> p) const {
+    double time_derivative(double t, In<double, 1> q, In<double, 1> p) const {
       return -ForcedOscillator::time_derivative(t, q, p);
     }
   };

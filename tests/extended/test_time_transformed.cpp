@@ -22,11 +22,9 @@ struct Kepler {
   using Scalar = double;
   static constexpr int Dof = Size;
   Eigen::Index dof() const { return 2; }
-  double energy(ConstRef<double, Size> q, ConstRef<double, Size> p) const {
-    return p.squaredNorm() / 2 - 1 / q.norm();
-  }
-  void gradient(ConstRef<double, Size> q, ConstRef<double, Size> p, Ref<double, Size> dHdq,
-                Ref<double, Size> dHdp) const {
+  double energy(In<double, Size> q, In<double, Size> p) const { return p.squaredNorm() / 2 - 1 / q.norm(); }
+  void gradient(In<double, Size> q, In<double, Size> p, Out<double, Size> dHdq,
+                Out<double, Size> dHdp) const {
     const double rr = q.squaredNorm();
     dHdq = q / (rr * std::sqrt(rr));
     dHdp = p;

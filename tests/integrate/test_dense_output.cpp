@@ -1,6 +1,7 @@
 #include "catch.hpp"
 
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include <semiexplicit/semiexplicit.hpp>
@@ -60,6 +61,14 @@ TEST_CASE("Dense output goes back from its last state where a run turns round", 
   CHECK(dense.size() == 3);
   CHECK(dense.begin() == 0.4);
   CHECK(dense.end() == 0.2);
+}
+
+TEST_CASE("Times that are no times are refused", "[dense output]") {
+  const auto nothing = [](double, const PhasePoint<double, 1>&) {};
+  const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
+  CHECK(refuses([&] { at_times(rotor, {0, nan, 1}, nothing); }, "time 1 is NaN or Inf"));
+  CHECK(refuses([&] { at_times(rotor, {nan}, nothing); }, "time 0 is NaN or Inf"));
+  CHECK(refuses([&] { at_times(rotor, {0, inf}, nothing); }, "time 1 is NaN or Inf"));
 }
 
 TEST_CASE("Output at times between the steps", "[dense output]") {

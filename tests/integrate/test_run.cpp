@@ -130,6 +130,26 @@ TEST_CASE("A run that fails says where, why and what to do", "[integrate]") {
       std::runtime_error);
 }
 
+TEST_CASE("A failed run of a wrong gradient names check_gradient", "[integrate]") {
+  const auto wrong = make_hamiltonian<double, 1>(
+      [](const auto& q, const auto& p) { return (q[0] * q[0] + 1) * (p[0] * p[0] + 1) / 2; },
+      [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+        dHdq[0] = -q[0] * (p[0] * p[0] + 1);
+        dHdp[0] = p[0] * (q[0] * q[0] + 1);
+      });
+  Semiexplicit stepper(wrong, schemes::low_defect6_s13<double>());
+  PhasePoint<double, 1> z(-3, 0.5);
+  std::string said;
+  try {
+    integrate(stepper, z, {.dt = 0.1, .steps = 1000});
+  } catch (const IntegrationError& error) {
+    said = error.what();
+  }
+  CHECK(said.find("check_gradient(H, z) tells whether the gradient is right") != std::string::npos);
+  CHECK(said.find("may converge") == std::string::npos);
+  CHECK_FALSE(check_gradient(wrong, PhasePoint<double, 1>(-3, 0.5)).ok());
+}
+
 TEST_CASE("Every status has a description, those of failures with a remedy", "[integrate]") {
   const auto failed = [](Status status) {
     Script stepper{.reports = {{.status = status}}};

@@ -19,16 +19,16 @@ struct PlainLattice {
   using Scalar = double;
   static constexpr int Dof = N;
   systems::NlsLattice<double, N> lattice;
-  void gradient(const ConstRef<double, N>& q, const ConstRef<double, N>& p, Ref<double, N> dHdq,
-                Ref<double, N> dHdp) const {
+  void gradient(const In<double, N>& q, const In<double, N>& p, Out<double, N> dHdq,
+                Out<double, N> dHdp) const {
     lattice.gradient(q, p, dHdq, dHdp);
   }
 };
 
 /// A type with another gradient does not take over the lanes of its base.
 struct Changed : systems::NlsLattice<double, 5> {
-  void gradient(const ConstRef<double, 5>& q, const ConstRef<double, 5>& p, Ref<double, 5> dHdq,
-                Ref<double, 5> dHdp) const {
+  void gradient(const In<double, 5>& q, const In<double, 5>& p, Out<double, 5> dHdq,
+                Out<double, 5> dHdp) const {
     dHdq = q;
     dHdp = p;
   }

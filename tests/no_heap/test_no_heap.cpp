@@ -114,8 +114,7 @@ struct Wasteful {
   static constexpr int Dof = 2;
   bool with_eigen = false;
 
-  void gradient(ConstRef<double, 2> q, ConstRef<double, 2> p, Ref<double, 2> dHdq,
-                Ref<double, 2> dHdp) const {
+  void gradient(In<double, 2> q, In<double, 2> p, Out<double, 2> dHdq, Out<double, 2> dHdp) const {
     dHdq = q;
     dHdp = p;
     if (with_eigen) {

@@ -18,8 +18,8 @@ struct Faulty {
     Fault fault = Fault::none;
   };
 
-  void gradient(semiexplicit::ConstRef<double, 1> q, semiexplicit::ConstRef<double, 1> p,
-                semiexplicit::Ref<double, 1> dHdq, semiexplicit::Ref<double, 1> dHdp) const {
+  void gradient(semiexplicit::In<double, 1> q, semiexplicit::In<double, 1> p,
+                semiexplicit::Out<double, 1> dHdq, semiexplicit::Out<double, 1> dHdp) const {
     const semiexplicit::systems::Product<double> system;
     system.gradient(q, p, dHdq, dHdp);
     if (plan->calls++ != plan->at) return;

@@ -17,8 +17,7 @@ struct Counting {
   using Scalar = double;
   static constexpr int Dof = 4;
 
-  void gradient(ConstRef<double, 4> q, ConstRef<double, 4> p, Ref<double, 4> dHdq,
-                Ref<double, 4> dHdp) const {
+  void gradient(In<double, 4> q, In<double, 4> p, Out<double, 4> dHdq, Out<double, 4> dHdp) const {
     ++*calls;
     lattice.gradient(q, p, dHdq, dHdp);
   }

@@ -28,7 +28,7 @@ template <int Dof>
 double gradient_error(const AnyEffect<double, Dof>& effect, const PhasePoint<double, Dof>& z) {
   PhasePoint<double, Dof> g(z.dof()), other = z;
   for (Eigen::Index i = 0; i < 2 * z.dof(); ++i) g.vector()[i] = 3;
-  Ref<double, Dof> by_q = g.q(), by_p = g.p();
+  Out<double, Dof> by_q = g.q(), by_p = g.p();
   effect.add_gradient(z.q(), z.p(), by_q, by_p);
   const double delta = 0.003;
   double worst = 0;
@@ -49,7 +49,7 @@ double gradient_error(const AnyEffect<double, Dof>& effect, const PhasePoint<dou
 template <int Dof>
 double halves_error(const AnyEffect<double, Dof>& effect, const PhasePoint<double, Dof>& z) {
   PhasePoint<double, Dof> whole(z.dof()), halves(z.dof());
-  Ref<double, Dof> by_q = whole.q(), by_p = whole.p(), half_q = halves.q(), half_p = halves.p();
+  Out<double, Dof> by_q = whole.q(), by_p = whole.p(), half_q = halves.q(), half_p = halves.p();
   effect.add_gradient(z.q(), z.p(), by_q, by_p);
   effect.add_position_gradient(z.q(), half_q);
   effect.add_momentum_gradient(z.p(), half_p);

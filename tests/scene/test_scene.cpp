@@ -48,9 +48,9 @@ struct Oscillator {
 struct Spelled {
   using Acts = OnBoth<double, 2>;
   std::string name() const { return "spelled"; }
-  double energy(const ConstRef<double, 2>& q, const ConstRef<double, 2>& p) const { return 3 * q.dot(p); }
-  void add_gradient(const ConstRef<double, 2>& q, const ConstRef<double, 2>& p, Ref<double, 2> dHdq,
-                    Ref<double, 2> dHdp) const {
+  double energy(const In<double, 2>& q, const In<double, 2>& p) const { return 3 * q.dot(p); }
+  void add_gradient(const In<double, 2>& q, const In<double, 2>& p, Out<double, 2> dHdq,
+                    Out<double, 2> dHdp) const {
     dHdq += 3 * p;
     dHdp += 3 * q;
   }

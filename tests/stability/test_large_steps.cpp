@@ -24,11 +24,10 @@ struct Quadratic {
   static constexpr int Dof = 1;
   double qq, qp, pp;
   double frequency() const { return std::sqrt(qq * pp - qp * qp); }
-  double energy(ConstRef<double, 1> q, ConstRef<double, 1> p) const {
+  double energy(In<double, 1> q, In<double, 1> p) const {
     return (qq * q[0] * q[0] + pp * p[0] * p[0]) / 2 + qp * q[0] * p[0];
   }
-  void gradient(ConstRef<double, 1> q, ConstRef<double, 1> p, Ref<double, 1> dHdq,
-                Ref<double, 1> dHdp) const {
+  void gradient(In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
     dHdq[0] = qq * q[0] + qp * p[0];
     dHdp[0] = qp * q[0] + pp * p[0];
   }
@@ -190,7 +189,7 @@ TEST_CASE("The advised step converges as promised", "[stability]") {
     integrate(stepper, z, {.dt = 2.5, .steps = 1});
     FAIL("2.5 radians should not converge in 20 evaluations");
   } catch (const IntegrationError& error) {
-    CHECK(std::string(error.what()).find("may converge") != std::string::npos);
+    CHECK(std::string(error.what()).find(" or less") != std::string::npos);
   }
 }
 

@@ -21,8 +21,7 @@ struct Whole {
   static constexpr int Dof = Eigen::Dynamic;
   systems::NlsLattice<double> lattice;
   Eigen::Index dof() const { return lattice.dof(); }
-  void gradient(ConstRef<double, Dof> q, ConstRef<double, Dof> p, Ref<double, Dof> dHdq,
-                Ref<double, Dof> dHdp) const {
+  void gradient(In<double, Dof> q, In<double, Dof> p, Out<double, Dof> dHdq, Out<double, Dof> dHdp) const {
     lattice.gradient(q, p, dHdq, dHdp);
   }
 };

@@ -19,13 +19,12 @@ using namespace semiexplicit;
 struct HenonHeiles {
   using Scalar = double;
   static constexpr int Dof = 2;
-  void gradient(ConstRef<double, 2> q, ConstRef<double, 2> p, Ref<double, 2> dHdq,
-                Ref<double, 2> dHdp) const {
+  void gradient(In<double, 2> q, In<double, 2> p, Out<double, 2> dHdq, Out<double, 2> dHdp) const {
     dHdq[0] = q[0] + 2 * q[0] * q[1];
     dHdq[1] = q[1] + q[0] * q[0] - q[1] * q[1];
     dHdp = p;
   }
-  void hessian(ConstRef<double, 2> q, ConstRef<double, 2>, Eigen::Ref<Eigen::Matrix4d> h) const {
+  void hessian(In<double, 2> q, In<double, 2>, Eigen::Ref<Eigen::Matrix4d> h) const {
     h.setZero();
     h(0, 0) = 1 + 2 * q[1];
     h(0, 1) = h(1, 0) = 2 * q[0];
@@ -188,8 +187,7 @@ namespace {
 struct DrivenQuintic {
   using Scalar = double;
   static constexpr int Dof = 1;
-  void gradient(double t, ConstRef<double, 1> q, ConstRef<double, 1> p, Ref<double, 1> dHdq,
-                Ref<double, 1> dHdp) const {
+  void gradient(double t, In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
     const double square = q[0] * q[0];
     dHdq[0] = square * square * q[0] - std::sin(2.19 * t);
     dHdp[0] = p[0];

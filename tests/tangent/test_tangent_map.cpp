@@ -47,8 +47,7 @@ const PhasePoint<double, 3> lattice_point({0.8, -0.3, 0.5}, {0.2, 0.9, -0.6});
 struct Driven {
   using Scalar = double;
   static constexpr int Dof = 1;
-  void gradient(double t, ConstRef<double, 1> q, ConstRef<double, 1> p, Ref<double, 1> dHdq,
-                Ref<double, 1> dHdp) const {
+  void gradient(double t, In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
     dHdq[0] = std::sin(q[0]) * (1 + 0.5 * std::cos(std::acos(-1.0) * 2 * (t - std::floor(t))));
     dHdp[0] = p[0];
   }

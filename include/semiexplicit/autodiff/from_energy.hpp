@@ -47,8 +47,8 @@ class EnergyHamiltonian {
  public:
   using Scalar = ScalarType;
   static constexpr int Dof = DofValue;
-  using Half = ConstRef<Scalar, Dof>;
-  using HalfGradient = Ref<Scalar, Dof>;
+  using Half = In<Scalar, Dof>;
+  using HalfGradient = Out<Scalar, Dof>;
   static constexpr bool driven = std::invocable<const Energy&, const Scalar&, const Half&, const Half&>;
 
   EnergyHamiltonian(Eigen::Index dof, Energy energy) : dof_(dof), energy_(std::move(energy)) {

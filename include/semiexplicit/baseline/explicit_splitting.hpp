@@ -61,6 +61,9 @@ class ExplicitSplitting {
     return report;
   }
 
+  /// Gradient calls that a step cannot exceed.
+  std::int64_t max_gradients() const { return position_gradients() + 1; }
+
   /// Calls of position_gradient and of momentum_gradient in a step.
   std::int64_t position_gradients() const { return static_cast<std::int64_t>(scheme_.b.size()); }
   std::int64_t momentum_gradients() const { return static_cast<std::int64_t>(scheme_.a.size()); }

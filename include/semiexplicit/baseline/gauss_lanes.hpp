@@ -85,6 +85,9 @@ class GaussLegendreLanes {
     return report;
   }
 
+  /// Gradient calls that a step cannot exceed.
+  std::int64_t max_gradients() const { return 1 + std::int64_t{options_.max_iterations} * options_.stages; }
+
   Eigen::Index dof() const { return dof_of(hamiltonian_); }
   const H& hamiltonian() const { return hamiltonian_; }
   const GaussLegendreOptions& options() const { return options_; }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <stdexcept>
@@ -99,6 +100,12 @@ class GaussLegendre {
     else
       report.status = Status::not_finite;
     return report;
+  }
+
+  /// Gradient calls that a step cannot exceed.
+  std::int64_t max_gradients() const {
+    const bool differences = options_.solver == StageSolver::newton && !HasHessian<H>;
+    return 1 + std::int64_t{options_.max_iterations} * options_.stages * (differences ? 1 + 4 * dof() : 1);
   }
 
   Eigen::Index dof() const { return dof_of(hamiltonian_); }

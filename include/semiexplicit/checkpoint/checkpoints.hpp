@@ -60,7 +60,7 @@ class Checkpoints {
       : path_(std::move(path)),
         options_(std::move(options)),
         stepper_(stepper),
-        fingerprint_(fingerprint(stepper, run, options_.run, observers...)),
+        settings_(settings_of(stepper, run, options_.run, observers...)),
         observers_(observers...) {
     if (options_.every < 0) throw std::invalid_argument("Checkpoints: every is negative; give steps, or 0");
     if (!(options_.seconds > 0))
@@ -125,6 +125,9 @@ class Checkpoints {
     last_time_ = Clock::now();
   }
 
+  /// Lines "what: value" of all that the run was made with, by which its checkpoints are known.
+  const std::string& settings() const { return settings_; }
+
   /// Takes the file away: the run is done. Does nothing where there is none. Throws std::runtime_error where another run has
   /// it open.
   void remove() {
@@ -141,9 +144,9 @@ class Checkpoints {
 
   /// What tells whether the rest is wanted, the report and the state.
   void visit_head(CheckpointMemory& memory, IntegrationReport& report, State& z) {
-    std::string fingerprint = fingerprint_;
-    memory(fingerprint);  // of the file, where this reads
-    if (const std::string other = detail::difference_of_lines(fingerprint, fingerprint_); !other.empty())
+    std::string settings = settings_;
+    memory(settings);  // of the file, where this reads
+    if (const std::string other = detail::difference_of_lines(settings, settings_); !other.empty())
       throw std::invalid_argument("it belongs to another run: " + other +
                                   "; give it the same settings, or another file");
     std::uint64_t start_state = start_state_;
@@ -198,7 +201,7 @@ class Checkpoints {
                observers);
   }
 
-  static std::string fingerprint(const S& stepper, const IntegrationOptions<Scalar>& run,
+  static std::string settings_of(const S& stepper, const IntegrationOptions<Scalar>& run,
                                  const std::string& label, Observers&... observers) {
     detail::OptionText list;
     list("run", label);
@@ -243,7 +246,7 @@ class Checkpoints {
   std::filesystem::path path_;
   CheckpointOptions options_;
   S& stepper_;
-  std::string fingerprint_;
+  std::string settings_;
   std::tuple<Observers&...> observers_;
   std::uint64_t start_state_ = 0;
   double done_seconds_ = 0;

@@ -27,7 +27,8 @@ struct CheckpointFrame {
     std::string file(magic);
     append(file, byte_order);
     append(file, version);
-    append(file, static_cast<std::uint64_t>(contents.size()));
+    const std::uint64_t length = contents.size();
+    append(file, length);
     file += contents;
     append(file, checksum(file));
     return file;

@@ -77,8 +77,8 @@ concept DependsOnTimeSoWrapItInAutonomous = TimeDependentHamiltonian<H>;
 ///     struct Product {  // H = (q² + 1)(p² + 1)/2
 ///       using Scalar = double;
 ///       static constexpr int Dof = 1;
-///       void gradient(ConstRef<double, 1> q, ConstRef<double, 1> p,
-///                     Ref<double, 1> dHdq, Ref<double, 1> dHdp) const {
+///       void gradient(In<double, 1> q, In<double, 1> p,
+///                     Out<double, 1> dHdq, Out<double, 1> dHdp) const {
 ///         dHdq[0] = q[0] * (p[0] * p[0] + 1);
 ///         dHdp[0] = p[0] * (q[0] * q[0] + 1);
 ///       }
@@ -167,11 +167,9 @@ class LambdaHamiltonian {
       : dof_(dof), energy_(std::move(energy)), gradient_(std::move(gradient)) {}
 
   Eigen::Index dof() const { return dof_; }
-  Scalar energy(const ConstRef<Scalar, Dof>& q, const ConstRef<Scalar, Dof>& p) const {
-    return energy_(q, p);
-  }
-  void gradient(const ConstRef<Scalar, Dof>& q, const ConstRef<Scalar, Dof>& p, Ref<Scalar, Dof> dHdq,
-                Ref<Scalar, Dof> dHdp) const {
+  Scalar energy(const In<Scalar, Dof>& q, const In<Scalar, Dof>& p) const { return energy_(q, p); }
+  void gradient(const In<Scalar, Dof>& q, const In<Scalar, Dof>& p, Out<Scalar, Dof> dHdq,
+                Out<Scalar, Dof> dHdp) const {
     gradient_(q, p, dHdq, dHdp);
   }
 

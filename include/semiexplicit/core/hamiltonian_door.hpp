@@ -37,9 +37,9 @@ template <NamesGradient H>
 struct GradientParameters<H> : Parameters<decltype(&H::gradient)> {};
 /// Of a Hamiltonian made of two lambdas, the second's, which may be generic in q and p.
 template <class Scalar, int Dof, class Energy, class Gradient>
-requires requires { &Gradient::template operator()<ConstRef<Scalar, Dof>, ConstRef<Scalar, Dof>>; }
+requires requires { &Gradient::template operator()<In<Scalar, Dof>, In<Scalar, Dof>>; }
 struct GradientParameters<LambdaHamiltonian<Scalar, Dof, Energy, Gradient>>
-    : Parameters<decltype(&Gradient::template operator()<ConstRef<Scalar, Dof>, ConstRef<Scalar, Dof>>)> {};
+    : Parameters<decltype(&Gradient::template operator()<In<Scalar, Dof>, In<Scalar, Dof>>)> {};
 template <class Scalar, int Dof, class Energy, class Gradient>
 requires requires { &Gradient::operator(); }
 struct GradientParameters<LambdaHamiltonian<Scalar, Dof, Energy, Gradient>>
@@ -128,7 +128,7 @@ consteval bool is_hamiltonian() {
                            H>()) {  // before a call is tried: Eigen's own errors come first then
     static_assert(!gradient_does_not_fit<H>(),
                   "the gradient of this Hamiltonian takes columns of another size or of other numbers than "
-                  "its Dof and Scalar: write ConstRef<Scalar, Dof> and Ref<Scalar, Dof>");
+                  "its Dof and Scalar: write In<Scalar, Dof> and Out<Scalar, Dof>");
     return false;
   } else if constexpr (TimeDependentHamiltonian<H>) {
     static_assert(DependsOnTimeSoWrapItInAutonomous<H> && !TimeDependentHamiltonian<H>,
@@ -141,18 +141,18 @@ consteval bool is_hamiltonian() {
     if constexpr (!HasMutableGradient<H>) {
       static_assert(!NamesGradient<H>,
                     "the gradient of this Hamiltonian takes other arguments: write `void "
-                    "gradient(ConstRef<Scalar, Dof> q, ConstRef<Scalar, Dof> p, Ref<Scalar, Dof> dHdq, "
-                    "Ref<Scalar, Dof> dHdp) const`, no Vector& (it would need a copy)");
+                    "gradient(In<Scalar, Dof> q, In<Scalar, Dof> p, Out<Scalar, Dof> dHdq, "
+                    "Out<Scalar, Dof> dHdp) const`, no Vector& (it would need a copy)");
       static_assert(NamesGradient<H>,
-                    "this Hamiltonian has no gradient of (q, p): write `void gradient(ConstRef<Scalar, "
-                    "Dof> q, ConstRef<Scalar, Dof> p, Ref<Scalar, Dof> dHdq, Ref<Scalar, Dof> dHdp) "
+                    "this Hamiltonian has no gradient of (q, p): write `void gradient(In<Scalar, "
+                    "Dof> q, In<Scalar, Dof> p, Out<Scalar, Dof> dHdq, Out<Scalar, Dof> dHdp) "
                     "const`, or take from_energy()");
     }
     return false;
   } else if constexpr (writes_into_copies<GradientParameters<H>>()) {
     static_assert(!writes_into_copies<GradientParameters<H>>(),
                   "the gradient of this Hamiltonian takes dHdq or dHdp by value, so what it writes is lost: "
-                  "take both as Ref<Scalar, Dof>");
+                  "take both as Out<Scalar, Dof>");
     return false;
   } else {
     static_assert(std::copy_constructible<H>,
@@ -170,14 +170,14 @@ consteval bool has_energy() {
   } else if constexpr (is_hamiltonian<H>()) {
     static_assert(!HasMutableEnergy<H>,
                   "the energy of this Hamiltonian is not const, or no number: write `Scalar "
-                  "energy(ConstRef<Scalar, Dof> q, ConstRef<Scalar, Dof> p) const`");
+                  "energy(In<Scalar, Dof> q, In<Scalar, Dof> p) const`");
     if constexpr (!HasMutableEnergy<H>) {
       static_assert(!NamesEnergy<H>,
                     "the energy of this Hamiltonian takes other arguments: write `Scalar "
-                    "energy(ConstRef<Scalar, Dof> q, ConstRef<Scalar, Dof> p) const`");
+                    "energy(In<Scalar, Dof> q, In<Scalar, Dof> p) const`");
       static_assert(NamesEnergy<H>,
                     "this Hamiltonian has no energy, by which the run is to be judged: write `Scalar "
-                    "energy(ConstRef<Scalar, Dof> q, ConstRef<Scalar, Dof> p) const`");
+                    "energy(In<Scalar, Dof> q, In<Scalar, Dof> p) const`");
     }
     return false;
   } else {

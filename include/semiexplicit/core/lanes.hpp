@@ -52,7 +52,7 @@ void store_lanes(const Lanes* from, double* to) {
 template <int Dof>
 struct LanePoint {
   static constexpr int size = registers_for(Dof);
-  Lanes q[size], p[size];
+  Lanes q[std::size_t(size)], p[std::size_t(size)];
 
   static LanePoint load(const double* z) {
     LanePoint point;

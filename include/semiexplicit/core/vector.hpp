@@ -15,11 +15,11 @@ using Vector = Eigen::Matrix<Scalar, Dof, 1>;
 
 /// Read access to somebody else's column, without a copy.
 template <class Scalar, int Dof>
-using ConstRef = Eigen::Ref<const Vector<Scalar, Dof>>;
+using In = Eigen::Ref<const Vector<Scalar, Dof>>;
 
 /// Write access to somebody else's column, without a copy.
 template <class Scalar, int Dof>
-using Ref = Eigen::Ref<Vector<Scalar, Dof>>;
+using Out = Eigen::Ref<Vector<Scalar, Dof>>;
 
 /// The length of a phase point with `dof` degrees of freedom, at compile time where it is known.
 constexpr int twice(int dof) { return dof == Eigen::Dynamic ? Eigen::Dynamic : 2 * dof; }

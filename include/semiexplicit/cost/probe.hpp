@@ -6,7 +6,6 @@
 #include <limits>
 #include <vector>
 
-#include <semiexplicit/core/worst_step.hpp>
 #include <semiexplicit/cost/setting.hpp>
 
 namespace semiexplicit::detail {
@@ -77,7 +76,7 @@ Probe probe(const H& hamiltonian, const Setting& setting, const std::vector<Wind
   Probe result;
   with_stepper(hamiltonian, setting, [&](auto& stepper) {
     EnergyRange<H> energies(hamiltonian, energy_unit);
-    const double worst = worst_step(stepper);
+    const double worst = static_cast<double>(stepper.max_gradients());
     double time = 0, steps_counted = 0;
     std::int64_t calls = 0, evaluations = 0;
     std::vector<double> hard;

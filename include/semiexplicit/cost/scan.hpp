@@ -199,7 +199,7 @@ class Scan {
       EnergyRange<H> energies(hamiltonian_, energy_unit_);
       energies.start(z);
       const bool done = with_stepper(hamiltonian_, coarse, [&](auto& stepper) {
-        const double worst = worst_step(stepper);
+        const double worst = static_cast<double>(stepper.max_gradients());
         for (std::int64_t n = 0; n < steps; ++n) {
           cut = cost_.spent_gradients + worst > options_.max_gradients;
           if (cut) return false;
@@ -466,7 +466,7 @@ class Scan {
     with_stepper(hamiltonian_, setting, [&](auto& stepper) {
       // Where time decides it is worth a little more.
       const double enough = budget_ * (options_.by == CostBy::seconds ? 0.02 : 0.003);
-      const double worst = worst_step(stepper);
+      const double worst = static_cast<double>(stepper.max_gradients());
       State z = z0_;
       double calls = 0, begin = cpu_seconds();
       for (std::int64_t n = 0; calls < enough || n < 20; ++n) {

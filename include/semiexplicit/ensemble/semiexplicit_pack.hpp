@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include <semiexplicit/core/extended_phase_space.hpp>
 #include <semiexplicit/ensemble/pack_point.hpp>
 #include <semiexplicit/solver/simplified_newton.hpp>
 #include <semiexplicit/splitting/kick_chain.hpp>

@@ -42,12 +42,11 @@ class Autonomous : public ExtendedPhaseSpace<typename H::Scalar, H::Dof> {
 
   /// Whether H says ∂H/∂t, so that p_t is followed, and whether there is K to check the run by.
   static constexpr bool follows_work =
-      requires(const H& h, const Scalar& t, ConstRef<Scalar, H::Dof> q, ConstRef<Scalar, H::Dof> p) {
+      requires(const H& h, const Scalar& t, In<Scalar, H::Dof> q, In<Scalar, H::Dof> p) {
     { h.time_derivative(t, q, p) } -> std::convertible_to<Scalar>;
   };
   static constexpr bool follows_energy =
-      follows_work &&
-      requires(const H& h, const Scalar& t, ConstRef<Scalar, H::Dof> q, ConstRef<Scalar, H::Dof> p) {
+      follows_work && requires(const H& h, const Scalar& t, In<Scalar, H::Dof> q, In<Scalar, H::Dof> p) {
     { h.energy(t, q, p) } -> std::convertible_to<Scalar>;
   };
 
@@ -70,15 +69,14 @@ class Autonomous : public ExtendedPhaseSpace<typename H::Scalar, H::Dof> {
   }
 
   /// K, which the exact motion keeps.
-  Scalar energy(const ConstRef<Scalar, Dof>& q,
-                const ConstRef<Scalar, Dof>& p) const requires follows_energy {
+  Scalar energy(const In<Scalar, Dof>& q, const In<Scalar, Dof>& p) const requires follows_energy {
     return hamiltonian_.energy(q[dof() - 1], Space::head(q), Space::head(p)) + p[dof() - 1];
   }
 
-  void gradient(const ConstRef<Scalar, Dof>& q, const ConstRef<Scalar, Dof>& p, Ref<Scalar, Dof> dKdq,
-                Ref<Scalar, Dof> dKdp) const {
+  void gradient(const In<Scalar, Dof>& q, const In<Scalar, Dof>& p, Out<Scalar, Dof> dKdq,
+                Out<Scalar, Dof> dKdp) const {
     const Eigen::Index d = dof() - 1;
-    Ref<Scalar, H::Dof> dHdq = Space::head(dKdq), dHdp = Space::head(dKdp);
+    Out<Scalar, H::Dof> dHdq = Space::head(dKdq), dHdp = Space::head(dKdp);
     hamiltonian_.gradient(q[d], Space::head(q), Space::head(p), dHdq, dHdp);
     dKdp[d] = Scalar(1);
     if constexpr (follows_work)

@@ -13,14 +13,14 @@ namespace semiexplicit {
 
 /// A monitor function g(q) > 0, the pace of time: g(q, dgdq) returns the value and writes the gradient.
 template <class G, class Scalar, int Dof>
-concept PositionMonitor = requires(const G& g, ConstRef<Scalar, Dof> q, Ref<Scalar, Dof> dgdq) {
+concept PositionMonitor = requires(const G& g, In<Scalar, Dof> q, Out<Scalar, Dof> dgdq) {
   { g(q, dgdq) } -> std::convertible_to<Scalar>;
 };
 
 /// A monitor function g(q, p) > 0: g(q, p, dgdq, dgdp) returns the value and writes both halves of the gradient.
 template <class G, class Scalar, int Dof>
-concept PhaseMonitor = requires(const G& g, ConstRef<Scalar, Dof> q, ConstRef<Scalar, Dof> p,
-                                Ref<Scalar, Dof> dgdq, Ref<Scalar, Dof> dgdp) {
+concept PhaseMonitor = requires(const G& g, In<Scalar, Dof> q, In<Scalar, Dof> p, Out<Scalar, Dof> dgdq,
+                                Out<Scalar, Dof> dgdp) {
   { g(q, p, dgdq, dgdp) } -> std::convertible_to<Scalar>;
 };
 
@@ -81,13 +81,13 @@ requires(PositionMonitor<G, typename H::Scalar, H::Dof> ||
   }
 
   /// K, which stays near 0.
-  Scalar energy(const ConstRef<Scalar, Dof>& q, const ConstRef<Scalar, Dof>& p) const {
+  Scalar energy(const In<Scalar, Dof>& q, const In<Scalar, Dof>& p) const {
     auto&& dg = work();
     return pace(Space::head(q), Space::head(p), dg) * surplus(q, p);
   }
 
-  void gradient(const ConstRef<Scalar, Dof>& q, const ConstRef<Scalar, Dof>& p, Ref<Scalar, Dof> dKdq,
-                Ref<Scalar, Dof> dKdp) const {
+  void gradient(const In<Scalar, Dof>& q, const In<Scalar, Dof>& p, Out<Scalar, Dof> dKdq,
+                Out<Scalar, Dof> dKdp) const {
     const Eigen::Index d = dof() - 1;
     hamiltonian_.gradient(Space::head(q), Space::head(p), Space::head(dKdq), Space::head(dKdp));
     auto&& dg = work();
@@ -102,7 +102,7 @@ requires(PositionMonitor<G, typename H::Scalar, H::Dof> ||
 
  private:
   /// H + p_t - energy.
-  Scalar surplus(const ConstRef<Scalar, Dof>& q, const ConstRef<Scalar, Dof>& p) const {
+  Scalar surplus(const In<Scalar, Dof>& q, const In<Scalar, Dof>& p) const {
     return (hamiltonian_.energy(Space::head(q), Space::head(p)) - energy_) + p[dof() - 1];
   }
 

@@ -120,7 +120,8 @@ class CsvWriter {
     std::error_code failure;
     const std::uintmax_t size = std::filesystem::file_size(path_, failure);
     if (failure || size < length) return {};
-    std::string bytes(static_cast<std::size_t>(length), '\0');
+    std::string bytes;
+    bytes.resize(length);
     std::ifstream(path_, std::ios::binary).read(bytes.data(), static_cast<std::streamsize>(length));
     return bytes;
   }

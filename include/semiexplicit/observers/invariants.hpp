@@ -23,7 +23,7 @@ template <class Scalar, int Dof>
 class Invariants {
  public:
   static constexpr const char* name = "Invariants";
-  using Function = std::function<Scalar(const ConstRef<Scalar, Dof>&, const ConstRef<Scalar, Dof>&)>;
+  using Function = std::function<Scalar(const In<Scalar, Dof>&, const In<Scalar, Dof>&)>;
 
   /// What is known of one function.
   struct Row {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <concepts>
+#include <cstdint>
 #include <utility>
 
 #include <semiexplicit/core/extended_phase_space.hpp>
@@ -53,6 +55,11 @@ class Semiexplicit {
     if (report.ok() && !doubled_.finish(z)) report.status = Status::not_finite;
     if (report.status == Status::not_finite) report.status = doubled_.diagnose(z);
     return report;
+  }
+
+  /// Gradient calls that a step cannot exceed.
+  std::int64_t max_gradients() const requires std::same_as<Solver, SimplifiedNewton> {
+    return solver_.max_iterations * doubled_.chain().gradients();
   }
 
   Eigen::Index dof() const { return dof_of(hamiltonian()); }

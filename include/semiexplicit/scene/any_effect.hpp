@@ -17,8 +17,8 @@ class AnyEffect {
  public:
   using Scalar = ScalarType;
   static constexpr int Dof = DofValue;
-  using Read = ConstRef<Scalar, Dof>;
-  using Write = Ref<Scalar, Dof>;
+  using Read = In<Scalar, Dof>;
+  using Write = Out<Scalar, Dof>;
 
   template <Effect E>
   requires std::same_as<typename E::Acts::Scalar, Scalar> &&(E::Acts::Dof == Dof) AnyEffect(E effect)

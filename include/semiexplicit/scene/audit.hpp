@@ -13,7 +13,6 @@
 #include <vector>
 
 #include <semiexplicit/core/reference_size.hpp>
-#include <semiexplicit/core/worst_step.hpp>
 #include <semiexplicit/integrate.hpp>
 #include <semiexplicit/scene/audit_report.hpp>
 #include <semiexplicit/scene/runtime_scene.hpp>
@@ -36,8 +35,7 @@ struct AuditOptions {
   /// Bound on the gradient calls of all runs together, which is kept: an audit that needs more is refused, or given up.
   double max_gradients = 1e9;
   /// Functions of (q, p) that the whole scene keeps, by name; the energy is always among them.
-  std::vector<std::pair<std::string,
-                        std::function<Scalar(const ConstRef<Scalar, Dof>&, const ConstRef<Scalar, Dof>&)>>>
+  std::vector<std::pair<std::string, std::function<Scalar(const In<Scalar, Dof>&, const In<Scalar, Dof>&)>>>
       invariants{};
 };
 
@@ -108,7 +106,7 @@ class Auditor {
     const auto along = [&](auto stepper) {
       Orbit orbit{z0_};
       State z = z0_;
-      const double worst = worst_step(stepper);
+      const double worst = static_cast<double>(stepper.max_gradients());
       for (std::int64_t i = 0; i < blocks_; ++i) {
         const auto affords = [&](const Scalar&, const State&, const IntegrationReport& so_far) {
           return spent_ + static_cast<double>(so_far.gradients) + worst <= options_.max_gradients;
@@ -167,7 +165,7 @@ class Auditor {
     State own(z0_.dof()), whole(z0_.dof());
     for (const State& z : orbit) {
       own.vector().setZero();
-      Ref<Scalar, Dof> by_q = own.q(), by_p = own.p();
+      Out<Scalar, Dof> by_q = own.q(), by_p = own.p();
       effect.add_gradient(z.q(), z.p(), by_q, by_p);
       scene_.gradient(z.q(), z.p(), whole.q(), whole.p());
       const Scalar all = norm(whole.vector());
@@ -182,7 +180,7 @@ class Auditor {
   double seconds_per_gradient(const Any& effect, const Orbit& orbit) const {
     using Clock = std::chrono::steady_clock;
     State sum(z0_.dof());
-    Ref<Scalar, Dof> by_q = sum.q(), by_p = sum.p();
+    Out<Scalar, Dof> by_q = sum.q(), by_p = sum.p();
     double best = 1e300;
     for (int batch = 0; batch < 5; ++batch) {
       std::int64_t calls = 0;

@@ -62,21 +62,21 @@ concept ActsAs = std::same_as<typename E::Acts, Kind<typename E::Acts::Scalar, E
 template <class E>
 using EffectScalar = typename E::Acts::Scalar;
 template <class E>
-using EffectConstRef = ConstRef<EffectScalar<E>, E::Acts::Dof>;
+using EffectIn = In<EffectScalar<E>, E::Acts::Dof>;
 template <class E>
-using EffectRef = Ref<EffectScalar<E>, E::Acts::Dof>;
+using EffectOut = Out<EffectScalar<E>, E::Acts::Dof>;
 
 /// The two members of an effect on one half.
 template <class E>
-concept HasHalfMembers = requires(const E& effect, const EffectConstRef<E>& x, EffectRef<E>& dHdx) {
+concept HasHalfMembers = requires(const E& effect, const EffectIn<E>& x, EffectOut<E>& dHdx) {
   { effect.energy(x) } -> std::convertible_to<EffectScalar<E>>;
   effect.add_gradient(x, dHdx);
 };
 
 /// The two members of an effect on both halves together.
 template <class E>
-concept HasCoupledMembers = requires(const E& effect, const EffectConstRef<E>& q, const EffectConstRef<E>& p,
-                                     EffectRef<E>& dHdq, EffectRef<E>& dHdp) {
+concept HasCoupledMembers = requires(const E& effect, const EffectIn<E>& q, const EffectIn<E>& p,
+                                     EffectOut<E>& dHdq, EffectOut<E>& dHdp) {
   { effect.energy(q, p) } -> std::convertible_to<EffectScalar<E>>;
   effect.add_gradient(q, p, dHdq, dHdp);
 };

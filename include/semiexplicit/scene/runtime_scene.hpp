@@ -28,7 +28,7 @@ class RuntimeScene {
   using Scalar = ScalarType;
   static constexpr int Dof = DofValue;
   using Any = AnyEffect<Scalar, Dof>;
-  using Read = ConstRef<Scalar, Dof>;
+  using Read = In<Scalar, Dof>;
 
   /// Throws std::invalid_argument where there is no effect, two have the same name, or their sizes differ or are below one.
   explicit RuntimeScene(std::vector<Any> effects) : effects_(std::move(effects)) {
@@ -84,7 +84,7 @@ class RuntimeScene {
     for (const Any& effect : effects_) sum += effect.energy(q, p);
     return sum;
   }
-  void gradient(const Read& q, const Read& p, Ref<Scalar, Dof> dHdq, Ref<Scalar, Dof> dHdp) const {
+  void gradient(const Read& q, const Read& p, Out<Scalar, Dof> dHdq, Out<Scalar, Dof> dHdp) const {
     dHdq.setZero();
     dHdp.setZero();
     for (const Any& effect : effects_) effect.add_gradient(q, p, dHdq, dHdp);
@@ -138,11 +138,11 @@ class SeparableRuntimeScene : public RuntimeScene<ScalarType, DofValue> {
     }
   }
 
-  void position_gradient(const Read& q, Ref<Scalar, Dof> dHdq) const {
+  void position_gradient(const Read& q, Out<Scalar, Dof> dHdq) const {
     dHdq.setZero();
     for (const Any& effect : on_position_) effect.add_position_gradient(q, dHdq);
   }
-  void momentum_gradient(const Read& p, Ref<Scalar, Dof> dHdp) const {
+  void momentum_gradient(const Read& p, Out<Scalar, Dof> dHdp) const {
     dHdp.setZero();
     for (const Any& effect : on_momentum_) effect.add_momentum_gradient(p, dHdp);
   }

@@ -58,14 +58,14 @@ class Scene {
       return Dof;
   }
 
-  Scalar energy(const ConstRef<Scalar, Dof>& q, const ConstRef<Scalar, Dof>& p) const {
+  Scalar energy(const In<Scalar, Dof>& q, const In<Scalar, Dof>& p) const {
     Scalar sum(0);
     for_each([&](const auto& effect) { sum += detail::effect_energy(effect, q, p); });
     return sum;
   }
 
-  void gradient(const ConstRef<Scalar, Dof>& q, const ConstRef<Scalar, Dof>& p, Ref<Scalar, Dof> dHdq,
-                Ref<Scalar, Dof> dHdp) const {
+  void gradient(const In<Scalar, Dof>& q, const In<Scalar, Dof>& p, Out<Scalar, Dof> dHdq,
+                Out<Scalar, Dof> dHdp) const {
     collect(dHdq, [&](auto& sum_q) {
       collect(dHdp, [&](auto& sum_p) {
         for_each([&](const auto& effect) { detail::add_effect(effect, q, p, sum_q, sum_p); });
@@ -74,7 +74,7 @@ class Scene {
   }
 
   /// ∂V/∂q alone.
-  void position_gradient(const ConstRef<Scalar, Dof>& q, Ref<Scalar, Dof> dHdq) const requires separable {
+  void position_gradient(const In<Scalar, Dof>& q, Out<Scalar, Dof> dHdq) const requires separable {
     collect(dHdq, [&](auto& sum) {
       for_each([&]<class E>(const E& effect) {
         if constexpr (!MomentumEffect<E>) effect.add_gradient(q, sum);
@@ -82,7 +82,7 @@ class Scene {
     });
   }
   /// ∂T/∂p alone.
-  void momentum_gradient(const ConstRef<Scalar, Dof>& p, Ref<Scalar, Dof> dHdp) const requires separable {
+  void momentum_gradient(const In<Scalar, Dof>& p, Out<Scalar, Dof> dHdp) const requires separable {
     collect(dHdp, [&](auto& sum) {
       for_each([&]<class E>(const E& effect) {
         if constexpr (!PositionEffect<E>) effect.add_gradient(p, sum);
@@ -100,7 +100,7 @@ class Scene {
   /// Hands add() a zero column to add to, and writes the sum to `out`. Few entries are summed in registers, from -0: adding
   /// to -0 changes no number, so the compiler leaves the first addition out.
   template <class Add>
-  static void collect(Ref<Scalar, Dof>& out, const Add& add) {
+  static void collect(Out<Scalar, Dof>& out, const Add& add) {
     if constexpr (Dof != Eigen::Dynamic && Dof <= 16) {
       Vector<Scalar, Dof> sum;
       for (int i = 0; i < Dof; ++i) sum[i] = -Scalar(0);

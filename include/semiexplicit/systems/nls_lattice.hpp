@@ -34,7 +34,7 @@ class NlsLattice {
 
   Eigen::Index dof() const { return N == Eigen::Dynamic ? sites_ : N; }
 
-  Scalar energy(const ConstRef<Scalar, N>& q, const ConstRef<Scalar, N>& p) const {
+  Scalar energy(const In<Scalar, N>& q, const In<Scalar, N>& p) const {
     Scalar sum(0);
     for (Eigen::Index i = 0; i < dof(); ++i) {
       const Scalar density = q[i] * q[i] + p[i] * p[i];
@@ -47,12 +47,12 @@ class NlsLattice {
   }
 
   /// Σ (q² + p²), the total mass: a quadratic invariant.
-  static Scalar mass(const ConstRef<Scalar, N>& q, const ConstRef<Scalar, N>& p) {
+  static Scalar mass(const In<Scalar, N>& q, const In<Scalar, N>& p) {
     return semiexplicit::detail::dot(q, q) + semiexplicit::detail::dot(p, p);
   }
 
-  void gradient(const ConstRef<Scalar, N>& q, const ConstRef<Scalar, N>& p, Ref<Scalar, N> dHdq,
-                Ref<Scalar, N> dHdp) const {
+  void gradient(const In<Scalar, N>& q, const In<Scalar, N>& p, Out<Scalar, N> dHdq,
+                Out<Scalar, N> dHdp) const {
     gradient(q.data(), p.data(), dHdq.data(), dHdp.data());
   }
 

@@ -28,7 +28,7 @@ class PointVortices {
   using Scalar = ScalarType;
   static constexpr int Dof = N;
   using Column = Vector<Scalar, N>;
-  using Read = ConstRef<Scalar, N>;
+  using Read = In<Scalar, N>;
 
   /// Throws std::invalid_argument unless every circulation is finite and not zero, and there is one at least.
   explicit PointVortices(Column circulations) : circulation_(std::move(circulations)) {
@@ -82,7 +82,7 @@ class PointVortices {
     return semiexplicit::detail::dot(circulation_.cwiseSign(), q.cwiseAbs2() + p.cwiseAbs2());
   }
 
-  void gradient(const Read& q, const Read& p, Ref<Scalar, N> dHdq, Ref<Scalar, N> dHdp) const {
+  void gradient(const Read& q, const Read& p, Out<Scalar, N> dHdq, Out<Scalar, N> dHdp) const {
     gradient(q.data(), p.data(), dHdq.data(), dHdp.data());
   }
   using PackGradientOf = PointVortices;
@@ -92,7 +92,8 @@ class PointVortices {
 #ifdef SEMIEXPLICIT_HAS_LANES
     if constexpr (in_lanes && std::is_same_v<T, double>) {
       constexpr int size = registers_for(N);
-      Lanes at_q[size], at_p[size], to_q[size], to_p[size];
+      Lanes at_q[std::size_t(size)], at_p[std::size_t(size)], to_q[std::size_t(size)],
+          to_p[std::size_t(size)];
       semiexplicit::detail::load_lanes<N>(q, at_q);
       semiexplicit::detail::load_lanes<N>(p, at_p);
       lane_gradient(at_q, at_p, to_q, to_p);
@@ -112,7 +113,7 @@ class PointVortices {
   using LaneGradientOf = PointVortices;
   /// The same for few vortices in registers; see HasLaneGradient.
   void lane_gradient(const Lanes* q, const Lanes* p, Lanes* dHdq, Lanes* dHdp) const requires(in_lanes) {
-    Lanes factor_q[registers_for(N)], factor_p[registers_for(N)];
+    Lanes factor_q[std::size_t(registers_for(N))], factor_p[std::size_t(registers_for(N))];
     semiexplicit::detail::load_lanes<N>(factor_q_.data(), factor_q);
     semiexplicit::detail::load_lanes<N>(factor_p_.data(), factor_p);
     detail::sum_vortex_pairs<N>(scales(), q, p, dHdq, dHdp);

@@ -13,11 +13,11 @@ struct Product {
   using Scalar = ScalarType;
   static constexpr int Dof = 1;
 
-  Scalar energy(const ConstRef<Scalar, 1>& q, const ConstRef<Scalar, 1>& p) const {
+  Scalar energy(const In<Scalar, 1>& q, const In<Scalar, 1>& p) const {
     return (q[0] * q[0] + 1) * (p[0] * p[0] + 1) / 2;
   }
-  void gradient(const ConstRef<Scalar, 1>& q, const ConstRef<Scalar, 1>& p, Ref<Scalar, 1> dHdq,
-                Ref<Scalar, 1> dHdp) const {
+  void gradient(const In<Scalar, 1>& q, const In<Scalar, 1>& p, Out<Scalar, 1> dHdq,
+                Out<Scalar, 1> dHdp) const {
     dHdq[0] = q[0] * (p[0] * p[0] + 1);
     dHdp[0] = p[0] * (q[0] * q[0] + 1);
   }
@@ -28,7 +28,7 @@ struct Product {
     dHdq[0] = q[0] * (p[0] * p[0] + T(1));
     dHdp[0] = p[0] * (q[0] * q[0] + T(1));
   }
-  void hessian(const ConstRef<Scalar, 1>& q, const ConstRef<Scalar, 1>& p,
+  void hessian(const In<Scalar, 1>& q, const In<Scalar, 1>& p,
                Eigen::Ref<Eigen::Matrix<Scalar, 2, 2>> hessian) const {
     hessian << p[0] * p[0] + 1, 2 * q[0] * p[0], 2 * q[0] * p[0], q[0] * q[0] + 1;
   }

@@ -29,9 +29,10 @@ inline Lanes reciprocal(const Lanes& s, __mmask8 wanted = 0xff) {
 template <class T>
 T reciprocal(const T& s) {
 #if defined(SEMIEXPLICIT_HAS_LANES) && defined(SEMIEXPLICIT_HAS_PACKS)
-  if constexpr (std::is_same_v<T, Pack<double>>)
-    return T(static_cast<__m512d>(reciprocal(static_cast<Lanes>(static_cast<__m512d>(s)))));
-  else
+  if constexpr (std::is_same_v<T, Pack<double>>) {
+    const Lanes lanes = static_cast<__m512d>(s);
+    return T(reciprocal(lanes));
+  } else
 #endif
     return T(1) / s;
 }
@@ -117,12 +118,12 @@ void sum_vortex_pairs(const VortexScales<double>& of, const Lanes* q, const Lane
                       Lanes* sum_y) {
   namespace core = semiexplicit::detail;
   constexpr int size = registers_for(N);
-  Lanes gamma[size], scale_x[size], scale_y[size];
+  Lanes gamma[std::size_t(size)], scale_x[std::size_t(size)], scale_y[std::size_t(size)];
   core::load_lanes<N>(of.gamma, gamma);
   core::load_lanes<N>(of.x_per_q, scale_x);
   core::load_lanes<N>(of.y_per_p, scale_y);
-  VortexBlock block[size];
-  alignas(64) double x[8 * size], y[8 * size];
+  VortexBlock block[std::size_t(size)];
+  alignas(64) double x[std::size_t(8 * size)], y[std::size_t(8 * size)];
   for (int k = 0; k < size; ++k) {
     block[k].x = q[k] * scale_x[k];
     block[k].y = p[k] * scale_y[k];

@@ -7,8 +7,8 @@
 struct Product {  // H = (q² + 1)(p² + 1)/2
   using Scalar = double;
   static constexpr int Dof = 1;
-  using In = semiexplicit::ConstRef<double, 1>;
-  using Out = semiexplicit::Ref<double, 1>;
+  using In = semiexplicit::In<double, 1>;
+  using Out = semiexplicit::Out<double, 1>;
 
   double energy(In q, In p) const { return (q[0] * q[0] + 1) * (p[0] * p[0] + 1) / 2; }
   void gradient(In q, In p, Out dHdq, Out dHdp) const {

@@ -5,8 +5,8 @@
 
 using namespace semiexplicit;
 using namespace semiexplicit::effects;
-using Read = const ConstRef<double, 2>&;
-using Write = Ref<double, 2>;
+using Read = const In<double, 2>&;
+using Write = Out<double, 2>;
 
 struct Numbers {
   double gm, omega, c;

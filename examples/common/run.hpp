@@ -68,6 +68,8 @@ struct Run {
 template <class Watched>
 class Watch {
  public:
+  static constexpr const char* name = "Watch";
+
   Watch(const Watched& invariants, const Rows& rows, Run& run)
       : invariants_(invariants), rows_(rows), run_(run) {
     for (const auto& row : invariants.rows()) run.quantities.push_back({row.name, 0, 0});
@@ -81,7 +83,7 @@ class Watch {
   template <class State>
   void operator()(double t, const State& state, const StepReport& report) {
     for (std::size_t i = 0; i < run_.quantities.size(); ++i) {
-      auto& [name, worst, final] = run_.quantities[i];
+      auto& [quantity, worst, final] = run_.quantities[i];
       final = i < invariants_.rows().size() ? invariants_.rows()[i].final : defect(state, report);
       keep_larger(worst, final);
       keep_larger(largest_[i], final);
@@ -95,6 +97,11 @@ class Watch {
     ++step_;
   }
 
+  template <class List>
+  void describe(List& list) const {
+    list("rows", rows_.size());
+    list("quantities", run_.quantities.size());
+  }
   template <class Visitor>
   void visit_memory(Visitor&& visit) {
     for (auto& quantity : run_.quantities) {

@@ -140,12 +140,15 @@ struct Measurement {
 /// A measurement as an observer.
 template <int Dof>
 struct Measuring {
+  static constexpr const char* name = "Measuring";
   const Measurement<Dof>& measurement;
 
   template <class State>
   void operator()(double t, const State& z) const {
     if (measurement.observe) measurement.observe(t, z.q(), z.p());
   }
+  template <class List>
+  void describe(List&) const {}
   void visit_memory(CheckpointMemory& visit) const {
     if (measurement.memory) measurement.memory(visit);
   }

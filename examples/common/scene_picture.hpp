@@ -170,6 +170,8 @@ View<Dof> path_view(const std::vector<std::string>& columns, const std::string& 
 template <int Dof>
 class ViewCsv {
  public:
+  static constexpr const char* name = "ViewCsv";
+
   ViewCsv(const std::filesystem::path& path, const View<Dof>& view)
       : view_(view), writer_(path, names(view)) {}
 
@@ -180,6 +182,10 @@ class ViewCsv {
     writer_.row(row_);
   }
   void commit() { writer_.commit(); }
+  template <class List>
+  void describe(List& list) const {
+    list("rows", writer_);
+  }
   void visit_memory(CheckpointMemory& visit) {
     writer_.visit_memory(visit);
     if (view_.memory) view_.memory(visit);

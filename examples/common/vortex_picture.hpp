@@ -29,6 +29,8 @@ class PlacesCsv {
     double x, y, half_width;
   };
 
+  static constexpr const char* name = "PlacesCsv";
+
   PlacesCsv(const std::filesystem::path& path, const Places& system)
       : system_(system),
         writer_(path, names(system.dof())),
@@ -49,6 +51,10 @@ class PlacesCsv {
     high_ = std::max(high_, y.maxCoeff());
   }
   void commit() { writer_.commit(); }
+  template <class List>
+  void describe(List& list) const {
+    list("rows", writer_);
+  }
   void visit_memory(CheckpointMemory& visit) {
     writer_.visit_memory(visit);
     for (double* side : {&left_, &right_, &low_, &high_}) visit(*side);

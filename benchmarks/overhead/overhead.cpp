@@ -40,13 +40,15 @@ class ByHand {
   /// With the copies on the stack; only for a size that is a constant.
   __attribute__((flatten, noinline)) void on_stack(double dt) {
     constexpr int size = Size == Eigen::Dynamic ? 1 : Size;
-    double a[size], b[size], gradient[size];
+    constexpr auto length = std::size_t(size);
+    double a[length], b[length], gradient[length];
     step(dt, z_.data(), a, b, gradient, size);
   }
   /// The same, free to be inlined into the caller's loop.
   __attribute__((flatten)) void inlined(double dt) {
     constexpr int size = Size == Eigen::Dynamic ? 1 : Size;
-    double a[size], b[size], gradient[size];
+    constexpr auto length = std::size_t(size);
+    double a[length], b[length], gradient[length];
     step(dt, z_.data(), a, b, gradient, size);
   }
 

@@ -98,6 +98,10 @@ IntegrationReport integrate_checked(S& stepper, typename S::State& state,
     throw std::invalid_argument("integrate: " + std::to_string(options.done.steps) +
                                 " steps are done, and not 0 to " + std::to_string(options.steps) +
                                 " of them; steps counts those of the earlier part, too");
+  if (options.done.steps > 0 && options.done.dt != 0 && options.done.dt != static_cast<double>(options.dt))
+    throw std::invalid_argument("integrate: the earlier part took steps of " + in_words(options.done.dt, 17) +
+                                ", and dt is " + in_words(static_cast<double>(options.dt), 17) +
+                                " now; give the same dt, or begin a new run with t0 = the time reached");
   const auto start = std::chrono::steady_clock::now();
   if (options.done.steps > 0) (require_restored(observers, options.done.steps), ...);
   IntegrationReport report = options.done;

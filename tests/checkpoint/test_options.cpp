@@ -1,6 +1,7 @@
 #include "catch.hpp"
 
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -243,4 +244,91 @@ TEST_CASE("A Record comes back whole, also within every(), or the run is refused
   for (std::size_t i = 0; i < all.z.size(); ++i) CHECK(all.z[i].vector() == all_of_it.z[i].vector());
   CHECK(all.t == all_of_it.t);
   for (std::size_t i = 0; i < some.z.size(); ++i) CHECK(some.z[i].vector() == all_of_it.z[10 * i].vector());
+}
+
+TEST_CASE("What an observer within at_times() or a section remembers is resumed, too", "[checkpoint]") {
+  const Folder folder;
+  const auto run = [&](std::int64_t stop_at, std::int64_t resumed_at) {
+    auto stepper = usual();
+    Point z(-3, 0);
+    CsvTrajectory rows(folder.path / "rows.csv", 1);
+    Record<double, 1> crossings;
+    auto at = at_times(h, {1., 2., 3., 4., 5., 6., 7., 8., 9.}, rows);
+    auto section = poincare_section(h, q_of, crossings);
+    IntegrationOptions<double> options{.dt = 0.1, .steps = 100};
+    Checkpoints checkpoints(folder.path / "run.checkpoint", {.every = 25}, stepper, options, at, section);
+    options.done = checkpoints.resume(z);
+    CHECK(options.done.steps == resumed_at);
+    options.steps = stop_at;
+    integrate(stepper, z, options, at, section, checkpoints);
+    if (stop_at == 100) rows.commit();
+    CHECK(static_cast<std::int64_t>(crossings.t.size()) == section.count());
+    return crossings.t.size();
+  };
+  run(70, 0);
+  CHECK(run(100, 50) >= 2);
+  std::ifstream in(folder.path / "rows.csv");
+  int lines = 0;
+  for (std::string line; std::getline(in, line);) ++lines;
+  CHECK(lines == 10);
+}
+
+TEST_CASE("every() that is not named keeps its phase in a resumed run", "[checkpoint]") {
+  const Folder folder;
+  std::vector<double> times;
+  for (const std::int64_t stop_at : {1500, 5000}) {
+    auto stepper = usual();
+    Point z(-3, 0);
+    Record<double, 1> record;
+    IntegrationOptions<double> options{.dt = 0.01, .steps = 5000};
+    Checkpoints checkpoints(folder.path / "run.checkpoint", {.every = 700}, stepper, options, record);
+    options.done = checkpoints.resume(z);
+    options.steps = stop_at;
+    integrate(stepper, z, options, every(1000, record), checkpoints);
+    times = record.t;
+  }
+  REQUIRE(times.size() == 6);
+  for (std::size_t i = 0; i < 6; ++i) CHECK(times[i] == Approx(10. * double(i)));
+}
+
+TEST_CASE("A resume() that is refused leaves the observers as they were", "[checkpoint]") {
+  const Folder folder;
+  const auto path = folder.path / "rows.csv";
+  Record<double, 1> record;
+  std::string said;
+  for (const bool first : {true, false}) {
+    auto stepper = usual();
+    Point z(-3, 0);
+    record = {};
+    Invariants invariants(h);
+    CsvTrajectory rows(path, 1);
+    IntegrationOptions<double> options{.dt = 0.1, .steps = 100};
+    Checkpoints checkpoints(folder.path / "run.checkpoint", {.every = 50}, stepper, options, record,
+                            invariants, rows);
+    said = refusal([&] { options.done = checkpoints.resume(z); });
+    integrate(stepper, z, options, record, invariants, rows, checkpoints);
+    CHECK(record.t.size() == 101);
+    if (first) continue;
+    rows.commit();
+    checkpoints.remove();
+  }
+  CHECK(said == accepted);  // the first run left its rows as they were
+
+  const auto other = folder.path / "other.csv";
+  for (const bool first : {true, false}) {
+    auto stepper = usual();
+    Point z(-3, 0);
+    record = {};
+    IntegrationOptions<double> options{.dt = 0.1, .steps = 100};
+    if (!first) std::ofstream(other.string() + ".part") << "something else";
+    CsvTrajectory rows(other, 1);
+    Checkpoints checkpoints(folder.path / "run.checkpoint", {.every = 50}, stepper, options, record, rows);
+    said = refusal([&] { options.done = checkpoints.resume(z); });
+    if (!first) {
+      CHECK(says(said, "is not what it was"));
+      CHECK(record.t.empty());
+    }
+    integrate(stepper, z, options, record, rows, checkpoints);
+    CHECK(record.t.size() == 101);
+  }
 }

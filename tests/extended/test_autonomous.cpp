@@ -188,3 +188,26 @@ TEST_CASE("Driven systems may have a size known at run time", "[autonomous]") {
   CHECK(dynamic.point(W).dof() == 3);
   CHECK(refuses([&] { dynamic.extended({{1, 2}, {3, 4}}, 0.0); }, "the state has 2 degrees of freedom"));
 }
+
+namespace {
+struct Still {
+  using Scalar = double;
+  static constexpr int Dof = 2;
+  void gradient(double, In<double, 2> q, In<double, 2> p, Out<double, 2> dHdq, Out<double, 2> dHdp) const {
+    dHdq = Eigen::Vector2d(q[0], 10 * q[1]);
+    dHdp = Eigen::Vector2d(p[0], 10 * p[1]);
+  }
+};
+}  // namespace
+
+TEST_CASE("Gauss solves its stages as well at late times", "[autonomous]") {
+  // Two oscillators; the fast one is small, and a step is three radians of it: the iteration contracts slowly.
+  for (const double t0 : {0.0, 1e6, 1e9}) {
+    const Autonomous k(Still{});
+    GaussLegendre stepper(k, {.stages = 4});
+    auto z = k.extended(PhasePoint<double, 2>({1, 1e-6}, {0, 0}), t0);
+    integrate(stepper, z, {.dt = 0.3, .steps = 2000, .t0 = t0});
+    const auto w = k.point(z);
+    CHECK((w.q()[1] * w.q()[1] + w.p()[1] * w.p()[1]) == Approx(1e-12).epsilon(1e-7));
+  }
+}

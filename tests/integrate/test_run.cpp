@@ -301,3 +301,12 @@ TEST_CASE("A run in another number type", "[integrate]") {
   CHECK(record.t[1] == 0.3L + 0.1L);
   CHECK(record.z[5].vector() == z.vector());
 }
+
+TEST_CASE("A run that goes on from a report with another dt is refused", "[integrate]") {
+  Semiexplicit stepper(systems::Product<double>(), schemes::strang<double>());
+  PhasePoint<double, 1> z(-3, 0);
+  const auto done = integrate(stepper, z, {.dt = 0.1, .steps = 100});
+  CHECK(done.dt == 0.1);
+  CHECK_THROWS_AS(integrate(stepper, z, {.dt = 0.05, .steps = 200, .done = done}), std::invalid_argument);
+  CHECK(integrate(stepper, z, {.dt = 0.1, .steps = 200, .done = done}).t == Approx(20));
+}

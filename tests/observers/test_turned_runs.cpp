@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <stdexcept>
 #include <vector>
 
 #include <semiexplicit/semiexplicit.hpp>
@@ -122,4 +123,91 @@ TEST_CASE("Invariants, records and counts of a run there and back", "[observers]
   CHECK(calls == 21);
   CHECK(invariants["energy"].worst < 1e-12);
   CHECK(z.q()[0] == Approx(1).epsilon(1e-12));
+}
+
+TEST_CASE("every() counts on from run to run, and begins anew with another orbit", "[observers]") {
+  auto move = stepper();
+  Point z(1, 0);
+  Record<double, 1> record;
+  auto tenth = every(10, record);
+  for (int part = 0; part < 4; ++part) integrate(move, z, {.dt = 0.1, .steps = 10, .t0 = part * 1.0}, tenth);
+  REQUIRE(record.t.size() == 5);
+  for (std::size_t i = 0; i < 5; ++i) CHECK(record.t[i] == Approx(double(i)));
+
+  // Two orbits of different energies: what lies between the end of one and the start of the other is no crossing.
+  std::vector<double> energies;
+  auto section = poincare_section(
+      rotor, position, [&](double, const Point& w) { energies.push_back(w.vector().squaredNorm() / 2); },
+      {.direction = CrossingDirection::both});
+  auto fifth = every(5, section);
+  for (const double amplitude : {1.0, 4.0}) {
+    z = Point(amplitude, 0);
+    integrate(move, z, {.dt = 0.02, .steps = 252}, fifth);
+  }
+  section.finish();
+  REQUIRE(energies.size() == 4);
+  for (std::size_t i = 0; i < 4; ++i) CHECK(energies[i] == Approx(i < 2 ? 0.5 : 8).epsilon(1e-6));
+}
+
+TEST_CASE("Going on after finish() loses no interval", "[observers]") {
+  for (const int first : {1, 2, 3, 4}) {
+    Section section;
+    auto observer = section.observer(position);
+    std::vector<double> served;
+    auto at = at_times(
+        rotor, {0.15, 0.95, 3.0}, [&](double t, const Point&) { served.push_back(t); }, 6);
+    auto move = stepper();
+    Point z(std::cos(0.4), -std::sin(0.4));
+    integrate(move, z, {.dt = 0.5, .steps = first}, observer, at);
+    observer.finish();
+    at.finish();
+    integrate(move, z, {.dt = 0.5, .steps = 20, .t0 = 0.5 * first}, observer, at);
+    observer.finish();
+    CHECK(section.times.size() >= 3);
+    CHECK(section.times.front() == Approx(std::numbers::pi / 2 - 0.4).margin(1e-2));
+    CHECK(served == std::vector<double>{0.15, 0.95, 3.0});
+  }
+}
+
+TEST_CASE("The last of the times is served although n (T/n) is rounded below T", "[observers]") {
+  int served = 0;
+  for (int n = 1; n <= 300; ++n) {
+    auto move = stepper();
+    Point z(1, 0);
+    auto at = at_times(rotor, {0.0, 0.5, 1.0}, [](double, const Point&) {});
+    integrate(move, z, {.dt = 1.0 / n, .steps = n}, at);
+    at.finish();
+    served += static_cast<int>(at.served());
+  }
+  CHECK(served == 900);
+  auto move = stepper();
+  Point z(1, 0);
+  auto start = at_times(rotor, {0.3, 0.5}, [](double, const Point&) {});
+  integrate(move, z, {.dt = 0.1, .steps = 5, .t0 = 3 * 0.1}, start);  // 0.30000000000000004
+  CHECK(start.served() == 2);
+  auto none = at_times(rotor, {0.0}, [](double, const Point&) {});
+  integrate(move, z, {.dt = 0.1, .steps = 0}, none);
+  none.finish();
+  CHECK(none.served() == 1);
+}
+
+TEST_CASE("An observer within at_times() stops the run", "[observers]") {
+  auto move = stepper();
+  Point z(1, 0);
+  int seen = 0;
+  auto at = at_times(rotor, {0.5, 1.0, 1.5, 2.0}, [&](double, const Point&) { return ++seen < 2; });
+  const auto report = integrate(move, z, {.dt = 0.1, .steps = 100}, at);
+  CHECK(report.status == Status::stopped);
+  CHECK(seen == 2);
+}
+
+TEST_CASE("Dense output of a state of another size is refused", "[observers]") {
+  const systems::NlsLattice<double, Eigen::Dynamic> two(2), three(3);
+  Semiexplicit move(three, schemes::strang<double>());
+  PhasePoint<double, Eigen::Dynamic> z(3);
+  z.vector().setConstant(0.3);
+  auto section = poincare_section(
+      two, [](const auto& q, const auto&) { return q[0]; },
+      [](double, const PhasePoint<double, Eigen::Dynamic>&) {});
+  CHECK_THROWS_AS(integrate(move, z, {.dt = 0.1, .steps = 10}, section), std::invalid_argument);
 }

@@ -70,7 +70,7 @@ class Checkpoints {
   /// Puts stepper, observers and z, which comes as the run began, back to where the file has them, and gives the report up to
   /// there, for IntegrationOptions::done. Where there is no such file it changes nothing and gives an empty report. Throws
   /// std::invalid_argument, naming file, reason and remedy, where the file is damaged or belongs to another run, and
-  /// std::runtime_error where it cannot be written or another run that is alive has it open; z and the stepper are then
+  /// std::runtime_error where it cannot be written or another run that is alive has it open; z, the stepper and the observers are then
   /// untouched.
   IntegrationReport resume(State& z) {
     start_state_ = checksum_of(z);
@@ -90,7 +90,7 @@ class Checkpoints {
       visit_head(check, done, copy);
       visit_all(check);
       if (!check.at_end()) throw std::invalid_argument("it holds more numbers than are asked for");
-      visit_all(restore);
+      restore_all_or_nothing(restore);
       z = copy;
     } catch (const std::invalid_argument& reason) {
       throw std::invalid_argument("checkpoint " + path_.string() + ": " + reason.what());
@@ -230,6 +230,19 @@ class Checkpoints {
   void visit_all(CheckpointMemory& memory) {
     std::apply([&](auto&... observer) { (observer.visit_memory(memory), ...); }, observers_);
     stepper_.visit_memory(memory);  // after the observers, which may refuse
+  }
+
+  /// A file that an observer counts on may turn out to be another one only here.
+  void restore_all_or_nothing(CheckpointMemory& from) {
+    CheckpointMemory now;
+    visit_all(now);
+    try {
+      visit_all(from);
+    } catch (...) {
+      CheckpointMemory before(now.bytes(), CheckpointMemory::Read::restore);
+      visit_all(before);
+      throw;
+    }
   }
 
   /// Reading the clock costs as much as a small step: it is looked at about a thousand times a second.

@@ -61,6 +61,18 @@ bool is_fresh(const T& observer) {
     return false;
 }
 
+/// An observer that another one calls: its options and its memory, where it has any.
+template <class T>
+inline constexpr bool remembers = HasMemory<std::remove_cvref_t<T>>;
+template <class List, class T>
+void describe_inner(List& list, const T& observer) {
+  if constexpr (remembers<T>) list("observer", observer);
+}
+template <class Visitor, class T>
+void visit_inner(Visitor&& visit, T& observer) {
+  if constexpr (remembers<T>) observer.visit_memory(visit);
+}
+
 /// Compiles for what a checkpoint can keep; of anything else the compiler says what is missing.
 template <class T>
 consteval bool is_checkpointable() {

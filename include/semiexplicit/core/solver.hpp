@@ -15,7 +15,7 @@ struct AnyResidual {
   using Scalar = typename Vec::Scalar;
   void operator()(Vec& f);                ///< f(0), where every solver starts
   void operator()(const Vec& m, Vec& f);  ///< f(m)
-  const Scalar& state_size() const;       ///< ‖z‖
+  Scalar state_size() const;              ///< ‖z‖, or less; see StoppingRule
   Scalar rounding_level() const;          ///< a correction below this may be nothing but rounding
 };
 

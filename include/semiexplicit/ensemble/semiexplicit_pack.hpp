@@ -57,7 +57,8 @@ class SemiexplicitPack {
     const Many size_z = state_size(state);
     Many e = detail::call_inlined([&] { return sweep(state.z.data(), nullptr, dt); });
     Mask ok = in_play;
-    if (all_of(accepted(e, 0.0, size_z) || !in_play)) {
+    const Many distance = detail::norm(moved_.data(), length()) / 2.0;
+    if (all_of(accepted(e, 0.0, size_or_moves(size_z, distance)) || !in_play)) {
       for (std::size_t k = 0; k < Many::size(); ++k) {
         report[k].evaluations = 1;
         report[k].gradients = gradients();
@@ -175,6 +176,14 @@ class SemiexplicitPack {
     double rounding_level() const { return 100 * Eigen::NumTraits<double>::epsilon() * (all + distance); }
   };
 
+  /// Semiexplicit's state_size() after a sweep, where both copies moved by twice `distance`.
+  static Many size_or_moves(const Many& size_z, const Many& distance) {
+    const Many moves = StoppingRule::moves * distance;
+    Many smaller = size_z;
+    detail::assign(moves < size_z, smaller, moves);
+    return smaller;
+  }
+
   /// Goes on from the first evaluation, whose corrections are e; gives the lanes that came to a good end.
   Mask iterate(const State& state, double dt, const Mask& in_play, const Many& size_z, Many e,
                PackReport& report) {
@@ -186,9 +195,10 @@ class SemiexplicitPack {
     const Many size_all = detail::norm(state.z.data(), length());
     for (;;) {
       const Many distance = detail::norm(moved_.data(), length()) / 2.0;
+      const Many sizes = size_or_moves(size_z, distance);
       for (std::size_t k = 0; k < Many::size(); ++k)
         if (going[k])
-          going[k] = !lanes[k]->done(e[k], size_m[k], LaneSizes{size_z[k], size_all[k], distance[k]});
+          going[k] = !lanes[k]->done(e[k], size_m[k], LaneSizes{sizes[k], size_all[k], distance[k]});
       if (none_of(going)) break;
       // All multipliers move on; lanes that are done keep their moves of the copies.
       if (first)

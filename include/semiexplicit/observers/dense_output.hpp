@@ -40,7 +40,7 @@ class DenseOutput {
   /// Throws std::invalid_argument unless nodes is 2 to 8.
   explicit DenseOutput(H hamiltonian, int nodes = 4)
       : hamiltonian_(std::move(hamiltonian)), wanted_(static_cast<std::size_t>(nodes)) {
-    if (nodes < 2 || nodes > max_nodes)
+    if (nodes < 2 || wanted_ > max_nodes)
       throw std::invalid_argument("DenseOutput: " + std::to_string(nodes) +
                                   " nodes; give 2 to 8, half the order of the method or a little more");
     const State zero(dof_of(hamiltonian_));
@@ -57,6 +57,10 @@ class DenseOutput {
   template <class Done>
   bool push(const Scalar& t, const State& z, const IntegrationReport& run, const Done& done) {
     using Next = typename detail::RunClock<Scalar>::Next;
+    if (z.dof() != dof_of(hamiltonian_))
+      throw std::invalid_argument("DenseOutput: the state has " + std::to_string(z.dof()) +
+                                  " degrees of freedom and the Hamiltonian " +
+                                  std::to_string(dof_of(hamiltonian_)) + "; give the one that the run is of");
     const bool equal = size_ > 0 && z.vector() == node(size_ - 1).z.vector();
     const Next next = clock_.relation(t, equal, run);
     const Scalar after = next == Next::follows ? clock_.interval(t, run) : Scalar(0);
@@ -192,20 +196,17 @@ class Intervals {
   void take(const Scalar& t, const State& z, const IntegrationReport& run, const Look& look) {
     const auto done = [&](bool other) {
       finish(look);
-      begun_ = false;
       orbits_ += other ? 1 : 0;
     };
-    if (!dense.push(t, z, run, done) || !dense.ready()) return;
-    for (std::size_t i = begun_ ? dense.size() - 2 : 0; i + 1 < dense.size(); ++i) look(i);
-    begun_ = true;
+    if (!dense.push(t, z, run, done)) return;
+    ++unseen_;
+    if (dense.ready()) finish(look);
   }
 
-  /// Hands on the intervals of a run that ended before it had as many states as the interpolation has nodes.
+  /// Hands on the intervals that were not yet, of a run that ended before it had as many states as the interpolation has nodes.
   template <class Look>
   void finish(const Look& look) {
-    if (begun_) return;
-    for (std::size_t i = 0; i + 1 < dense.size(); ++i) look(i);
-    begun_ = true;
+    for (std::size_t i = dense.size() - 1 - unseen_; unseen_ > 0; ++i, --unseen_) look(i);
   }
 
   /// Whether it has seen nothing yet.
@@ -214,7 +215,7 @@ class Intervals {
   template <class Visitor>
   void visit_memory(Visitor&& visit) {
     dense.visit_memory(visit);
-    visit(begun_);
+    visit(unseen_);
     visit(orbits_);
   }
 
@@ -224,7 +225,7 @@ class Intervals {
   DenseOutput<H> dense;
 
  private:
-  bool begun_ = false;
+  std::size_t unseen_ = 0;  ///< intervals at the end
   std::int64_t orbits_ = 0;
 };
 
@@ -253,32 +254,42 @@ class AtTimes {
     }
   }
 
-  void operator()(const Scalar& s, const State& z, const IntegrationReport& run = {}) {
-    intervals_.take(s, z, run, [&](std::size_t i) { look(i, run); });
+  /// Takes in the next state; false where the observer asked to stop.
+  bool operator()(const Scalar& s, const State& z, const IntegrationReport& run = {}) {
+    bool go_on = true;
+    intervals_.take(s, z, run, [&](std::size_t i) { go_on = look(i, run) && go_on; });
+    return go_on;
   }
 
   /// Serves the times of a run that ended before it had as many states as the interpolation has nodes.
   void finish() {
     intervals_.finish([this](std::size_t i) { look(i, {}); });
+    if (intervals_.dense.size() != 1) return;  // a run of no step
+    between_ = intervals_.dense.state(0);
+    while (next_ < times_.size() && !(beyond(times_[next_], clock(0)) || beyond(clock(0), times_[next_])))
+      serve({});
   }
 
   /// How many of the times were served.
   std::size_t served() const { return next_; }
 
   /// Whether it has seen nothing yet: a resumed run would miss the times before.
-  bool fresh() const { return intervals_.fresh(); }
+  bool fresh() const { return intervals_.fresh() || detail::is_fresh(observer_); }
 
   /// See Describable.
   template <class List>
   void describe(List& list) const {
     list("times", times_);
     intervals_.dense.describe(list);
+    detail::describe_inner(list, observer_);
   }
-  /// The states between which it interpolates, and how many times were served; see CheckpointMemory.
+  /// The states between which it interpolates, how many times were served, and what the observer remembers; see
+  /// CheckpointMemory.
   template <class Visitor>
   void visit_memory(Visitor&& visit) {
     intervals_.visit_memory(visit);
     visit(next_);
+    detail::visit_inner(visit, observer_);
   }
 
  private:
@@ -293,26 +304,45 @@ class AtTimes {
       return intervals_.dense.time(i);
   }
 
-  void look(std::size_t i, const IntegrationReport& run) {
+  /// Whether a is above b by more than the rounding of times: n·(T/n) need not be T.
+  static bool beyond(const Scalar& a, const Scalar& b) {
+    using std::abs;
+    return a - b > 2 * Eigen::NumTraits<Scalar>::epsilon() * (abs(a) < abs(b) ? abs(b) : abs(a));
+  }
+
+  bool look(std::size_t i, const IntegrationReport& run) {
     const Scalar from = clock(i), to = clock(i + 1);
     const bool forward = intervals_.dense.interval(i) > Scalar(0);
+    bool go_on = true;
     while (next_ < times_.size()) {
       const Scalar t = times_[next_];
-      if (forward ? t > to : t < to) return;
-      if (forward ? t < from : t > from)
-        throw std::invalid_argument("at_times: a time lies before the start of the run; leave it out");
+      if (forward ? beyond(t, to) : beyond(to, t)) break;
+      if (forward ? beyond(from, t) : beyond(t, from))
+        throw std::invalid_argument(
+            "at_times: time " + std::to_string(next_) +
+            " lies before the start of the run, or the run turned round before it; leave it out");
       intervals_.dense.after(i, where(i, t, from, to), between_);
-      ++next_;
-      if constexpr (extended)
-        detail::notify(observer_, t, system().point(between_), run);
-      else
-        detail::notify(observer_, t, std::as_const(between_), run);
+      go_on = serve(run) && go_on;
     }
+    return go_on;
+  }
+
+  /// Hands the observer the state `between_`, at the next of the times.
+  bool serve(const IntegrationReport& run) {
+    const Scalar t = times_[next_++];
+    if constexpr (extended)
+      return detail::notify(observer_, t, system().point(between_), run);
+    else
+      return detail::notify(observer_, t, std::as_const(between_), run);
   }
 
   /// How long after state i the clock shows t.
   Scalar where(std::size_t i, const Scalar& t, const Scalar& from, const Scalar& to) {
     const Scalar interval = intervals_.dense.interval(i);
+    const bool forward = interval > Scalar(0);
+    // Times are rounded: the interval bounds it.
+    if (forward ? !(t > from) : !(t < from)) return Scalar(0);
+    if (forward ? !(t < to) : !(t > to)) return interval;
     if constexpr (extended) {
       const auto late = [&](const Scalar& x) {
         intervals_.dense.after(i, x, between_);
@@ -320,10 +350,8 @@ class AtTimes {
       };
       return detail::bracketed_root(late, Scalar(0), Scalar(from - t), interval, Scalar(to - t));
     } else {
-      // Late times are rounded: what is left of the interval bounds it.
       const Scalar x = t - from;
-      if ((x > Scalar(0)) != (interval > Scalar(0))) return Scalar(0);
-      return (x > interval) == (interval > Scalar(0)) ? interval : x;
+      return (x > interval) == forward ? interval : x;
     }
   }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <stdexcept>
 #include <type_traits>
@@ -22,7 +24,7 @@ class Every {
 
   template <class Scalar, class State>
   bool operator()(const Scalar& t, const State& state, const IntegrationReport& run = {}) {
-    return calls_++ % n_ != 0 || detail::notify(observer_, t, state, run);
+    return !(is_due(t, run)) || detail::notify(observer_, t, state, run);
   }
 
   /// Whether the observer has seen nothing yet and cannot do without; see Checkpointable.
@@ -32,25 +34,50 @@ class Every {
   template <class List>
   void describe(List& list) const {
     list("n", n_);
-    if constexpr (remembers) list("observer", observer_);
+    detail::describe_inner(list, observer_);
   }
-  /// Its count, and what the observer remembers; see CheckpointMemory.
+  /// The steps so far, and what the observer remembers; see CheckpointMemory.
   template <class Visitor>
   void visit_memory(Visitor&& visit) {
-    visit(calls_);
-    if constexpr (remembers) observer_.visit_memory(visit);
+    visit(started_);
+    visit(time_);
+    visit(before_);
+    visit(steps_);
+    detail::visit_inner(visit, observer_);
   }
 
  private:
-  static constexpr bool remembers = HasMemory<std::remove_cvref_t<Observer>>;
+  /// Counts the steps of the runs: those of one that goes on from where the last one ended count on.
+  template <class Scalar>
+  bool is_due(const Scalar& t, const IntegrationReport& run) {
+    const double now = static_cast<double>(t);
+    if (run.dt == 0) {  // called by hand
+      steps_ += started_ ? 1 : 0;
+    } else if (run.steps == 0) {
+      const double rounding = 64 * static_cast<double>(Eigen::NumTraits<Scalar>::epsilon());
+      const bool again =
+          started_ && std::abs(now - time_) <= rounding * std::max(std::abs(now), std::abs(time_));
+      before_ = again ? before_ + steps_ : 0;
+      steps_ = 0;
+      if (again) return false;  // its first state is the last one of the run before
+    } else {
+      steps_ = run.steps;
+    }
+    started_ = true;
+    time_ = now;
+    return (before_ + steps_) % n_ == 0;
+  }
 
-  std::int64_t n_, calls_ = 0;
+  std::int64_t n_;
+  bool started_ = false;
+  double time_ = 0;                      ///< of the last state
+  std::int64_t before_ = 0, steps_ = 0;  ///< of the earlier runs, and of this one
   Observer observer_;
 };
 
 /// `every(100, observer)`: calls the observer at the start and then after every 100 steps. A named observer is referred to,
-/// so it must outlive the run; a temporary is kept. The count goes on from run to run; the last state is only seen where a
-/// multiple of n falls on it.
+/// so it must outlive the run; a temporary is kept. A run that begins where the last one ended counts on, a resumed one
+/// counts from its own start, any other begins anew; the last state is only seen where a multiple of n falls on it.
 template <class Observer>
 Every<Observer> every(std::int64_t n, Observer&& observer) {
   return {n, std::forward<Observer>(observer)};

@@ -55,14 +55,17 @@ class PoincareSection {
     list("direction", direction_);
     list.function("surface", surface_);
     dense().describe(list);
+    detail::describe_inner(list, observer_);
   }
-  /// The states between which it interpolates, the side of the surface and the count; see CheckpointMemory.
+  /// The states between which it interpolates, the side of the surface, the count, and what the
+  /// observer remembers; see CheckpointMemory.
   template <class Visitor>
   void visit_memory(Visitor&& visit) {
     intervals_.visit_memory(visit);
     visit(side_);
     visit(orbit_);
     visit(count_);
+    detail::visit_inner(visit, observer_);
   }
 
  private:

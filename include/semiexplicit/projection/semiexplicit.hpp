@@ -100,8 +100,11 @@ class Semiexplicit {
       f = doubled.difference() + 2 * m;
     }
 
-    /// ‖z‖, without the time where that is a coordinate.
-    const Scalar& state_size() const { return size; }
+    /// ‖z‖, without the time where that is a coordinate, but no more than so many moves of a step: see StoppingRule.
+    Scalar state_size() const {
+      const Scalar moves = StoppingRule::moves * doubled.distance(z);
+      return moves < size ? moves : size;
+    }
 
     /// A correction below this may be nothing but rounding: the copies' own, made larger by the kicks in between.
     Scalar rounding_level() const {

@@ -30,8 +30,12 @@ struct StoppingRule {
   static constexpr StoppingRule paper(double epsilon) { return {Kind::paper, epsilon}; }
 
   /// e (‖m‖ + e) ≤ τ ‖z‖². The step ends with the mean of the copies, whose errors of symplecticity, of quadratic invariants
-  /// and of reversibility are of this product's size, so τ is a relative drift budget a step; it scales with the state.
+  /// and of reversibility are of this product's size, so τ is a relative drift budget a step; it scales with the state. For ‖z‖
+  /// counts at most `moves` times what a step moves: an angle that is not wound back, or a drift far from the origin, would
+  /// loosen the rule without limit.
   static constexpr StoppingRule product(double tau = 1e-16) { return {Kind::product, tau}; }
+
+  static constexpr int moves = 100;
 
   /// NaN in any argument is never accepted.
   template <class Scalar>

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <utility>
 
 #include <semiexplicit/core/checkpointable.hpp>
@@ -39,7 +40,7 @@ class LyapunovExponents {
         previous_(tangent_.dof()),
         frame_(Frame::Zero(2 * tangent_.dof(), count > 0 ? count : 1)),
         moved_(frame_),
-        sums_(Exponents::Zero(frame_.cols())) {
+        sums_(Sums::Zero(frame_.cols())) {
     if (count < 1 || count > 2 * tangent_.dof())
       throw std::invalid_argument("LyapunovExponents: " + std::to_string(count) +
                                   " exponents asked for; there are " + std::to_string(2 * tangent_.dof()));
@@ -106,7 +107,7 @@ class LyapunovExponents {
   /// The estimates up to now; zero before the first step.
   Exponents exponents() const {
     if (elapsed_ == 0) return Exponents::Zero(sums_.size());
-    return sums_ / Scalar(std::abs(elapsed_));
+    return (sums_ / Sum(std::abs(elapsed_))).template cast<Scalar>();
   }
 
  private:
@@ -114,6 +115,9 @@ class LyapunovExponents {
     throw std::invalid_argument(std::string("LyapunovExponents: ") + why);
   }
 
+  /// A sum of many small numbers, which floats would round off.
+  using Sum = std::conditional_t<std::is_same_v<Scalar, float>, double, Scalar>;
+  using Sums = Eigen::Matrix<Sum, Eigen::Dynamic, 1>;
   using Frame = Eigen::Matrix<Scalar, twice(Dof), Eigen::Dynamic>;
 
   /// Modified Gram-Schmidt; adds the logarithms of the lengths.
@@ -124,14 +128,14 @@ class LyapunovExponents {
         frame_.col(j) -= detail::dot(frame_.col(k), frame_.col(j)) * frame_.col(k);
       const Scalar length = detail::norm(frame_.col(j));
       frame_.col(j) /= length;
-      sums_[j] += log(length);
+      sums_[j] += static_cast<Sum>(log(length));
     }
   }
 
   TangentMap<H> tangent_;
   State previous_;
   Frame frame_, moved_;
-  Exponents sums_;
+  Sums sums_;
   double elapsed_ = 0;  ///< the time of the run so far, with its sign
   detail::RunClock<Scalar> clock_;
 };

@@ -14,6 +14,12 @@ if [ ! -d "$(dirname "$output")" ]; then
   echo "amalgamate.sh: there is no folder $(dirname "$output"); make it first" >&2
   exit 2
 fi
+for file in "$output" "$part"; do
+  if [ -L "$file" ] || { [ -e "$file" ] && [ ! -f "$file" ]; }; then
+    echo "amalgamate.sh: $file is no regular file and would be replaced; give another name" >&2
+    exit 2
+  fi
+done
 trap 'rm -f "$part"' EXIT
 
 version_part() { awk -v name="SEMIEXPLICIT_VERSION_$1" '$2 == name { print $3 }' "$root/include/semiexplicit/version.hpp"; }

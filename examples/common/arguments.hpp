@@ -182,9 +182,22 @@ inline void refuse_options(const CLI::App& app, const std::string& with,
       throw std::invalid_argument(option + " means nothing to " + with + "; leave it out");
 }
 
+/// Accepts no devices, pipes and folders, which have no end or cannot be read; what is not there is refused elsewhere.
+inline CLI::Validator regular_file() {
+  return {[](std::string& text) {
+            std::error_code failure;
+            const std::filesystem::file_status there = std::filesystem::status(text, failure);
+            const bool other = std::filesystem::exists(there) && !std::filesystem::is_regular_file(there);
+            return other ? "'" + text + "' is not a regular file" : std::string();
+          },
+          "", "regular file"};
+}
+
 /// Adds --config, a file of such options.
 inline void add_config(CLI::App& app) {
-  app.set_config("--config", "", "file of such options, as name = value lines")->type_name("FILE");
+  app.set_config("--config", "", "file of such options, as name = value lines")
+      ->check(regular_file())
+      ->type_name("FILE");
   app.allow_config_extras(false);
   app.config_formatter(std::make_shared<ConfigFile>(app));
 }

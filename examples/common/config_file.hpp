@@ -1,8 +1,11 @@
 #pragma once
 
 #include <cctype>
+#include <cstddef>
+#include <ios>
 #include <istream>
 #include <map>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -14,7 +17,7 @@ namespace examples {
 
 /// The files of --config: a subset of TOML without sections. Lines `name = value`, where the value is a word or number, a
 /// "text" or 'text', or a list [..., ...] of these, which may go over several lines; # begins a comment. What is wrong is
-/// refused as "file:line: reason".
+/// refused as "file:line: reason", and so is more than a million bytes.
 class ConfigFile : public CLI::Config {
  public:
   explicit ConfigFile(const CLI::App& app) : app_(app) {}
@@ -29,7 +32,13 @@ class ConfigFile : public CLI::Config {
   std::vector<CLI::ConfigItem> from_config(std::istream& in) const override {
     std::vector<CLI::ConfigItem> read;
     lines_.clear();
-    in_ = &in;
+    line_ = 1;
+    std::string bytes(1'000'001, '\0');
+    in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    bytes.resize(static_cast<std::size_t>(in.gcount()));
+    if (bytes.size() > 1'000'000) refuse("the file is longer than 1 MB; give one of name = value lines");
+    in_.str(bytes);
+    in_.clear();
     line_ = 0;
     while (next_line()) {
       skip_blanks();
@@ -121,7 +130,7 @@ class ConfigFile : public CLI::Config {
   }
 
   bool next_line() const {
-    if (!std::getline(*in_, text_)) return false;
+    if (!std::getline(in_, text_)) return false;
     ++line_;
     at_ = 0;
     if (line_ == 1 && text_.starts_with("\xef\xbb\xbf")) at_ = 3;  // the byte order mark of some editors
@@ -150,7 +159,7 @@ class ConfigFile : public CLI::Config {
 
   // CLI11 wants a reader that is const; what follows is where it is in the file.
   const CLI::App& app_;
-  mutable std::istream* in_ = nullptr;
+  mutable std::istringstream in_;
   mutable std::map<std::string, int> lines_;
   mutable std::string text_;
   mutable std::size_t at_ = 0;

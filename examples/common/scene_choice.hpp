@@ -29,8 +29,9 @@ struct Allowed {
 };
 inline const Allowed above_zero{"a positive number", [](double x) { return x > 0; }};
 inline const Allowed not_negative{"a number from 0 on", [](double x) { return x >= 0; }};
-inline const Allowed half_turn{"an angle from 0 to 180 deg",
-                               [](double x) { return x >= 0 && x <= std::acos(-1.0) * (1 + 1e-15); }};
+inline const Allowed half_turn{
+    "an angle from 0 to 180 deg; a plain number is in radians, so write \"90 deg\"",
+    [](double x) { return x >= 0 && x <= std::acos(-1.0) * (1 + 1e-15); }};
 
 /// A number that the user may set: the option --name. `unit` is any unit of its kind ("m/s" for a velocity), or "" for a
 /// number; users may write one behind the value.

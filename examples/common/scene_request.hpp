@@ -42,13 +42,17 @@ class SceneRequest {
     app.add_flag("--audit", audit,
                  "print what each effect is worth and which are called for, instead of a long run");
     app.add_option("--dt", dt, "step size; made a little smaller where the time is no multiple")
-        ->type_name("X")
+        ->type_name("X[ UNIT]")
         ->default_str("the preset's");
-    app.add_option("--time", time, "time to integrate to")->type_name("X")->default_str("the preset's");
+    app.add_option("--time", time, "time to integrate to")
+        ->type_name("X[ UNIT]")
+        ->default_str("the preset's");
     for (const Parameter& parameter : program_.parameters)
-      app.add_option("--" + parameter.name, texts_[parameter.name], parameter.about)
+      app.add_option("--" + parameter.name, texts_[parameter.name], about(parameter))
           ->type_name(parameter.unit.empty() ? "X" : "X[ UNIT]")
-          ->group("Parameters; the defaults are the preset's");
+          ->group(
+              "Parameters; the defaults are the preset's, and a number without a unit is in the preset's "
+              "units (--list-presets)");
     add_config(app);
   }
 
@@ -124,7 +128,7 @@ class SceneRequest {
       for (const std::string& name : entry.parameters)
         for (const Parameter& parameter : program_.parameters)
           if (parameter.name == name)
-            out << "  --" << name << ": " << parameter.about << " [" << dimension(read_unit(parameter.unit))
+            out << "  --" << name << ": " << about(parameter) << " [" << dimension(read_unit(parameter.unit))
                 << "]\n";
       if (!entry.source.empty()) out << "  source: " << entry.source << '\n';
     }
@@ -152,6 +156,11 @@ class SceneRequest {
   }
 
  private:
+  /// What a parameter is. Angles are in radians in all presets.
+  static std::string about(const Parameter& parameter) {
+    return parameter.about + (parameter.unit == "rad" ? "; in radians, or as \"90 deg\"" : "");
+  }
+
   double quantity(const std::string& option, const std::string& text, const std::string& unit,
                   bool positive = false) const {
     try {

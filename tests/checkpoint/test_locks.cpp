@@ -86,6 +86,38 @@ TEST_CASE("A process may resume a run whose first object it still holds", "[chec
   CHECK(files_in(folder.path) == 0);
 }
 
+TEST_CASE("A checkpoint does not take the name of the .part of a table", "[checkpoint]") {
+  const Folder folder;
+  const fs::path path = folder.path / "run.csv", part = folder.path / "run.csv.part";
+  CsvTrajectory table(path, 1);
+  table(0.0, PhasePoint<double, 1>(1, 2));
+  Run run(part);
+  for (const std::string& said : {complaint([&] { run.resume(); }), complaint([&] { run.go(); }),
+                                  complaint([&] { run.checkpoints.remove(); })})
+    CHECK(says(said, part.string() + ": names in .part are for files that are being written"));
+  table(1.0, PhasePoint<double, 1>(3, 4));
+  table.commit();
+  CHECK(contents(path) == "t,q0,p0\n0,1,2\n1,3,4\n");
+}
+
+TEST_CASE("A second run with the same object is saved, too", "[checkpoint]") {
+  const Folder folder;
+  const fs::path file = folder.path / "run.checkpoint";
+  const bool by_clock = GENERATE(true, false);
+  GaussLegendre<systems::Product<double>> stepper{systems::Product<double>{}, {.stages = 1}};
+  const IntegrationOptions<double> options{.dt = 0.1, .steps = 20};
+  CheckpointOptions when{.every = 20};
+  if (by_clock) when = {.seconds = 1e-9};
+  Checkpoints checkpoints(file, when, stepper, options);
+  for (const double q : {-3, -2}) {
+    PhasePoint<double, 1> z(q, 0), again(q, 0);
+    integrate(stepper, z, options, checkpoints);
+    CHECK(fs::exists(file));
+    CHECK(checkpoints.resume(again).steps > 0);
+    checkpoints.remove();
+  }
+}
+
 TEST_CASE("A checkpoint behind a link, and one that is no file", "[checkpoint]") {
   const Folder folder, elsewhere;
   const fs::path link = folder.path / "link", target = elsewhere.path / "run.checkpoint";

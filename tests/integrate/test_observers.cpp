@@ -90,6 +90,32 @@ TEST_CASE("Record keeps times and states", "[observers]") {
   CHECK(dynamic.z[0].dof() == 3);
 }
 
+TEST_CASE("A Record refuses states of two sizes", "[observers]") {
+  using State = PhasePoint<double, Eigen::Dynamic>;
+  Record<double, Eigen::Dynamic> record;
+  record(0.0, State(2));
+  CHECK(refuses(
+      [&] { record(1.0, State(1)); },
+      "Record: a state with 1 degrees of freedom after one with 2; give each run a Record of its own"));
+  REQUIRE(record.z.size() == 1);
+  record(1.0, State(2));
+
+  CheckpointMemory memory;
+  record.z[1] = State(1);  // by hand
+  CHECK(refuses([&] { record.visit_memory(memory); },
+                "Record: a state with 1 degrees of freedom after one with 2"));
+  record.z.pop_back();
+  CHECK(refuses([&] { record.visit_memory(memory); }, "Record: there are 2 times and 1 states"));
+  record.t.pop_back();
+
+  CheckpointMemory saved;
+  record.visit_memory(saved);
+  Record<double, Eigen::Dynamic> back;
+  back.visit_memory(CheckpointMemory(saved.bytes(), CheckpointMemory::Read::restore));
+  REQUIRE(back.z.size() == 1);
+  CHECK(back.z[0].dof() == 2);
+}
+
 TEST_CASE("Invariants keep the worst and the last error, relative to the first value", "[observers]") {
   Invariants<double, 1> errors;
   errors.add("q", [](const auto& q, const auto&) { return q[0]; }).add("p", [](const auto&, const auto& p) {

@@ -361,6 +361,29 @@ TEST_CASE("A second run on the same table is refused while the first lives", "[i
   CHECK(std::distance(fs::directory_iterator(folder.path), fs::directory_iterator()) == 1);
 }
 
+TEST_CASE("An output does not take the name of another one's .part", "[io]") {
+  const Folder folder;
+  const fs::path path = folder.path / "a.csv", part = folder.path / "a.csv.part", link = folder.path / "link";
+  const std::string reason = "names in .part are for files that are being written; give another name";
+  fs::create_symlink("a.csv.part", link);
+  // Before the other one, while it is written, and by way of a link.
+  CHECK(complaint([&] { CsvWriter other(part, {"t"}); }) == part.string() + ": " + reason);
+  CsvWriter writer(path, {"t"});
+  writer.row({1});
+  for (const fs::path& name : {part, link}) {
+    CHECK(complaint([&] { CsvWriter other(name, {"t"}); }) == name.string() + ": " + reason);
+    CHECK(complaint([&] { write_durably(name, "text"); }) == name.string() + ": " + reason);
+    CHECK(complaint([&] { DurableFile::remove(name); }) == name.string() + ": " + reason);
+  }
+  writer.row({2});
+  writer.commit();
+  CHECK(contents(path) == "t\n1\n2\n");
+
+  fs::remove(link);
+  REQUIRE(mkfifo((folder.path / "pipe.part").c_str(), 0600) == 0);  // which nobody writes to and renames
+  DurableFile::remove(folder.path / "pipe.part");
+}
+
 TEST_CASE("A file that is moved away or in the way is not taken for ours", "[io]") {
   const Folder folder;
   const fs::path path = folder.path / "table.csv", part = folder.path / "table.csv.part",
@@ -382,6 +405,14 @@ TEST_CASE("A file that is moved away or in the way is not taken for ours", "[io]
   fs::create_symlink("mine", path);
   CHECK(says(complaint([&] { writer.commit(); }), "something else has taken this name"));
   CHECK(contents(folder.path / "mine") == "t\n1\n");
+}
+
+TEST_CASE("A trajectory of less than no degrees of freedom is refused", "[io]") {
+  const Folder folder;
+  const fs::path path = folder.path / "table.csv";
+  CHECK(refuses([&] { CsvTrajectory(path, -2); },
+                "CsvTrajectory: dof is negative (-2); give that of the state, z.dof()"));
+  CHECK(fs::is_empty(folder.path));
 }
 
 TEST_CASE("Numbers have a decimal point where the locale has a comma", "[io]") {

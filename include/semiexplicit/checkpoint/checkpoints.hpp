@@ -103,6 +103,10 @@ class Checkpoints {
 
   void operator()(const Scalar&, const State& z, const IntegrationReport& so_far) {
     if (so_far.steps == 0) start_state_ = checksum_of(z);
+    if (so_far.steps < std::exchange(seen_, so_far.steps)) {  // another run
+      last_ = so_far.steps;
+      next_look_ = 0;
+    }
     if (so_far.steps == last_) return;
     if (options_.every > 0 ? so_far.steps % options_.every != 0 : !time_has_come(so_far.steps)) return;
     save(z, so_far);
@@ -263,7 +267,7 @@ class Checkpoints {
   std::tuple<Observers&...> observers_;
   std::uint64_t start_state_ = 0;
   double done_seconds_ = 0;
-  std::int64_t last_ = 0, next_look_ = 0, look_every_ = 1;
+  std::int64_t last_ = 0, seen_ = 0, next_look_ = 0, look_every_ = 1;
   detail::Descriptor lock_{};  ///< the file at path_, so that another run is refused
   Clock::time_point start_ = Clock::now(), last_time_ = start_, last_look_ = start_;
 };

@@ -38,6 +38,10 @@ struct Destination {
     if (there.type() == fs::file_type::directory || !path.has_filename())
       throw std::runtime_error(name.string() + ": is a folder; give the name of a file in it");
     direct = fs::exists(there) && !fs::is_regular_file(there);
+    // It may be that of another output, which would then lose what it has written.
+    if (!direct && path.filename().string().ends_with(".part"))
+      throw std::runtime_error(name.string() +
+                               ": names in .part are for files that are being written; give another name");
   }
 
  private:
@@ -78,8 +82,8 @@ class DurableFile {
   /// What happens to a .part that is not committed: it is announced on stderr and kept, or it is removed.
   enum class Uncommitted { kept, removed };
 
-  /// Throws where the folder is missing or not writable, the name is a folder or a file that is write-protected, or another
-  /// run is writing it. What an earlier run left in the .part stays up to the first write().
+  /// Throws where the folder is missing or not writable, the name is a folder, a file that is write-protected or ends in
+  /// ".part", or another run is writing it. What an earlier run left in the .part stays up to the first write().
   explicit DurableFile(std::filesystem::path name, Uncommitted uncommitted = Uncommitted::removed)
       : name_(std::move(name)), to_(name_), part_(to_.path), uncommitted_(uncommitted) {
     if (to_.direct)

@@ -138,6 +138,7 @@ class CsvTrajectory {
  public:
   static constexpr const char* name = "CsvTrajectory";
 
+  /// Throws std::invalid_argument where dof is negative; see DurableFile for the rest.
   CsvTrajectory(const std::filesystem::path& path, Eigen::Index dof) : writer_(path, columns(dof)) {}
 
   template <class Scalar, class State>
@@ -163,6 +164,9 @@ class CsvTrajectory {
 
  private:
   static std::vector<std::string> columns(Eigen::Index dof) {
+    if (dof < 0)
+      throw std::invalid_argument("CsvTrajectory: dof is negative (" + std::to_string(dof) +
+                                  "); give that of the state, z.dof()");
     std::vector<std::string> names{"t"};
     for (const char* half : {"q", "p"})
       for (Eigen::Index i = 0; i < dof; ++i) names.push_back(half + std::to_string(i));

@@ -12,6 +12,7 @@
 
 #include <semiexplicit/core/hamiltonian_door.hpp>
 #include <semiexplicit/core/phase_point.hpp>
+#include <semiexplicit/core/reference_size.hpp>
 
 namespace semiexplicit {
 
@@ -31,7 +32,7 @@ struct GradientCheck {
     std::string name;    ///< "dH/dq[0]"
     Scalar given;        ///< by H.gradient, into an output of zeros
     Scalar expected;     ///< by differences of H.energy
-    Scalar uncertainty;  ///< of `expected`: an entry is wrong if it is further off than this
+    Scalar uncertainty;  ///< of `expected`: an entry that is judged is wrong if it is further off than this
     bool
         judged;  ///< false: the differences are too uncertain to tell a right entry from, say, one of the wrong sign
     bool wrong;
@@ -95,11 +96,13 @@ inline std::string describe(GradientOutput output) {
 /// One wrong entry in words.
 template <class Scalar>
 std::string entry_in_words(const GradientCheck<Scalar>& check, std::size_t i) {
+  using std::isfinite;
   const auto& e = check.entries[i];
   std::ostringstream text;
   text.imbue(std::locale::classic());
   text << e.name;
-  if (e.clashes()) {
+  const bool clashes = !isfinite(e.given) || (e.judged && e.clashes());
+  if (clashes) {
     text.precision(10);
     text << " is " << static_cast<long double>(e.given) << ", but by the energy it is "
          << static_cast<long double>(e.expected);
@@ -108,7 +111,7 @@ std::string entry_in_words(const GradientCheck<Scalar>& check, std::size_t i) {
     const std::string guess = gradient_guess(check, i);
     if (!guess.empty()) text << ": " << guess;
   }
-  if (e.output != GradientOutput::written) text << (e.clashes() ? "; it " : " ") << describe(e.output);
+  if (e.output != GradientOutput::written) text << (clashes ? "; it " : " ") << describe(e.output);
   return text.str();
 }
 
@@ -144,6 +147,7 @@ template <class Scalar>
 struct Slope {
   Scalar value, uncertainty;
   bool judges = false;
+  Scalar steps_from = Scalar(0);  ///< the largest of the steps that it was looked for with
 };
 
 /// The level of noise in f near x, from the fourth differences of values so close that nothing else is left in them.
@@ -177,8 +181,9 @@ Scalar noise_near(const F& f, const Scalar& x, const Scalar& h) {
 
 /// f'(x) by central differences, extrapolated to a vanishing step (Ridders' method): the step shrinks from `h` on, every
 /// column of the tableau removes one more even power of it, and of every row the entry that agrees best with its neighbours is
-/// a candidate. Its uncertainty is their disagreement and the noise of f, which is `rounding` at least, with room to spare. A
-/// row of larger steps is believed only where it does not contradict the smaller ones: an oscillation may pass unseen.
+/// a candidate. Its uncertainty is their disagreement and the noise of f, with room to spare: the level near x, `rounding`, and
+/// the rounding of the values that the row is made of, which may be far larger than f(x). A row of larger steps is believed
+/// only where it does not contradict the smaller ones: an oscillation may pass unseen.
 ///
 /// Source: C. J. F. Ridders, Adv. Eng. Software 4 (1982) 75.
 template <class Scalar, class F>
@@ -186,30 +191,36 @@ Slope<Scalar> extrapolated_slope(const F& f, const Scalar& x, Scalar h, const Sc
   using std::abs;
   using std::isfinite;
   constexpr int rows = 16;
-  const Scalar unknown = std::numeric_limits<Scalar>::infinity();
-  const Scalar noise = 16 * std::max(rounding, noise_near<Scalar>(f, x, h));
+  const Scalar unknown = std::numeric_limits<Scalar>::infinity(),
+               epsilon = Eigen::NumTraits<Scalar>::epsilon();
+  const Scalar noise_here = std::max(rounding, noise_near<Scalar>(f, x, h));
+  const Scalar first = h;
   std::vector<Slope<Scalar>> candidates;
-  Scalar previous[rows], current[rows];
+  Scalar previous[rows], current[rows], largest[rows];
   for (int i = 0, known = 0; i < rows; ++i, h /= 2) {
-    const Scalar right = x + h, left = x - h;
-    current[0] = (f(right) - f(left)) / (right - left);
+    const Scalar right = x + h, left = x - h, above = f(right), below = f(left);
+    current[0] = (above - below) / (right - left);
     if (!isfinite(current[0])) {  // outside of the domain: smaller steps may be inside
       known = 0;
       continue;
     }
-    Slope<Scalar> best{current[0], unknown};
-    Scalar power(4);
+    largest[known] = std::max(abs(above), abs(below));
+    Slope<Scalar> best{current[0], unknown, false, first};
+    Scalar power(4), values = largest[known];
     for (int k = 1; k <= known; ++k, power *= 4) {
       current[k] = current[k - 1] + (current[k - 1] - previous[k - 1]) / (power - 1);
+      // The weight of the row before is about a third, and half of that by its step.
+      values = std::max<Scalar>(values, largest[known - k] / power);
       const Scalar uncertainty =
-          8 * std::max(abs(current[k] - current[k - 1]), abs(current[k] - previous[k - 1])) + noise / h;
-      if (uncertainty < best.uncertainty) best = {current[k], uncertainty};
+          8 * std::max(abs(current[k] - current[k - 1]), abs(current[k] - previous[k - 1])) +
+          16 * std::max<Scalar>(noise_here, epsilon * values) / h;
+      if (uncertainty < best.uncertainty) best.value = current[k], best.uncertainty = uncertainty;
     }
     candidates.push_back(best);
     std::copy(current, current + known + 1, previous);
     ++known;
   }
-  Slope<Scalar> result{std::numeric_limits<Scalar>::quiet_NaN(), unknown};
+  Slope<Scalar> result{std::numeric_limits<Scalar>::quiet_NaN(), unknown, false, first};
   for (auto row = candidates.rbegin(); row != candidates.rend(); ++row)
     if (row->uncertainty < result.uncertainty &&
         !(abs(row->value - result.value) > result.uncertainty + row->uncertainty))
@@ -217,36 +228,76 @@ Slope<Scalar> extrapolated_slope(const F& f, const Scalar& x, Scalar h, const Sc
   return result;
 }
 
-/// f'(x), to judge `given` by, where x is a number of the size `own` in a state of the size `size`. Steps of about a tenth of x come first; where they
-/// drown in rounding, as at x = 1e-8 beside terms of size one, larger ones follow, which must not contradict them.
+/// Neither is off from the other by more than both uncertainties, or one of them is unknown.
+template <class Scalar>
+bool compatible(const Slope<Scalar>& a, const Slope<Scalar>& b) {
+  using std::abs;
+  return !(abs(a.value - b.value) > a.uncertainty + b.uncertainty);
+}
+
+/// f'(x), to judge `given` by, where x is a number of the size `own` in a state of the size `size`; `slack` is by how much a
+/// right one may be off beside the uncertainty.
+///
+/// Steps of about a tenth of `own` come first. Where they say too little, as beside an oscillation much faster than they are,
+/// or speak against `given`, smaller ones follow, down to some hundred roundings of x: of two that contradict each other the
+/// smaller ones are right. Where all drown in rounding, as at x = 1e-8 beside terms of size one, larger ones follow, which
+/// must not contradict the others.
 template <class Scalar, class F>
 Slope<Scalar> judging_slope(const F& f, const Scalar& x, const Scalar& given, const Scalar& own,
-                            const Scalar& size, const Scalar& rounding) {
+                            const Scalar& size, const Scalar& rounding, const Scalar& slack = Scalar(0)) {
   using std::abs;
   using std::isfinite;
   using std::sqrt;
   const Scalar here = f(x), widest = std::max<Scalar>(size, 1);
-  const Scalar tiny = sqrt(Eigen::NumTraits<Scalar>::epsilon());
-  Slope<Scalar> best{std::numeric_limits<Scalar>::quiet_NaN(), std::numeric_limits<Scalar>::infinity()};
-  bool varies = false;
-  Scalar last(0);
-  for (const Scalar& wanted : {own, 1000 * own, widest}) {
+  const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon(), tiny = sqrt(epsilon);
+  const auto agrees = [&](const Slope<Scalar>& slope) {
+    return abs(given - slope.value) <= slope.uncertainty + slack;
+  };
+  const auto variation = [&](const Scalar& h) -> Scalar {
+    return std::max(abs(f(x + h) - here), abs(f(x - h) - here)) / h;
+  };
+  // To speak for `given` takes more than to speak against it: an error of a thousandth is not to pass.
+  // A slope of zero is judged by how far f moves nearby; one that is only lost in the uncertainty is not.
+  const auto judges = [&](const Slope<Scalar>& slope, const Scalar& moves, bool near) {
+    return slope.uncertainty <= abs(slope.value) / (agrees(slope) ? 2000 : 100) ||
+           (near && slope.uncertainty <= tiny * moves &&
+            (!agrees(slope) || abs(given) <= 8 * epsilon * moves + slack));
+  };
+  Scalar h = own / 9, moves = variation(h);
+  bool varies = moves != Scalar(0);
+  Slope<Scalar> best = extrapolated_slope<Scalar>(f, x, h, rounding);
+  best.judges = judges(best, moves, true);
+  if (best.judges && agrees(best)) return best;
+  // From the steps h of `best` on to smaller ones.
+  const auto refine = [&](Scalar step) {
+    for (step /= 8192; step >= 1048576 * epsilon * own; step /= 8192) {
+      const Scalar moved = variation(step);
+      if (moved == Scalar(0)) break;  // below the resolution of f
+      Slope<Scalar> found = extrapolated_slope<Scalar>(f, x, step, rounding);
+      found.judges = judges(found, moved, true);
+      if (best.judges ? !compatible(found, best) && agrees(found)
+                      : found.judges || found.uncertainty < best.uncertainty || !compatible(found, best))
+        best = found;
+      if (best.judges && agrees(best)) break;
+    }
+  };
+  if (moves * h > 16384 * std::max<Scalar>(rounding, epsilon * abs(here))) refine(h);
+  if (best.judges) return best;
+  Scalar last = own;
+  for (const Scalar& wanted : {Scalar(1000 * own), widest}) {
     const Scalar reach = std::min(wanted, std::max(own, widest));
     if (!(reach > last)) continue;
     last = reach;
-    const Scalar h = reach / 9;
+    h = reach / 9, moves = variation(h);
+    if (moves != Scalar(0)) varies = true;
     const Slope<Scalar> found = extrapolated_slope<Scalar>(f, x, h, rounding);
-    const Scalar variation = std::max(abs(f(x + h) - here), abs(f(x - h) - here)) / h;
-    if (variation != Scalar(0)) varies = true;
-    if (found.uncertainty < best.uncertainty &&
-        !(abs(found.value - best.value) > found.uncertainty + best.uncertainty))
-      best = found;
-    // A slope of zero is judged by how far f moves nearby.
-    best.judges = best.uncertainty <= abs(best.value) / 1000 ||
-                  (reach <= std::max(own, size) && best.uncertainty <= tiny * variation);
+    if (found.uncertainty < best.uncertainty && compatible(found, best)) best = found;
+    best.judges = judges(best, moves, reach <= std::max(own, size));
+    if (best.judges && !agrees(best)) refine(h);
     if (best.judges) return best;
   }
-  best.judges = !varies && given == Scalar(0) && isfinite(best.uncertainty);  // f does not depend on x
+  // f does not depend on x.
+  best.judges = !varies && isfinite(best.uncertainty) && (given == Scalar(0) || !agrees(best));
   return best;
 }
 
@@ -286,34 +337,37 @@ std::vector<GradientOutput> written_gradient(const H& hamiltonian,
   return outputs;
 }
 
-/// What rounding makes of an energy is judged by its terms, which may be far larger than their sum.
-template <class Scalar, int Dof>
-Scalar energy_rounding(const Scalar& energy, const PhasePoint<Scalar, Dof>& z,
-                       const PhasePoint<Scalar, Dof>& gradient) {
+/// What rounding makes of an energy is judged by its terms, which may be far larger than their sum. Not by the gradient: a wrong
+/// one would excuse itself.
+template <HasEnergy H>
+typename H::Scalar energy_rounding(const H& hamiltonian, const typename H::Scalar& energy,
+                                   const PhasePoint<typename H::Scalar, H::Dof>& z) {
   using std::abs;
-  using std::isfinite;
-  Scalar terms = abs(energy);
-  for (Eigen::Index i = 0; i < z.vector().size(); ++i) {
-    const Scalar term = abs(z.vector()[i] * gradient.vector()[i]);
-    if (isfinite(term)) terms += term;
-  }
-  return Eigen::NumTraits<Scalar>::epsilon() * terms;
+  const auto terms =
+      reference_size([&](const auto& q, const auto& p) { return hamiltonian.energy(q, p); }, energy, z).terms;
+  return Eigen::NumTraits<typename H::Scalar>::epsilon() * (abs(energy) + 2 * terms);
 }
 
-/// The size of entry i that differences start from. One that is far smaller than the others may be a zero up to rounding, which
-/// is no size.
+/// A size for the entries that are zero, which say nothing about it: the middle one of the others' sizes, so that a late time or
+/// another large entry does not count, or 1.
 template <class Scalar, int Dof>
-Scalar entry_size(const PhasePoint<Scalar, Dof>& z, Eigen::Index i, const Scalar& size) {
+Scalar typical_size(const PhasePoint<Scalar, Dof>& z) {
   using std::abs;
-  const Scalar own = std::max<Scalar>(abs(z.vector()[i]), size / 1000);
-  return own > Scalar(0) ? own : Scalar(1);
+  std::vector<Scalar> sizes;
+  for (const Scalar& x : z.vector())
+    if (x != Scalar(0)) sizes.push_back(abs(x));
+  if (sizes.empty()) return Scalar(1);
+  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+  std::nth_element(sizes.begin(), middle, sizes.end());
+  return *middle;
 }
 
 }  // namespace detail
 
 /// Compares the gradient of H at z, entry by entry, with differences of its energy, and takes no right gradient for a wrong
 /// one: the differences come with their uncertainty, typically 1e-12 of the energy in double. Costs some sixty energies an
-/// entry, three times that where they say little, and three gradients, whose outputs hold different numbers before.
+/// entry, up to five times that where they say little or the entry is wrong, and three gradients, whose outputs hold different
+/// numbers before.
 ///
 ///     if (const auto check = check_gradient(H, z); !check.ok()) std::cerr << check << '\n';
 ///
@@ -332,14 +386,15 @@ GradientCheck<typename detail::EnergyDoor<H>::Scalar> check_gradient(
   if (z.dof() != d)
     throw std::invalid_argument("check_gradient: z has " + std::to_string(z.dof()) +
                                 " degrees of freedom and the Hamiltonian " + std::to_string(d));
+  if (d == 0) throw std::invalid_argument("check_gradient: there are no degrees of freedom");
   const Scalar energy = hamiltonian.energy(z.q(), z.p());
   if (!isfinite(energy))
     throw std::invalid_argument(
         "check_gradient: the energy at z is NaN or Inf; choose a point where it is finite");
   PhasePoint<Scalar, H::Dof> given(d), at(z);
   const auto outputs = detail::written_gradient(hamiltonian, z, given);
-  const Scalar rounding = detail::energy_rounding(energy, z, given);
-  const Scalar size = z.vector().cwiseAbs().maxCoeff();
+  const Scalar rounding = detail::energy_rounding(hamiltonian, energy, z);
+  const Scalar size = z.vector().cwiseAbs().maxCoeff(), typical = detail::typical_size(z);
   GradientCheck<Scalar> check;
   for (Eigen::Index i = 0; i < 2 * d; ++i) {
     const auto energy_at = [&](const Scalar& x) -> Scalar {
@@ -347,8 +402,8 @@ GradientCheck<typename detail::EnergyDoor<H>::Scalar> check_gradient(
       return hamiltonian.energy(at.q(), at.p());
     };
     // The first step is meant to be too large, but not by much: about a tenth of the variable.
-    const auto slope = detail::judging_slope<Scalar>(energy_at, z.vector()[i], given.vector()[i],
-                                                     detail::entry_size(z, i, size), size, rounding);
+    const Scalar x = z.vector()[i], own = x == Scalar(0) ? typical : Scalar(abs(x));
+    const auto slope = detail::judging_slope<Scalar>(energy_at, x, given.vector()[i], own, size, rounding);
     at.vector()[i] = z.vector()[i];
     typename GradientCheck<Scalar>::Entry entry{
         .name = std::string(i < d ? "dH/dq[" : "dH/dp[") + std::to_string(i < d ? i : i - d) + "]",
@@ -358,7 +413,8 @@ GradientCheck<typename detail::EnergyDoor<H>::Scalar> check_gradient(
         .judged = slope.judges,
         .wrong = false,
         .output = outputs[static_cast<std::size_t>(i)]};
-    entry.wrong = entry.clashes() || entry.output != GradientOutput::written;
+    entry.wrong = !isfinite(entry.given) || (entry.judged && entry.clashes()) ||
+                  entry.output != GradientOutput::written;
     check.entries.push_back(entry);
   }
   return check;

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <locale>
+#include <random>
 #include <sstream>
 
 #include <semiexplicit/semiexplicit.hpp>
@@ -39,6 +40,16 @@ template <class Change>
 std::string verdict(const Change& change) {
   return words(check_gradient(changed(change), point));
 }
+
+/// No degrees of freedom.
+struct Empty {
+  using Scalar = double;
+  static constexpr int Dof = Eigen::Dynamic;
+  Eigen::Index dof() const { return 0; }
+  double energy(const In<double, Eigen::Dynamic>&, const In<double, Eigen::Dynamic>&) const { return 1; }
+  void gradient(const In<double, Eigen::Dynamic>&, const In<double, Eigen::Dynamic>&,
+                Out<double, Eigen::Dynamic>, Out<double, Eigen::Dynamic>) const {}
+};
 
 }  // namespace
 
@@ -106,6 +117,7 @@ TEST_CASE("What cannot be checked is refused", "[check_gradient]") {
   CHECK(refuses([&] { check_gradient(H, Point({1, 2}, {3, 4})); }, "z has 2 degrees of freedom"));
   CHECK(refuses([&] { check_gradient(H, Point({1, 2, NAN}, {3, 4, 5})); }, "energy at z is NaN or Inf"));
   CHECK(check_gradient(H, Point(3)).ok());  // all zero
+  CHECK(refuses([] { check_gradient(Empty{}, Point(0)); }, "no degrees of freedom"));
 }
 
 TEST_CASE("A variable that is zero up to rounding hides nothing", "[check_gradient]") {
@@ -227,4 +239,99 @@ TEST_CASE("The words on a gradient do not depend on the locale", "[check_gradien
   std::locale::global(before);
   CHECK(says(text, "."));
   CHECK(text == verdict([](auto& dHdq, auto&) { dHdq[1] *= -1; }));
+}
+
+TEST_CASE("Entries of very different sizes are judged by the rounding of the values used",
+          "[check_gradient]") {
+  const auto times = [](double factor) {
+    return [factor](double& to, double value) { to = factor * value; };
+  };
+  const auto right = product_that(assign, assign);
+  const auto by_q = product_that(times(1.001), assign);
+  const auto by_p = product_that(assign, times(1.001));
+  CHECK(check_gradient(right, PhasePoint<double, 1>(1e7, 1e-6)).judged());
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> decade(-8, 8);
+  int wrong = 0, passed = 0, found = 0;
+  for (int k = 0; k < 300; ++k) {
+    const double q = std::pow(10.0, decade(random)), p = std::pow(10.0, decade(random));
+    const PhasePoint<double, 1> z(k % 2 == 0 ? q : -q, k % 3 == 0 ? -p : p);
+    wrong += !check_gradient(right, z).ok();
+    const auto first = check_gradient(by_q, z).entries[0], second = check_gradient(by_p, z).entries[1];
+    passed += (first.judged && !first.wrong) + (second.judged && !second.wrong);
+    found += first.wrong + second.wrong;
+  }
+  CHECK(wrong == 0);
+  CHECK(passed == 0);
+  CHECK(found >= 450);
+  // A molecule in SI units.
+  const auto molecule = [](double sign) {
+    return make_hamiltonian<double, 1>(
+        [](const auto& q, const auto& p) { return p[0] * p[0] / 2e-27 + 1e3 * q[0] * q[0] / 2; },
+        [sign](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+          dHdq[0] = 1e3 * q[0];
+          dHdp[0] = sign * p[0] / 1e-27;
+        });
+  };
+  const PhasePoint<double, 1> z(1e-10, 1e-23);
+  CHECK(words(check_gradient(molecule(1), z)) == "the gradient agrees with the energy");
+  CHECK(check_gradient(molecule(-1), z).entries[1].wrong);
+  // A feature far narrower than the largest entry, and a tiny one beside it.
+  const auto fast = make_hamiltonian<double, 2>(
+      [](const auto& q, const auto& p) { return std::sqrt(1 + 1e16 * p.squaredNorm()) + q.squaredNorm(); },
+      [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+        dHdq = 2 * q;
+        dHdp = 1e16 * p / std::sqrt(1 + 1e16 * p.squaredNorm());
+      });
+  CHECK(check_gradient(fast, PhasePoint<double, 2>({84.1305, 4.73107e-10}, {1.40328e-10, 0.0101959})).ok());
+}
+
+TEST_CASE("Oscillations far faster than the variable is large are resolved", "[check_gradient]") {
+  // A late time, which is a variable here, and a large angle.
+  const auto driven = [](double sign) {
+    return make_hamiltonian<double, 2>(
+        [](const auto& q, const auto& p) {
+          return p[0] * p[0] / 2 + p[1] - std::cos(q[0]) * (1 + 0.5 * std::cos(3 * q[1]));
+        },
+        [sign](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+          dHdq[0] = std::sin(q[0]) * (1 + 0.5 * std::cos(3 * q[1]));
+          dHdq[1] = sign * 1.5 * std::cos(q[0]) * std::sin(3 * q[1]);
+          dHdp << p[0], 1;
+        });
+  };
+  int wrong = 0, passed = 0, found = 0, all = 0;
+  for (const double late : {1e4, 1e5, 1e6, 1e7, 1e8, 1e9})
+    for (int k = 0; k < 20; ++k, ++all) {
+      const PhasePoint<double, 2> z({0.3 + 0.04 * k, late * (1 + 0.0317 * k)}, {0.5 - 0.01 * k, -0.2});
+      const auto right = check_gradient(driven(1), z), other = check_gradient(driven(-1), z);
+      wrong += !right.ok();
+      passed += other.ok() && other.judged();
+      found += other.entries[1].wrong;
+      CHECK_FALSE((other.entries[0].wrong || other.entries[2].wrong || other.entries[3].wrong));
+    }
+  CHECK(wrong == 0);
+  CHECK(passed == 0);
+  CHECK(found >= all - 5);
+  const auto angle = [](double sign) {
+    return make_hamiltonian<double, 1>(
+        [](const auto& q, const auto& p) { return p[0] * p[0] / 2 - std::cos(30 * q[0]) / 30; },
+        [sign](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+          dHdq[0] = sign * std::sin(30 * q[0]);
+          dHdp[0] = p[0];
+        });
+  };
+  for (const double q : {13.713, 137.13, 1371.3, 13713.0, 137131.0}) {
+    CHECK(check_gradient(angle(1), PhasePoint<double, 1>(q, 0.5)).ok());
+    CHECK_FALSE(check_gradient(angle(-1), PhasePoint<double, 1>(q, 0.5)).ok());
+    CHECK_FALSE(check_gradient(angle(0), PhasePoint<double, 1>(q, 0.5)).ok());
+  }
+}
+
+TEST_CASE("A gradient of a variable that the energy does not depend on is wrong", "[check_gradient]") {
+  const auto extra = make_hamiltonian<double, 1>([](const auto&, const auto& p) { return p[0] * p[0] / 2; },
+                                                 [](const auto&, const auto& p, auto& dHdq, auto& dHdp) {
+                                                   dHdq[0] = 5;
+                                                   dHdp[0] = p[0];
+                                                 });
+  CHECK(check_gradient(extra, PhasePoint<double, 1>(1, 0.3)).entries[0].wrong);
 }

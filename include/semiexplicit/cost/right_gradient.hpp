@@ -21,7 +21,8 @@ struct GradientGlance {
 };
 
 /// Compares the gradient with the energy along six fixed directions that change every entry: some 300 energies, whatever the
-/// dimension. A difference counts where neither noise nor the last half of the digits explains it.
+/// dimension, and more where they say little. A difference counts where neither noise nor the last half of the digits
+/// explains it. Three directions change every entry by its own size, three also those by more that may be zero up to rounding.
 template <HasEnergy H>
 GradientGlance<typename H::Scalar> glance_at_gradient(const H& hamiltonian,
                                                       const PhasePoint<typename H::Scalar, H::Dof>& z) {
@@ -36,12 +37,14 @@ GradientGlance<typename H::Scalar> glance_at_gradient(const H& hamiltonian,
   const auto outputs = written_gradient(hamiltonian, z, gradient);
   bool wrong = std::any_of(outputs.begin(), outputs.end(),
                            [](GradientOutput output) { return output != GradientOutput::written; });
-  const Scalar rounding = energy_rounding(energy, z, gradient), size = z.vector().cwiseAbs().maxCoeff();
+  const Scalar rounding = energy_rounding(hamiltonian, energy, z), typical = typical_size(z);
   std::uint64_t random = 1;
   for (int k = 0; k < 6 && !wrong; ++k) {
     Scalar slope(0), terms(0);
     for (Eigen::Index i = 0; i < z.vector().size(); ++i) {
-      direction.vector()[i] = Scalar(scattered(random)) * entry_size(z, i, size);
+      const Scalar x = abs(z.vector()[i]), least = k < 3 ? Scalar(0) : Scalar(typical / 1000);
+      const Scalar own = x == Scalar(0) ? typical : std::max(x, least);
+      direction.vector()[i] = Scalar(scattered(random)) * own;
       const Scalar term = gradient.vector()[i] * direction.vector()[i];
       slope += term, terms += abs(term);
     }
@@ -49,11 +52,13 @@ GradientGlance<typename H::Scalar> glance_at_gradient(const H& hamiltonian,
       at.vector() = z.vector() + s * direction.vector();
       return hamiltonian.energy(at.q(), at.p());
     };
-    const Scalar h = Scalar(1) / 9;
-    if (k == 0) result.noise = noise_near<Scalar>(along, Scalar(0), h);
-    const auto expected = extrapolated_slope<Scalar>(along, Scalar(0), h, rounding);
-    const Scalar tolerance = expected.uncertainty + sqrt(Eigen::NumTraits<Scalar>::epsilon()) * terms;
-    wrong = !isfinite(slope) || (isfinite(expected.value) && abs(slope - expected.value) > tolerance);
+    const Scalar slack = sqrt(Eigen::NumTraits<Scalar>::epsilon()) * terms;
+    const auto expected =
+        judging_slope<Scalar>(along, Scalar(0), slope, Scalar(1), Scalar(1), rounding, slack);
+    // Below the steps that resolve the energy: an oscillation is no noise.
+    if (k == 0) result.noise = noise_near<Scalar>(along, Scalar(0), expected.steps_from);
+    wrong =
+        !isfinite(slope) || (expected.judges && abs(slope - expected.value) > expected.uncertainty + slack);
   }
   if (!wrong) return result;
   result.complaint = "a slope of the energy is not the one that the gradient gives";

@@ -328,6 +328,17 @@ TEST_CASE(
            {-1, 0}, 1000, usual);
   CHECK(rounded.reach(1e-4) == Reach::met);
   CHECK(rounded.reach(1e-8) == Reach::rounding);
+  // A late time is no reason to call a right gradient wrong, nor an oscillation noise.
+  const auto late = make_hamiltonian<double, 2>(
+      [](const auto& q, const auto& p) {
+        return p[0] * p[0] / 2 + p[1] - std::cos(q[0]) * (1 + 0.5 * std::cos(3 * q[1]));
+      },
+      [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+        dHdq << std::sin(q[0]) * (1 + 0.5 * std::cos(3 * q[1])), 1.5 * std::cos(q[0]) * std::sin(3 * q[1]);
+        dHdp << p[0], 1;
+      });
+  for (const double t : {1e4, 1e6})
+    CHECK(cost_of_accuracy(late, PhasePoint<double, 2>({1, t}, {0.5, 0.3}), 100.0).rounding < 1e-4);
 
   // However little is allowed.
   for (const double bound : {1e3, 1e4, 1e5}) {

@@ -55,6 +55,8 @@ GradientGlance<typename H::Scalar> glance_at_gradient(const H& hamiltonian,
     const Scalar slack = sqrt(Eigen::NumTraits<Scalar>::epsilon()) * terms;
     const auto expected =
         judging_slope<Scalar>(along, Scalar(0), slope, Scalar(1), Scalar(1), rounding, slack);
+    // Below the steps that resolve the energy: an oscillation is no noise.
+    if (k == 0) result.noise = noise_near<Scalar>(along, Scalar(0), expected.steps_from);
     wrong =
         !isfinite(slope) || (expected.judges && abs(slope - expected.value) > expected.uncertainty + slack);
   }

@@ -10,8 +10,9 @@ namespace work_precision {
 
 /// State of the rivals from other libraries: an array where the size is known, which is what is fastest with them.
 template <int Dof>
-using Numbers = std::conditional_t<(Dof > 0), std::array<double, Dof == Eigen::Dynamic ? 1 : 2 * Dof>,
-                                   std::vector<double>>;
+using Numbers =
+    std::conditional_t<(Dof > 0), std::array<double, std::size_t(Dof == Eigen::Dynamic ? 1 : 2 * Dof)>,
+                       std::vector<double>>;
 
 template <int Dof>
 Numbers<Dof> start_numbers(const PhasePoint<double, Dof>& z) {

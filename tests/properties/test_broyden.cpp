@@ -30,6 +30,7 @@ struct Residual {
     value = f(m);
   }
   double state_size() const { return size; }
+  double full_size() const { return size; }
   double rounding_level() const { return rounding; }
 };
 

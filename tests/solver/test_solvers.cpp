@@ -31,6 +31,7 @@ struct Residual {
     value = last_f;
   }
   double state_size() const { return size; }
+  double full_size() const { return size; }
   double rounding_level() const { return rounding; }
 };
 

@@ -16,6 +16,7 @@ struct AnyResidual {
   void operator()(Vec& f);                ///< f(0), where every solver starts
   void operator()(const Vec& m, Vec& f);  ///< f(m)
   Scalar state_size() const;              ///< ‖z‖, or less; see StoppingRule
+  Scalar full_size() const;               ///< ‖z‖ itself
   Scalar rounding_level() const;          ///< a correction below this may be nothing but rounding
 };
 

@@ -171,8 +171,9 @@ class SemiexplicitPack {
 
   /// What Convergence asks of a residual, in one lane.
   struct LaneSizes {
-    double state, all, distance;  // all: with the time, where that is a coordinate
+    double state, full, all, distance;  // all: with the time, where that is a coordinate
     double state_size() const { return state; }
+    double full_size() const { return full; }
     double rounding_level() const { return 100 * Eigen::NumTraits<double>::epsilon() * (all + distance); }
   };
 
@@ -198,7 +199,8 @@ class SemiexplicitPack {
       const Many sizes = size_or_moves(size_z, distance);
       for (std::size_t k = 0; k < Many::size(); ++k)
         if (going[k])
-          going[k] = !lanes[k]->done(e[k], size_m[k], LaneSizes{sizes[k], size_all[k], distance[k]});
+          going[k] =
+              !lanes[k]->done(e[k], size_m[k], LaneSizes{sizes[k], size_z[k], size_all[k], distance[k]});
       if (none_of(going)) break;
       // All multipliers move on; lanes that are done keep their moves of the copies.
       if (first)

@@ -106,6 +106,9 @@ class Semiexplicit {
       return moves < size ? moves : size;
     }
 
+    /// ‖z‖, without the time where that is a coordinate.
+    const Scalar& full_size() const { return size; }
+
     /// A correction below this may be nothing but rounding: the copies' own, made larger by the kicks in between.
     Scalar rounding_level() const {
       return 100 * Eigen::NumTraits<Scalar>::epsilon() * (detail::norm(z.vector()) + doubled.distance(z));

@@ -77,7 +77,7 @@ class Convergence {
       report_.status = Status::not_finite;
     else if (rule_.accepts(e, size_m, residual.state_size()))
       report_.status = Status::success;
-    else if (e <= Eigen::NumTraits<Scalar>::epsilon() / 100 * residual.state_size())
+    else if (e <= Eigen::NumTraits<Scalar>::epsilon() / 100 * residual.full_size())
       report_.status = Status::rounding_limited;  // m moves no digit of the copies: e would halve for ever
     else if (!first && e >= previous && e <= accurate_ && e <= residual.rounding_level())
       report_.status = Status::rounding_limited;

@@ -83,7 +83,7 @@ void same_at(Scalar late, Scalar dt, std::int64_t steps) {
 
 }  // namespace
 
-TEST_CASE("Observers see at late times what they see at early ones", "[observers]") {
+TEST_CASE("Observers see at late times what they see at early ones", "[observers][long]") {
   same_at<double>(1.7e9, 2e-2, 20'000);
   same_at<double>(2.1e12, 0.02, 20'000);
   same_at<double>(1e13, 1e-3, 20'000);  // a step is half the distance of two numbers
@@ -91,7 +91,7 @@ TEST_CASE("Observers see at late times what they see at early ones", "[observers
   same_at<float>(4e5F, 0.02F, 20'000);
 }
 
-TEST_CASE("Observers do not forget steps in a long run of floats", "[observers]") {
+TEST_CASE("Observers do not forget steps in a long run of floats", "[observers][long]") {
   // 64 ε t exceeds dt after 131072 steps.
   const Seen<float> seen(0, 0.02F, 300'000);
   const Seen<double> wide(0, 0.02, 300'000);
@@ -100,7 +100,7 @@ TEST_CASE("Observers do not forget steps in a long run of floats", "[observers]"
   CHECK(seen.exponent == Approx(wide.exponent).epsilon(0.3));  // chaotic, so other orbits of the same sea
 }
 
-TEST_CASE("Lyapunov exponents of floats do not drift", "[observers]") {
+TEST_CASE("Lyapunov exponents of floats do not drift", "[observers][long]") {
   const auto saddle =
       from_energy<1, float>([](const auto& q, const auto& p) { return (p[0] * p[0] - q[0] * q[0]) / 2; });
   Semiexplicit stepper(saddle, schemes::low_defect4_s7<float>(),

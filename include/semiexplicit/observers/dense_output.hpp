@@ -319,7 +319,7 @@ class AtTimes {
       if (forward ? beyond(t, to) : beyond(to, t)) break;
       if (forward ? beyond(from, t) : beyond(t, from))
         throw std::invalid_argument(
-            "at_times: time " + std::to_string(next_) +
+            "at_times: t = " + detail::in_words(t, 9) +
             " lies before the start of the run, or the run turned round before it; leave it out");
       intervals_.dense.after(i, where(i, t, from, to), between_);
       go_on = serve(run) && go_on;

@@ -97,11 +97,7 @@ class GaussLegendreLanes {
   template <class List>
   void describe(List& list) const {
     list("degrees of freedom", dof());
-    list("stages", options_.stages);
-    list("stage solver", options_.solver);
-    list("tolerance", options_.tolerance);
-    list("max_iterations", options_.max_iterations);
-    list("extrapolate", options_.extrapolate);
+    options_.describe(list);
     list.function("Hamiltonian", detail::GradientSize(hamiltonian()));
   }
   /// Hands visit() every number that goes on from step to step; see CheckpointMemory.

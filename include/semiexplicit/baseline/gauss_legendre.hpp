@@ -30,6 +30,16 @@ struct GaussLegendreOptions {
       0;  ///< bound on the sum of the stages' last changes, absolute; 0: until rounding stops it
   int max_iterations = 100;  ///< the step is refused beyond
   bool extrapolate = true;  ///< start the stages from the last step's collocation polynomial, instead of at z
+
+  /// See Describable.
+  template <class List>
+  void describe(List& list) const {
+    list("stages", stages);
+    list("stage solver", solver);
+    list("tolerance", tolerance);
+    list("max_iterations", max_iterations);
+    list("extrapolate", extrapolate);
+  }
 };
 
 /// The implicit Gauss-Legendre Runge-Kutta method: symplectic, symmetric, keeps quadratic invariants, order 2s. The strongest
@@ -118,11 +128,7 @@ class GaussLegendre {
   template <class List>
   void describe(List& list) const {
     list("degrees of freedom", dof());
-    list("stages", options_.stages);
-    list("stage solver", options_.solver);
-    list("tolerance", options_.tolerance);
-    list("max_iterations", options_.max_iterations);
-    list("extrapolate", options_.extrapolate);
+    options_.describe(list);
     list.function("Hamiltonian", detail::GradientSize(hamiltonian()));
   }
   /// Hands visit() every number that goes on from step to step; see CheckpointMemory.

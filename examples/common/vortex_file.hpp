@@ -82,9 +82,18 @@ inline Vortices read_vortices(std::istream& in, const std::string& file) {
   return {column(0), column(1), column(2)};
 }
 
+/// Reads no more than 100 MB, a million vortices: a device has no end.
 inline Vortices read_vortices(const std::filesystem::path& path) {
-  std::ifstream in(path);
-  if (!in) throw std::invalid_argument(path.string() + ": cannot be read");
+  constexpr std::size_t most = 100'000'000;
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw std::invalid_argument(path.string() + ": cannot be read");
+  std::string bytes;
+  for (char part[65536]; bytes.size() <= most && (file.read(part, sizeof part) || file.gcount() > 0);)
+    bytes.append(part, static_cast<std::size_t>(file.gcount()));
+  if (file.bad()) throw std::invalid_argument(path.string() + ": cannot be read");
+  if (bytes.size() > most)
+    throw std::invalid_argument(path.string() + ": longer than 100 MB; give a file of lines x,y,gamma");
+  std::istringstream in(std::move(bytes));
   return read_vortices(in, path.string());
 }
 

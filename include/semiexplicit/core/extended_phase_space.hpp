@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cmath>
 #include <concepts>
+#include <cstddef>
 
 #include <semiexplicit/core/phase_point.hpp>
 
@@ -64,6 +66,22 @@ Scalar state_size(const H&, const PhasePoint<Scalar, Dof>& z) {
     return norm(Vector<Scalar, 2>(norm(z.q().head(z.dof() - 1)), norm(z.p().head(z.dof() - 1))));
   else
     return norm(z.vector());
+}
+
+/// What the rounding of a sum of `kicks` terms leaves of a difference of the copies in the last degree of freedom of an
+/// extended phase space, (t, p_t) = (z[d-1], z[2d-1]), where both should be equal: |f| <= this is nothing. At a late time it
+/// would outweigh all else, and hide an iteration that diverges.
+template <class Scalar>
+Scalar time_rounding(const Scalar& value, std::size_t kicks) {
+  using std::abs;
+  return Scalar(static_cast<double>(2 * kicks + 4)) * Eigen::NumTraits<Scalar>::epsilon() * abs(value);
+}
+template <class H, class Vec>
+void drop_time_rounding(const Vec& z, Vec& f, std::size_t kicks) {
+  using std::abs;
+  if constexpr (InExtendedPhaseSpace<H>)
+    for (const Eigen::Index last : {z.size() / 2 - 1, z.size() - 1})
+      if (abs(f[last]) <= time_rounding(z[last], kicks)) f[last] = 0;
 }
 
 }  // namespace detail

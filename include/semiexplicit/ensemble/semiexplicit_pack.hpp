@@ -156,6 +156,9 @@ class SemiexplicitPack {
     }
     kick(dt * scheme_.a[n], a, b, gradient, moved, d);
     for (Eigen::Index i = 0; i < 2 * d; ++i) f[i] = m ? a[i] - b[i] + 2.0 * m[i] : a[i] - b[i];
+    if constexpr (InExtendedPhaseSpace<H>)
+      for (const Eigen::Index last : {d - 1, 2 * d - 1})
+        detail::assign(abs(f[last]) <= detail::time_rounding(z[last], scheme_.kicks()), f[last], 0.0);
   }
 
   void kick(double t, const Many* from, Many* to, Many* gradient, Many* moved, Eigen::Index d) const {
@@ -171,10 +174,10 @@ class SemiexplicitPack {
 
   /// What Convergence asks of a residual, in one lane.
   struct LaneSizes {
-    double state, full, all, distance;  // all: with the time, where that is a coordinate
+    double state, full, distance;
     double state_size() const { return state; }
     double full_size() const { return full; }
-    double rounding_level() const { return 100 * Eigen::NumTraits<double>::epsilon() * (all + distance); }
+    double rounding_level() const { return 100 * Eigen::NumTraits<double>::epsilon() * (full + distance); }
   };
 
   /// Semiexplicit's state_size() after a sweep, where both copies moved by twice `distance`.
@@ -193,14 +196,12 @@ class SemiexplicitPack {
     Mask going = in_play;
     bool first = true;
     Many size_m = 0.0;
-    const Many size_all = detail::norm(state.z.data(), length());
     for (;;) {
       const Many distance = detail::norm(moved_.data(), length()) / 2.0;
       const Many sizes = size_or_moves(size_z, distance);
       for (std::size_t k = 0; k < Many::size(); ++k)
         if (going[k])
-          going[k] =
-              !lanes[k]->done(e[k], size_m[k], LaneSizes{sizes[k], size_z[k], size_all[k], distance[k]});
+          going[k] = !lanes[k]->done(e[k], size_m[k], LaneSizes{sizes[k], size_z[k], distance[k]});
       if (none_of(going)) break;
       // All multipliers move on; lanes that are done keep their moves of the copies.
       if (first)

@@ -94,10 +94,12 @@ class Semiexplicit {
     void operator()(Vec& f) {
       doubled.sweep(z, dt);
       f = doubled.difference();
+      detail::drop_time_rounding<H>(z.vector(), f, doubled.chain().scheme.kicks());
     }
     void operator()(const Vec& m, Vec& f) {
       doubled.sweep(z, m, dt);
       f = doubled.difference() + 2 * m;
+      detail::drop_time_rounding<H>(z.vector(), f, doubled.chain().scheme.kicks());
     }
 
     /// ‖z‖, without the time where that is a coordinate, but no more than so many moves of a step: see StoppingRule.
@@ -111,7 +113,7 @@ class Semiexplicit {
 
     /// A correction below this may be nothing but rounding: the copies' own, made larger by the kicks in between.
     Scalar rounding_level() const {
-      return 100 * Eigen::NumTraits<Scalar>::epsilon() * (detail::norm(z.vector()) + doubled.distance(z));
+      return 100 * Eigen::NumTraits<Scalar>::epsilon() * (size + doubled.distance(z));
     }
   };
 

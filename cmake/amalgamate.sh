@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# amalgamate.sh FILE: writes the whole library as one header, which needs nothing but Eigen: every header that semiexplicit.hpp
-# leads to, once, where it is first included. FILE is written whole or not at all.
+# amalgamate.sh FILE: writes the whole library as one header, which needs nothing but Eigen: every header that one of those in
+# include/semiexplicit itself leads to, once, where it is first included. FILE is written whole or not at all.
 set -euo pipefail
 
 if [ $# -ne 1 ]; then
@@ -30,7 +30,8 @@ version_part() { awk -v name="SEMIEXPLICIT_VERSION_$1" '$2 == name { print $3 }'
   sed -e 's|^|// |' -e 's| *$||' "$root/LICENSE"
   echo
   echo "#pragma once"
-  awk -v include="$root/include/" '
+  groups=$(cd "$root/include" && echo semiexplicit/*.hpp)
+  awk -v include="$root/include/" -v groups="$groups" '
     function unfold(header, line) {
       if (header in seen) return
       seen[header]
@@ -54,6 +55,9 @@ version_part() { awk -v name="SEMIEXPLICIT_VERSION_$1" '$2 == name { print $3 }'
       }
       close(include header)
     }
-    BEGIN { unfold("semiexplicit/semiexplicit.hpp") }'
+    BEGIN {
+      count = split(groups, group, " ")
+      for (i = 1; i <= count; ++i) unfold(group[i])
+    }'
 } >"$part"
 mv "$part" "$output"

@@ -11,6 +11,8 @@
 #include <vector>
 
 #include <CLI/CLI.hpp>
+#include <semiexplicit/checkpoint.hpp>
+#include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
 #include "common/geodesic_measurements.hpp"

@@ -9,7 +9,9 @@
 #include <string>
 
 #include <CLI/CLI.hpp>
+#include <semiexplicit/chaos.hpp>
 #include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/time.hpp>
 
 #include "common/arguments.hpp"
 #include "common/gnuplot.hpp"

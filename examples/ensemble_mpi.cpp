@@ -13,7 +13,9 @@
 
 #include <mpi.h>
 #include <CLI/CLI.hpp>
+#include <semiexplicit/ensemble.hpp>
 #include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/systems.hpp>
 
 #include "common/arguments.hpp"
 #include "common/finished_blocks.hpp"

@@ -4,7 +4,9 @@
 #include <vector>
 
 #include <CLI/CLI.hpp>
+#include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/systems.hpp>
 
 #include "common/lattice_chain.hpp"
 #include "common/scene_program.hpp"

@@ -6,7 +6,9 @@
 #include <vector>
 
 #include <CLI/CLI.hpp>
+#include <semiexplicit/accuracy.hpp>
 #include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/systems.hpp>
 
 #include "common/arguments.hpp"
 #include "common/cost.hpp"

@@ -8,7 +8,10 @@
 #include <vector>
 
 #include <CLI/CLI.hpp>
+#include <semiexplicit/accuracy.hpp>
+#include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/systems.hpp>
 
 #include "common/arguments.hpp"
 #include "common/cost.hpp"

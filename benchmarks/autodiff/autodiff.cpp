@@ -14,7 +14,9 @@
 #include <type_traits>
 #include <vector>
 
+#include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/systems.hpp>
 
 #include "../batches.hpp"
 

@@ -13,6 +13,8 @@
 #include <string>
 #include <vector>
 
+#include <semiexplicit/accuracy.hpp>
+
 #include "common/whole_file.hpp"
 #include "systems.hpp"
 

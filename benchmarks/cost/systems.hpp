@@ -4,6 +4,7 @@
 #include <string>
 
 #include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/systems.hpp>
 
 namespace bench {
 

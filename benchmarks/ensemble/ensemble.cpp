@@ -13,7 +13,9 @@
 #include <cstring>
 #include <vector>
 
+#include <semiexplicit/ensemble.hpp>
 #include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/systems.hpp>
 
 #include "../batches.hpp"
 

@@ -1,19 +1,21 @@
-// What the projection costs beyond its kicks: the time of a step with one evaluation of f over the time of the same kicks
-// written by hand, on plain arrays, with the same gradient. The two alternate in short batches, so that a busy machine
-// disturbs both alike; the ratio of each pair of batches is taken, and their median and quartiles are printed.
+// What a step costs beyond its kicks: the time of a step with one evaluation of f over the time of the same kicks written by
+// hand, on plain arrays, with the same formula of the gradient. The two alternate in short batches, so that a busy machine
+// disturbs both alike; the median and the quartiles of the ratios of the pairs are printed.
 //
-//     bench_overhead [rounds]          pin it to a core: taskset -c 1 bench_overhead
+//     bench_overhead [rounds]          pin it to a core: taskset -c 1 bench_overhead; run.sh goes through compilers and options
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <random>
+#include <string>
 #include <vector>
 
 #include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/systems.hpp>
 
 #include "../batches.hpp"
+#include "hamiltonians.hpp"
 
 using namespace semiexplicit;
 using bench::quantile;
@@ -21,17 +23,35 @@ using bench::seconds;
 
 namespace {
 
-/// All kicks of a step from z, and their mean: nothing but the arithmetic of the explicit map, on arrays of a size that is a
-/// constant where the problem's is. Compilers make one of two shapes of this code much faster, and not always the same one;
-/// the reference is the faster.
+/// Formula is what the kicks by hand call, on plain arrays.
+template <class Formula>
+struct OnArrays {
+  void operator()(const double* q, const double* p, double* dHdq, double* dHdp, Eigen::Index) const {
+    Formula::evaluate(q, p, dHdq, dHdp);
+  }
+};
+/// A bundled system's own gradient.
 template <class H>
+struct Bundled {
+  H hamiltonian;
+  void operator()(const double* q, const double* p, double* dHdq, double* dHdp, Eigen::Index d) const {
+    using Column = Vector<double, H::Dof>;
+    Eigen::Map<Column> by_q(dHdq, d), by_p(dHdp, d);
+    hamiltonian.gradient(Eigen::Map<const Column>(q, d), Eigen::Map<const Column>(p, d), by_q, by_p);
+  }
+};
+
+/// All kicks of a step from z, and their mean: nothing but the arithmetic of the explicit map. Compilers make one of several
+/// shapes of this code much faster, and not always the same one; the reference is the fastest.
+template <class Gradient, int Dof>
 class ByHand {
-  static constexpr int Size = twice(H::Dof);
+  static constexpr int Size = twice(Dof);
+  static constexpr auto Length = std::size_t(Size == Eigen::Dynamic ? 1 : Size);
   using Storage = Vector<double, Size>;
 
  public:
-  ByHand(const H& hamiltonian, const Scheme<double>& scheme, const PhasePoint<double, H::Dof>& z)
-      : hamiltonian_(hamiltonian), scheme_(scheme), z_(z.vector()), a_(z_), b_(z_), gradient_(z_) {}
+  ByHand(const Gradient& gradient, const Scheme<double>& scheme, const PhasePoint<double, Dof>& z)
+      : gradient_of_(gradient), scheme_(scheme), z_(z.vector()), a_(z_), b_(z_), gradient_(z_) {}
 
   /// With the copies in members.
   __attribute__((flatten, noinline)) void in_members(double dt) {
@@ -39,17 +59,13 @@ class ByHand {
   }
   /// With the copies on the stack; only for a size that is a constant.
   __attribute__((flatten, noinline)) void on_stack(double dt) {
-    constexpr int size = Size == Eigen::Dynamic ? 1 : Size;
-    constexpr auto length = std::size_t(size);
-    double a[length], b[length], gradient[length];
-    step(dt, z_.data(), a, b, gradient, size);
+    double a[Length], b[Length], gradient[Length];
+    step(dt, z_.data(), a, b, gradient, Size);
   }
   /// The same, free to be inlined into the caller's loop.
   __attribute__((flatten)) void inlined(double dt) {
-    constexpr int size = Size == Eigen::Dynamic ? 1 : Size;
-    constexpr auto length = std::size_t(size);
-    double a[length], b[length], gradient[length];
-    step(dt, z_.data(), a, b, gradient, size);
+    double a[Length], b[Length], gradient[Length];
+    step(dt, z_.data(), a, b, gradient, Size);
   }
 
  private:
@@ -64,49 +80,65 @@ class ByHand {
     for (Eigen::Index i = 0; i < size; ++i) z[i] = (a[i] + b[i]) / 2;
   }
   void kick(double t, const double* from, double* to, double* gradient, Eigen::Index d) const {
-    using Column = Vector<double, H::Dof>;
-    hamiltonian_.gradient(Eigen::Map<const Column>(from, d), Eigen::Map<const Column>(from + d, d),
-                          Eigen::Map<Column>(gradient, d), Eigen::Map<Column>(gradient + d, d));
+    gradient_of_(from, from + d, gradient, gradient + d, d);
     for (Eigen::Index i = 0; i < d; ++i) to[i] += t * gradient[d + i];
     for (Eigen::Index i = 0; i < d; ++i) to[d + i] -= t * gradient[i];
   }
 
-  H hamiltonian_;
+  Gradient gradient_of_;
   Scheme<double> scheme_;
   Storage z_, a_, b_, gradient_;
 };
 
-template <class H>
-void compare(const char* name, const H& hamiltonian, const PhasePoint<double, H::Dof>& z0, double dt,
-             int rounds) {
+template <class H, class Gradient>
+void compare(const std::string& name, const H& hamiltonian, const Gradient& gradient,
+             const PhasePoint<double, H::Dof>& z0, double dt, int rounds) {
   const auto scheme = schemes::yoshida6<double>();
-  ByHand<H> hand(hamiltonian, scheme, z0);
-  Semiexplicit library(hamiltonian, scheme);
-  auto z = z0;
-  std::int64_t evaluations = 0, steps = 0;
-  const auto library_step = [&] { evaluations += library.step(z, dt).evaluations, ++steps; };
+  ByHand<Gradient, H::Dof> hand(gradient, scheme, z0);
+  // Every evaluation is accepted: what is compared is a step with one.
+  const SimplifiedNewton once{.stop = StoppingRule::paper(1e300)};
+  Semiexplicit plain(hamiltonian, scheme, once, Summation::plain), compensated(hamiltonian, scheme, once);
+  auto z = z0, y = z0;
 
-  const double trial = seconds(20, library_step) / 20;
-  const int batch = std::max(1, static_cast<int>(2e-4 / trial));
-  std::vector<std::vector<double>> by_hand(3), ratios(3);
+  const double trial = seconds(20, [&] { plain.step(z, dt); }) / 20;
+  const int batch = std::max(1, static_cast<int>(1e-4 / trial));
+  std::vector<double> by_hand[3], by_plain[3], by_compensated[3];
   for (int i = 0; i < rounds; ++i) {
-    by_hand[0].push_back(seconds(batch, [&] { hand.in_members(dt); }) / batch);
+    z = y = z0;
+    double times[3] = {seconds(batch, [&] { hand.in_members(dt); }), 1e300, 1e300};
     if constexpr (H::Dof != Eigen::Dynamic) {
-      by_hand[1].push_back(seconds(batch, [&] { hand.on_stack(dt); }) / batch);
-      by_hand[2].push_back(seconds(batch, [&] { hand.inlined(dt); }) / batch);
+      times[1] = seconds(batch, [&] { hand.on_stack(dt); });
+      times[2] = seconds(batch, [&] { hand.inlined(dt); });
     }
-    const double by_library = seconds(batch, library_step) / batch;
-    for (std::size_t shape = 0; shape < 3; ++shape)
-      if (!by_hand[shape].empty()) ratios[shape].push_back(by_library / by_hand[shape].back());
+    const double one = seconds(batch, [&] { plain.step(z, dt); });
+    const double other = seconds(batch, [&] { compensated.step(y, dt); });
+    for (std::size_t shape = 0; shape < 3; ++shape) {
+      by_hand[shape].push_back(times[shape] / batch);
+      by_plain[shape].push_back(one / times[shape]);
+      by_compensated[shape].push_back(other / times[shape]);
+    }
   }
   // The shape with the fastest median is the reference in every round.
   std::size_t best = 0;
   for (std::size_t shape = 1; shape < 3; ++shape)
-    if (!by_hand[shape].empty() && quantile(by_hand[shape], 0.5) < quantile(by_hand[best], 0.5)) best = shape;
-  const double calls = static_cast<double>(scheme.kicks());
-  std::printf("%-22s %9.1f %9.3f %8.3f %8.3f %12.3f\n", name, 1e9 * quantile(by_hand[best], 0.5) / calls,
-              quantile(ratios[best], 0.5), quantile(ratios[best], 0.25), quantile(ratios[best], 0.75),
-              static_cast<double>(evaluations) / static_cast<double>(steps));
+    if (quantile(by_hand[shape], 0.5) < quantile(by_hand[best], 0.5)) best = shape;
+  std::printf("%-26s %9.1f", name.c_str(),
+              1e9 * quantile(by_hand[best], 0.5) / static_cast<double>(scheme.kicks()));
+  for (const auto* ratios : {&by_plain[best], &by_compensated[best]})
+    std::printf("   %7.3f (%.3f to %.3f)", quantile(*ratios, 0.5), quantile(*ratios, 0.25),
+                quantile(*ratios, 0.75));
+  std::printf("\n");
+  std::fflush(stdout);
+}
+
+template <class Formula, int Dof>
+void written(const char* name, const PhasePoint<double, Dof>& z0, double dt, int rounds) {
+  compare(name, bench::Written<Formula, Dof>(), OnArrays<Formula>(), z0, dt, rounds);
+}
+template <class H>
+void bundled(const char* name, const H& hamiltonian, const PhasePoint<double, H::Dof>& z0, double dt,
+             int rounds) {
+  compare(std::string(name) + ", bundled", hamiltonian, Bundled<H>{hamiltonian}, z0, dt, rounds);
 }
 
 /// Time of a step per degree of freedom and kick, which should hardly grow with the size: all work is in passes over vectors.
@@ -136,26 +168,26 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "bench_overhead: rounds must be 4 or more\n");
     return 2;
   }
-  std::printf("%-22s %9s %9s %8s %8s %12s\n", "problem (yoshida6)", "ns/kick", "ratio", "1st qu.", "3rd qu.",
-              "evaluations");
+  std::printf("%-26s %9s   %-24s   %s\n", "yoshida6, 1 evaluation", "ns a kick", "plain / by hand (quart.)",
+              "compensated / by hand (quart.)");
+  const PhasePoint<double, 5> nls({3, .01, .01, .01, .01}, {1, 0, 0, 0, 0});
+  const Vector<double, 10> x{3, -10, 6, 9, 0, 7, -8, 5, 9, 7}, y{-5, -6, 0, -2, 0, 10, 2, 9, 0, -1};
+  written<bench::ProductFormula, 1>("product (1)", {-3, 0}, 1e-3, rounds);
+  written<bench::DoublePendulumFormula, 2>("double pendulum (2)", {{1, 0.5}, {0.1, 0}}, 1e-3, rounds);
+  written<bench::KerrFormula, 4>("Kerr geodesic (4)", {{0, 10, 1.4, 0}, {-0.96, 0, 1, 3.2}}, 1e-3, rounds);
+  written<bench::NlsFormula, 5>("NLS (5)", nls, 1e-3, rounds);
+  written<bench::VorticesFormula, 10>("vortices (10)", {x, y}, 1e-3, rounds);
 
-  compare("NLS 5", systems::NlsLattice<double, 5>(),
-          PhasePoint<double, 5>({3, .01, .01, .01, .01}, {1, 0, 0, 0, 0}), 1e-3, rounds);
-
+  bundled("product (1)", systems::Product<double>(), PhasePoint<double, 1>(-3, 0), 1e-3, rounds);
+  bundled("NLS (5)", systems::NlsLattice<double, 5>(), nls, 1e-3, rounds);
+  const systems::PointVortices<double, 10> vortices(
+      Vector<double, 10>{-.5, .3, .6, .7, -.2, -.8, -.9, -.3, .7, -.6});
+  bundled("vortices (10)", vortices, vortices.phase_point(x, y), 1e-3, rounds);
   PhasePoint<double, Eigen::Dynamic> lattice(1000);
   std::mt19937_64 random(1);
   std::normal_distribution<double> normal;
   for (auto& value : lattice.vector()) value = normal(random);
-  compare("NLS 1000", systems::NlsLattice<double>(1000), lattice, 1e-3, rounds);
-
-  const systems::PointVortices<double, 10> vortices(
-      Vector<double, 10>{-.5, .3, .6, .7, -.2, -.8, -.9, -.3, .7, -.6});
-  compare("ten vortices", vortices,
-          vortices.phase_point(Vector<double, 10>{3, -10, 6, 9, 0, 7, -8, 5, 9, 7},
-                               Vector<double, 10>{-5, -6, 0, -2, 0, 10, 2, 9, 0, -1}),
-          1e-2, rounds);
-
-  compare("one degree of freedom", systems::Product<double>(), PhasePoint<double, 1>(-3, 0), 1e-3, rounds);
+  bundled("NLS (1000)", systems::NlsLattice<double>(1000), lattice, 1e-3, rounds);
 
   std::printf("\n");
   for (const Eigen::Index sites : {1'000, 10'000, 100'000, 1'000'000}) scale(sites);

@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include <semiexplicit/systems.hpp>
+
 #include "as_published.hpp"
 
 namespace paper {

@@ -8,6 +8,8 @@
 #include <utility>
 
 #include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/systems.hpp>
+#include <semiexplicit/time.hpp>
 
 #include "../cost/systems.hpp"
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/systems.hpp>
 
 #include "../batches.hpp"
 #include "common/gnuplot.hpp"

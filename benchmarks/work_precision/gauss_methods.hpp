@@ -4,6 +4,8 @@
 #include <utility>
 #include <vector>
 
+#include <semiexplicit/ensemble.hpp>
+
 #include "own_methods.hpp"
 
 namespace work_precision {

@@ -7,6 +7,8 @@
 
 #ifdef SEMIEXPLICIT_BENCHMARK_BOOST
 #include <boost/math/special_functions/jacobi_elliptic.hpp>
+
+#include <semiexplicit/systems.hpp>
 #endif
 
 #include "measure.hpp"

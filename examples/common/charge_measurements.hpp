@@ -6,6 +6,8 @@
 #include <ostream>
 #include <string>
 
+#include <semiexplicit/checkpoint.hpp>
+#include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
 #include "motions.hpp"

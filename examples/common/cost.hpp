@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include <semiexplicit/accuracy.hpp>
+
 #include "arguments.hpp"
 #include "gnuplot.hpp"
 #include "run.hpp"

@@ -10,6 +10,8 @@
 #include <ostream>
 #include <string>
 
+#include <semiexplicit/checkpoint.hpp>
+#include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
 #include "motions.hpp"

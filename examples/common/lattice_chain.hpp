@@ -9,6 +9,7 @@
 #include <random>
 
 #include <Eigen/Eigenvalues>
+#include <semiexplicit/checkpoint.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
 #include "motions.hpp"

@@ -5,6 +5,7 @@
 #include <variant>
 #include <vector>
 
+#include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
 namespace examples {

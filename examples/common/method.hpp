@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include <semiexplicit/ensemble.hpp>
+#include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
 namespace examples {

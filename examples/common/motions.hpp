@@ -6,6 +6,8 @@
 #include <ostream>
 #include <string>
 
+#include <semiexplicit/checkpoint.hpp>
+
 #include "table.hpp"
 
 namespace examples {

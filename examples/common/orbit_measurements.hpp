@@ -9,6 +9,8 @@
 #include <utility>
 
 #include <Eigen/Geometry>
+#include <semiexplicit/checkpoint.hpp>
+#include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
 #include "motions.hpp"

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include <semiexplicit/checkpoint.hpp>
+
 #include "checkpoint_request.hpp"
 #include "method.hpp"
 

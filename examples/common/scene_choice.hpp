@@ -15,6 +15,8 @@
 #include <vector>
 
 #include <CLI/CLI.hpp>
+#include <semiexplicit/checkpoint.hpp>
+#include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
 #include "scene_picture.hpp"

@@ -13,6 +13,8 @@
 #include <utility>
 #include <vector>
 
+#include <semiexplicit/checkpoint.hpp>
+
 #include "error_panels.hpp"
 #include "gnuplot.hpp"
 #include "run.hpp"

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <CLI/CLI.hpp>
+#include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
 #include "arguments.hpp"

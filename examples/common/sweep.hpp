@@ -8,7 +8,9 @@
 #include <string>
 #include <vector>
 
+#include <semiexplicit/ensemble.hpp>
 #include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/systems.hpp>
 
 #include "arguments.hpp"
 #include "table.hpp"

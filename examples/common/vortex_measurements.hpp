@@ -6,6 +6,7 @@
 #include <ostream>
 #include <string>
 
+#include <semiexplicit/checkpoint.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
 #include "motions.hpp"

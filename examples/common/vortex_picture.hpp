@@ -9,7 +9,9 @@
 #include <utility>
 #include <vector>
 
+#include <semiexplicit/checkpoint.hpp>
 #include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/systems.hpp>
 
 #include "error_panels.hpp"
 #include "gnuplot.hpp"

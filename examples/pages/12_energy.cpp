@@ -3,6 +3,7 @@
 #include <iostream>
 #include <sstream>
 
+#include <semiexplicit/derivatives.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
 using namespace semiexplicit;

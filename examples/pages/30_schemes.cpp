@@ -3,6 +3,7 @@
 #include <iostream>
 
 #include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/systems.hpp>
 
 using namespace semiexplicit;
 

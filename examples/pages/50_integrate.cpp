@@ -6,6 +6,7 @@
 #include <string>
 
 #include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/systems.hpp>
 
 using namespace semiexplicit;
 

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <iostream>
 
+#include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
 using namespace semiexplicit;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/time.hpp>
 
 using namespace semiexplicit;
 

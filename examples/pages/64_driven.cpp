@@ -4,6 +4,7 @@
 #include <iostream>
 
 #include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/time.hpp>
 
 using namespace semiexplicit;
 

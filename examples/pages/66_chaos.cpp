@@ -2,6 +2,7 @@
 #include <cmath>
 #include <iostream>
 
+#include <semiexplicit/chaos.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
 using namespace semiexplicit;

@@ -7,8 +7,8 @@
 
 #include <boost/numeric/odeint/integrate/integrate_const.hpp>
 #include <semiexplicit/compat/odeint.hpp>
-#include <semiexplicit/projection/semiexplicit.hpp>
-#include <semiexplicit/splitting/schemes.hpp>
+#include <semiexplicit/schemes/named.hpp>
+#include <semiexplicit/steppers/semiexplicit.hpp>
 #include <semiexplicit/systems/product.hpp>
 
 using namespace semiexplicit;

@@ -1,6 +1,7 @@
 // Which scheme, which step, for a relative energy error of 1e-6 over T = 2000? Ask, run, compare.
 #include <iostream>
 
+#include <semiexplicit/accuracy.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
 using namespace semiexplicit;

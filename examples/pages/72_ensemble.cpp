@@ -4,6 +4,7 @@
 #include <iostream>
 #include <vector>
 
+#include <semiexplicit/ensemble.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
 using namespace semiexplicit;

@@ -3,6 +3,7 @@
 #include <stdexcept>
 
 #include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/systems.hpp>
 
 using namespace semiexplicit;
 using Point = PhasePoint<double, 1>;

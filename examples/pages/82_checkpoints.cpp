@@ -3,7 +3,9 @@
 #include <filesystem>
 #include <iostream>
 
+#include <semiexplicit/checkpoint.hpp>
 #include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/systems.hpp>
 
 using namespace semiexplicit;
 

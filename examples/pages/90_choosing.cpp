@@ -5,6 +5,7 @@
 #include <limits>
 
 #include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/systems.hpp>
 
 using namespace semiexplicit;
 

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
@@ -24,13 +25,16 @@ enum class OnFailure {
 template <class Scalar>
 struct IntegrationOptions {
   Scalar dt = Scalar(0);   ///< the step; negative goes back in time
-  std::int64_t steps = 0;  ///< how many, those of `done` included
+  std::int64_t steps = 0;  ///< how many, those of `done` included; instead of t_end
   OnFailure on_failure = OnFailure::raise;
   /// A step that does not converge or is not finite is tried again as 2, 4, ... up to 2^subdivide equal ones before it counts as
   /// failed; IntegrationReport::subdivided says how often. The energy then may drift: a step that depends on the state is
   /// a symplectic map no more. 0: never.
   int subdivide = 0;
   Scalar t0 = Scalar(0);  ///< time of the state that is handed in, or of the first one where the run goes on
+  /// Where the run ends, exactly: with the fewest equal steps that are no longer than dt. IntegrationReport::dt says which
+  /// dt that took. NaN: not given, `steps` says how far.
+  Scalar t_end = std::numeric_limits<Scalar>::quiet_NaN();
   /// Report of an earlier part, which the run goes on from: its steps count among `steps`, and its sums are added to. See
   /// Checkpoints::resume().
   IntegrationReport done{};
@@ -83,12 +87,47 @@ bool step_in_parts(S& stepper, typename S::State& state,
   return false;
 }
 
+/// The options with t_end turned into steps and the dt that they take. A quotient that is a whole number but for rounding is
+/// one.
+template <class Scalar>
+IntegrationOptions<Scalar> with_steps(IntegrationOptions<Scalar> options) {
+  using std::abs;
+  using std::ceil;
+  using std::isfinite;
+  using std::isnan;
+  if (isnan(options.t_end)) return options;
+  if (options.steps != 0) throw std::invalid_argument("integrate: give steps or t_end, not both");
+  const Scalar time = options.t_end - options.t0;
+  if (!isfinite(time) || !isfinite(options.dt) || options.dt == Scalar(0))
+    throw std::invalid_argument("integrate: with t_end, dt must be finite and not zero, and t_end finite");
+  if (time == Scalar(0)) return options;
+  const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon();
+  const Scalar quotient = time / options.dt;
+  if (!(quotient > Scalar(0)))
+    throw std::invalid_argument("integrate: dt leads away from t_end; give it the sign of t_end - t0");
+  // The times themselves are rounded, and late ones by more than their difference is.
+  const Scalar slack =
+      (8 * epsilon * quotient) + 2 * epsilon * (abs(options.t0) + abs(options.t_end)) / abs(options.dt);
+  const Scalar steps = ceil(quotient - (slack < Scalar(0.5) ? slack : Scalar(0.5)));
+  if (!(steps < Scalar(9e18)))
+    throw std::invalid_argument("integrate: t_end is more than 9e18 steps of dt away; give a longer dt");
+  options.steps = steps < Scalar(1) ? 1 : static_cast<std::int64_t>(steps);
+  options.dt = time / Scalar(options.steps);
+  return options;
+}
+
 /// integrate(), whose arguments are what they should be.
 template <class S, class... Observers>
 IntegrationReport integrate_checked(S& stepper, typename S::State& state,
-                                    const IntegrationOptions<typename S::Scalar>& options,
+                                    const IntegrationOptions<typename S::Scalar>& asked,
                                     Observers&... observers) {
   using Scalar = typename S::Scalar;
+  using std::isnan;
+  const IntegrationOptions<Scalar> options = with_steps(asked);
+  const auto time_after = [&](std::int64_t n) {
+    return n == options.steps && !isnan(options.t_end) ? options.t_end
+                                                       : Scalar(options.t0 + Scalar(n) * options.dt);
+  };
   if (!(options.subdivide >= 0 && options.subdivide <= 30))
     throw std::invalid_argument(
         "integrate: subdivide is not between 0 and 30; 10 makes a thousandth of a step");
@@ -106,8 +145,7 @@ IntegrationReport integrate_checked(S& stepper, typename S::State& state,
   if (options.done.steps > 0) (require_restored(observers, options.done.steps), ...);
   IntegrationReport report = options.done;
   report.dt = static_cast<double>(options.dt);
-  Scalar t = options.t0;
-  if (report.steps > 0) t += Scalar(report.steps) * options.dt;
+  Scalar t = report.steps > 0 ? time_after(report.steps) : options.t0;
   // Every observer hears of every step, also when one before it asks to stop.
   const auto wanted = [&] {
     bool go_on = true;
@@ -135,7 +173,7 @@ IntegrationReport integrate_checked(S& stepper, typename S::State& state,
     }
     report.max_correction = std::max(report.max_correction, report.last.correction);
     ++report.steps;
-    t = options.t0 + Scalar(report.steps) * options.dt;
+    t = time_after(report.steps);
     if (!wanted()) return finish(Status::stopped);
   }
   return finish(Status::success);
@@ -143,7 +181,7 @@ IntegrationReport integrate_checked(S& stepper, typename S::State& state,
 
 }  // namespace detail
 
-/// Takes `steps` steps of size dt and calls every observer, in order, at the start and after each step. An observer is any
+/// Takes `steps` steps of size dt, or those that end at t_end, and calls every observer, in order, at the start and after each step. An observer is any
 /// callable (t, state), or (t, state, StepReport), or (t, state, IntegrationReport), which is the run's so far but for
 /// status, t and seconds; one that returns the bool false ends the run there (status `stopped`).
 ///
@@ -152,8 +190,8 @@ IntegrationReport integrate_checked(S& stepper, typename S::State& state,
 ///
 /// Times are t0 + n dt, without accumulated rounding. A step that fails leaves `state` at the last good one and throws
 /// IntegrationError, or ends the run (OnFailure::stop). An exception of a gradient or an observer passes through, with the
-/// state likewise. Throws std::invalid_argument for a negative number of steps
-/// and a senseless `subdivide`.
+/// state likewise. Throws std::invalid_argument for a negative number of steps,
+/// a t_end that dt leads away from, and a senseless `subdivide`.
 template <class S, class State, class... Observers>
 IntegrationReport integrate(S& stepper, State& state,
                             const IntegrationOptions<typename detail::StepperScalar<S>::Type>& options,

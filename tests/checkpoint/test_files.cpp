@@ -9,7 +9,10 @@
 #include <stdexcept>
 #include <string>
 
+#include <semiexplicit/chaos.hpp>
+#include <semiexplicit/checkpoint.hpp>
 #include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/systems.hpp>
 
 #include "folder.hpp"
 #include "refusal.hpp"

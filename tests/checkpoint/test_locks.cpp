@@ -9,7 +9,9 @@
 
 #include <unistd.h>
 
+#include <semiexplicit/checkpoint.hpp>
 #include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/systems.hpp>
 
 #include "child.hpp"
 #include "folder.hpp"

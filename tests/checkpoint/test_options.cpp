@@ -5,7 +5,10 @@
 #include <string>
 #include <vector>
 
+#include <semiexplicit/chaos.hpp>
+#include <semiexplicit/checkpoint.hpp>
 #include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/systems.hpp>
 
 #include "folder.hpp"
 #include "refusal.hpp"

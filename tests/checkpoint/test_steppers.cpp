@@ -3,7 +3,11 @@
 #include <cstdint>
 #include <filesystem>
 
+#include <semiexplicit/checkpoint.hpp>
+#include <semiexplicit/ensemble.hpp>
+#include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/systems.hpp>
 
 #include "folder.hpp"
 

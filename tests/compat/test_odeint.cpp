@@ -10,6 +10,7 @@
 #include <boost/numeric/odeint/iterator/n_step_iterator.hpp>
 #include <semiexplicit/compat/odeint.hpp>
 #include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/systems.hpp>
 
 #include "refusal.hpp"
 

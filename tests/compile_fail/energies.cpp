@@ -5,8 +5,8 @@
 // case energy_of_other_arguments: the energy of this Hamiltonian takes other arguments: write `Scalar energy(
 // case check_without_energy: has no energy, by which the run is to be judged: write `Scalar energy(
 // case cost_without_energy: has no energy, by which the run is to be judged: write `Scalar energy(
-#include <semiexplicit/check_gradient.hpp>
-#include <semiexplicit/cost/cost_of_accuracy.hpp>
+#include <semiexplicit/accuracy/cost_of_accuracy.hpp>
+#include <semiexplicit/derivatives/check_gradient.hpp>
 #include <semiexplicit/observers/invariants.hpp>
 
 using namespace semiexplicit;

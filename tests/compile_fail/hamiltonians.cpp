@@ -13,8 +13,8 @@
 // case gradient_of_floats: takes columns of another size or of other numbers than its Dof and Scalar: write
 // case time_dependent: depends on the time: give the stepper Autonomous(H)
 // case lambda_by_value: takes dHdq or dHdp by value, so what it writes is lost: take both as
-#include <semiexplicit/projection/semiexplicit.hpp>
-#include <semiexplicit/splitting/schemes.hpp>
+#include <semiexplicit/schemes/named.hpp>
+#include <semiexplicit/steppers/semiexplicit.hpp>
 
 using namespace Eigen;  // whose names are others
 using namespace semiexplicit;

@@ -13,8 +13,8 @@
 // case solver_without_options: does not list its options, so it could be resumed with others: write
 #include <semiexplicit/checkpoint/checkpoints.hpp>
 #include <semiexplicit/observers/every.hpp>
-#include <semiexplicit/projection/semiexplicit.hpp>
-#include <semiexplicit/splitting/schemes.hpp>
+#include <semiexplicit/schemes/named.hpp>
+#include <semiexplicit/steppers/semiexplicit.hpp>
 #include <semiexplicit/systems/product.hpp>
 
 using namespace semiexplicit;

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include <semiexplicit/core/compensated_update.hpp>
+#include <semiexplicit/steppers/detail/compensated_update.hpp>
 
 namespace {
 using namespace semiexplicit;

@@ -3,7 +3,11 @@
 #include <string>
 #include <utility>
 
+#include <semiexplicit/chaos.hpp>
+#include <semiexplicit/ensemble.hpp>
+#include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/systems.hpp>
 
 #include "refusal.hpp"
 

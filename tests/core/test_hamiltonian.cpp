@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/systems.hpp>
 
 // What is a Hamiltonian and what is not.
 

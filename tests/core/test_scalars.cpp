@@ -7,6 +7,7 @@
 #include <limits>
 
 #include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/systems.hpp>
 
 // Whole runs in every number type, each as accurate as its digits allow.
 

@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/systems.hpp>
 
 /// Systems for the tests of packs and ensembles.
 namespace plain {

@@ -6,6 +6,9 @@
 #include <string>
 #include <vector>
 
+#include <semiexplicit/ensemble.hpp>
+#include <semiexplicit/systems.hpp>
+
 #include "plain.hpp"
 #include "refusal.hpp"
 

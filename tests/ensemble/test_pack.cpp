@@ -6,6 +6,10 @@
 #include <limits>
 #include <vector>
 
+#include <semiexplicit/ensemble.hpp>
+#include <semiexplicit/systems.hpp>
+#include <semiexplicit/time.hpp>
+
 #include "plain.hpp"
 #include "refusal.hpp"
 

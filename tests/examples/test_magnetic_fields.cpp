@@ -2,6 +2,8 @@
 
 #include "catch.hpp"
 
+#include <semiexplicit/scene.hpp>
+
 // The fields of the program charges, each an effect of its own, against the library's motion in all of them.
 
 namespace {

@@ -9,9 +9,9 @@
 
 #include <unistd.h>
 
-#include <semiexplicit/baseline/gauss_legendre.hpp>
 #include <semiexplicit/checkpoint/checkpoints.hpp>
 #include <semiexplicit/observers/invariants.hpp>
+#include <semiexplicit/steppers/gauss_legendre.hpp>
 #include <semiexplicit/systems/product.hpp>
 
 // A checkpoint file: refused with nothing changed, or gone on with. The first byte decides whether the rest is the file, or

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/systems.hpp>
 
 #include "refusal.hpp"
 
@@ -249,4 +250,49 @@ TEST_CASE("The doubled maps are integrated on extended points", "[integrate]") {
   CHECK(record.z.back().q() == zeta.q());
   CHECK(record.z.back().p() == zeta.p());
   CHECK(errors["energy"].worst > 0);
+}
+
+TEST_CASE("A run ends at t_end exactly, with the fewest equal steps no longer than dt", "[integrate]") {
+  const systems::Product<double> H;
+  const PhasePoint<double, 1> z0(-3, 0);
+  const auto run = [&](IntegrationOptions<double> options, PhasePoint<double, 1>& z) {
+    Semiexplicit stepper(H, schemes::strang());
+    return integrate(stepper, z, options);
+  };
+  auto z = z0;
+  auto report = run({.dt = 0.03, .t_end = 1}, z);
+  CHECK(report.t == 1);
+  CHECK(report.steps == 34);
+  CHECK(report.dt == 1.0 / 34);
+  auto by_steps = z0;
+  run({.dt = 1.0 / 34, .steps = 34}, by_steps);
+  CHECK(z.vector() == by_steps.vector());
+
+  // 0.1 is no binary fraction, and 1 / 0.1 ten steps all the same; so at a late time, and back.
+  z = z0;
+  CHECK(run({.dt = 0.1, .t_end = 1}, z).steps == 10);
+  CHECK(run({.dt = 1e-3, .t_end = 1000}, z).steps == 1'000'000);
+  report = run({.dt = 0.1, .t0 = 1e9, .t_end = 1e9 + 1}, z);
+  CHECK(report.steps == 10);
+  CHECK(report.t == 1e9 + 1);
+  report = run({.dt = -0.3, .t_end = -1}, z);
+  CHECK(report.steps == 4);
+  CHECK(report.dt == -0.25);
+  CHECK(run({.dt = 0.1, .t0 = 2, .t_end = 2}, z).steps == 0);
+
+  CHECK(refuses([&] { run({.dt = 0.1, .t_end = -1}, z); }, "the sign of t_end - t0"));
+  CHECK(refuses([&] { run({.dt = 0, .t_end = 1}, z); }, "dt must be finite and not zero"));
+  CHECK(refuses([&] { run({.dt = 0.1, .steps = 5, .t_end = 1}, z); }, "steps or t_end, not both"));
+  CHECK(refuses([&] { run({.dt = 1e-300, .t_end = 1}, z); }, "more than 9e18 steps"));
+
+  // The rest of a run that was stopped: the same options, and what is done.
+  z = z0;
+  Semiexplicit stepper(H, schemes::strang());
+  const IntegrationOptions<double> whole{.dt = 0.03, .t_end = 1};
+  const auto part = integrate(stepper, z, whole, [](double t, const auto&) { return t < 0.5; });
+  CHECK(part.status == Status::stopped);
+  auto rest = whole;
+  rest.done = part;
+  CHECK(integrate(stepper, z, rest).t == 1);
+  CHECK(z.vector() == by_steps.vector());
 }

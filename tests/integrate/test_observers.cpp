@@ -16,7 +16,10 @@
 #include <unistd.h>
 #endif
 
+#include <semiexplicit/checkpoint.hpp>
+#include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/systems.hpp>
 
 #include "refusal.hpp"
 

@@ -23,6 +23,7 @@
 #endif
 
 #include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/systems.hpp>
 
 #include "folder.hpp"
 

@@ -10,7 +10,9 @@
 #include <type_traits>
 #include <vector>
 
+#include <semiexplicit/derivatives.hpp>
 #include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/systems.hpp>
 
 // How a run ends with any method, and what its report adds up to.
 

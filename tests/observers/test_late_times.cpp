@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include <semiexplicit/chaos.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
 // An autonomous system does not know what time it is: from any t0 on an observer sees what it sees from 0 on, although late

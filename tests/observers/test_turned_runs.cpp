@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/systems.hpp>
 
 // Observers of several runs: there and back, on from where the last one ended, another orbit.
 

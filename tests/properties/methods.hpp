@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include <semiexplicit/ensemble.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
 /// The methods that every property is tested on. A new scheme, solver or splitting is entered here, once.

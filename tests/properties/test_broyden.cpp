@@ -7,7 +7,7 @@
 
 #include <Eigen/LU>
 
-#include <semiexplicit/solver/broyden.hpp>
+#include <semiexplicit/solvers/broyden.hpp>
 
 // Broyden's method keeps its matrix as a few vectors; its iterates must be those of the matrix.
 

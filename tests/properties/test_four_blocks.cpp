@@ -4,6 +4,7 @@
 #include <functional>
 
 #include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/systems.hpp>
 
 // The method as its source writes it down, with the four blocks ζ = (q, x, p, y), against the library's two copies.
 

@@ -4,6 +4,8 @@
 #include <memory>
 #include <string>
 
+#include <semiexplicit/systems.hpp>
+
 #include "methods.hpp"
 
 // A gradient call is the unit of work: what the reports say must be what was called.

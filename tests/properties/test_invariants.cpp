@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include <semiexplicit/systems.hpp>
+
 #include "methods.hpp"
 
 // Linear and quadratic invariants of H are kept by the converged method itself, not only as well as the solution is; the

@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include <semiexplicit/systems.hpp>
+
 #include "methods.hpp"
 
 // The order that is measured on nonlinear, non-separable problems must be the one that is claimed. (Harmonic oscillators

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include <semiexplicit/systems.hpp>
+
 #include "methods.hpp"
 
 // A step forth and a step back lead to where they began.

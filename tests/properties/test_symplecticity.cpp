@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <semiexplicit/systems.hpp>
+
 #include "methods.hpp"
 
 // MᵀJM = J for the Jacobian M of a step.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
 // Geodesics of black holes against closed forms.

@@ -4,7 +4,9 @@
 #include <string>
 #include <vector>
 
+#include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/systems.hpp>
 
 // Every effect by itself: its gradient against its energy, and against what else is known of it.
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
 // What is known of orbits in closed form or from observation, from runs of scenes.

@@ -9,7 +9,9 @@
 #include <type_traits>
 #include <vector>
 
+#include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/systems.hpp>
 
 // What a scene is, which stepper it gets, the choice at run time, and the audit.
 

@@ -5,6 +5,7 @@
 #include <initializer_list>
 #include <string>
 
+#include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
 // Vortices in flows and between walls, against closed forms.

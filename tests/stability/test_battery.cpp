@@ -1,11 +1,13 @@
 // The battery: every case of benchmarks/stability/cases.hpp for a while, with two solvers, and what has no figure there. Bad
-// gradients (NaN, Inf, exceptions at any kick), wrong states and equilibria are in tests/projection/test_failures.cpp.
+// gradients (NaN, Inf, exceptions at any kick), wrong states and equilibria are in tests/steppers/test_failures.cpp.
 
 #include "catch.hpp"
 
 #include <cmath>
 #include <limits>
 #include <string>
+
+#include <semiexplicit/systems.hpp>
 
 #include "../../benchmarks/stability/cases.hpp"
 

@@ -10,6 +10,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/systems.hpp>
 
 #include "../../benchmarks/stability/stiff_lattice.hpp"
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/systems.hpp>
 
 namespace {
 

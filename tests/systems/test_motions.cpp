@@ -8,6 +8,7 @@
 #include <complex>
 
 #include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/systems.hpp>
 
 // Motions of the systems against closed forms, and values by hand.
 

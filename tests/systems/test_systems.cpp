@@ -6,6 +6,7 @@
 #include <string>
 
 #include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/systems.hpp>
 
 #include "refusal.hpp"
 

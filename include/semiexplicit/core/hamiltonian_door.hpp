@@ -133,7 +133,7 @@ consteval bool is_hamiltonian() {
   } else if constexpr (TimeDependentHamiltonian<H>) {
     static_assert(DependsOnTimeSoWrapItInAutonomous<H> && !TimeDependentHamiltonian<H>,
                   "this Hamiltonian depends on the time: give the stepper Autonomous(H), see "
-                  "extended/autonomous.hpp");
+                  "time/autonomous.hpp");
     return false;
   } else if constexpr (!HasGradient<H>) {
     static_assert(!HasMutableGradient<H>,

@@ -8,9 +8,9 @@
 
 #include <semiexplicit/core/extended_phase_space.hpp>
 #include <semiexplicit/ensemble/pack_point.hpp>
-#include <semiexplicit/solver/simplified_newton.hpp>
-#include <semiexplicit/splitting/kick_chain.hpp>
-#include <semiexplicit/splitting/pihajoki.hpp>
+#include <semiexplicit/solvers/simplified_newton.hpp>
+#include <semiexplicit/steppers/detail/kick_chain.hpp>
+#include <semiexplicit/steppers/pihajoki.hpp>
 
 #ifdef SEMIEXPLICIT_HAS_PACKS
 

@@ -11,7 +11,7 @@
 #include <semiexplicit/scene/any_effect.hpp>
 #include <semiexplicit/scene/nearest_names.hpp>
 #include <semiexplicit/scene/scene.hpp>
-#include <semiexplicit/scene/stepper_for.hpp>
+#include <semiexplicit/steppers/stepper_for.hpp>
 
 namespace semiexplicit {
 

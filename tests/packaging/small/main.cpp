@@ -1,8 +1,8 @@
 // The smallest program that the headers must arrive for: one projected step of the pendulum H = p²/2 - cos q, there and back.
 #include <cmath>
 
-#include <semiexplicit/projection/semiexplicit.hpp>
-#include <semiexplicit/splitting/schemes.hpp>
+#include <semiexplicit/schemes/named.hpp>
+#include <semiexplicit/steppers/semiexplicit.hpp>
 
 int main() {
   const auto pendulum = semiexplicit::make_hamiltonian<double, 1>(

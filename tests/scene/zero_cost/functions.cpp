@@ -1,6 +1,7 @@
 // The same gradients by hand and as scenes; check.cmake compares what the compiler makes of each pair.
 #include <cmath>
 
+#include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
 using namespace semiexplicit;

@@ -1,0 +1,98 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include <semiexplicit/integrate.hpp>
+#include <semiexplicit/schemes/named.hpp>
+#include <semiexplicit/steppers/gauss_legendre.hpp>
+#include <semiexplicit/steppers/gauss_legendre_lanes.hpp>
+#include <semiexplicit/steppers/semiexplicit.hpp>
+
+namespace semiexplicit {
+
+/// An integrator with everything that it needs but the Hamiltonian: the coordinates of a point on the curve of accuracy
+/// against work. A plain value, to be kept, printed, edited, and run by run() or with_stepper().
+struct Setting {
+  enum class Method {
+    semiexplicit,  ///< Semiexplicit with simplified Newton: `scheme` and `rule` count
+    gauss,         ///< GaussLegendre with fixed-point iteration: `stages` counts
+    gauss_lanes    ///< GaussLegendreLanes: the same with its stages in SIMD lanes
+  };
+
+  Method method = Method::semiexplicit;
+  std::string scheme{};  ///< a name that schemes::by_name() knows
+  StoppingRule rule = StoppingRule::product();
+  int stages = 0;  ///< 1 to 8
+  double dt = 0;   ///< the step, in the Hamiltonian's unit of time
+
+  /// "low_defect6_s13", "gauss_s4", "gauss_lanes_s4" (four stages): what tells two settings apart beside dt and rule.
+  std::string name() const {
+    if (method == Method::semiexplicit) return scheme;
+    return (method == Method::gauss ? "gauss_s" : "gauss_lanes_s") + std::to_string(stages);
+  }
+
+  /// "product(1e-16)" for the semiexplicit method, "fixed point" for the others.
+  std::string solver() const {
+    if (method != Method::semiexplicit) return "fixed point";
+    return (rule.kind == StoppingRule::Kind::product ? "product(" : "paper(") +
+           detail::in_words(rule.tolerance, 2) + ")";
+  }
+};
+
+/// Makes the stepper of a setting and hands it to `use`, whose result it gives back: a Semiexplicit, a GaussLegendre or
+/// a GaussLegendreLanes. Throws std::invalid_argument for an unknown scheme, a number of stages outside 1 to 8, and for
+/// stages in lanes where H has no gradient for packs.
+///
+///     with_stepper(H, advice.setting, [&](auto& stepper) { stepper.step(z, advice.setting.dt); });
+template <Hamiltonian H, class Use>
+decltype(auto) with_stepper(const H& hamiltonian, const Setting& setting, const Use& use) {
+  if (setting.method == Setting::Method::semiexplicit) {
+    Semiexplicit stepper(hamiltonian, schemes::by_name<typename H::Scalar>(setting.scheme),
+                         SimplifiedNewton{.stop = setting.rule});
+    return use(stepper);
+  }
+#ifdef SEMIEXPLICIT_HAS_PACKS
+  if constexpr (HasPackGradient<H>) {
+    if (setting.method == Setting::Method::gauss_lanes) {
+      GaussLegendreLanes stepper(hamiltonian, {.stages = setting.stages});
+      return use(stepper);
+    }
+  }
+#endif
+  if (setting.method == Setting::Method::gauss_lanes)
+    throw std::invalid_argument(
+        "with_stepper: this Hamiltonian has no gradient for packs; take Setting::Method::gauss");
+  GaussLegendre stepper(hamiltonian, {.stages = setting.stages});
+  return use(stepper);
+}
+
+/// Integrates z over the time T with a setting: in the fewest equal steps that are no longer than setting.dt. Observers,
+/// report and failures as integrate() has them. Throws std::invalid_argument unless T and setting.dt are finite and
+/// positive, and as with_stepper() does.
+///
+///     const CostRow advice = cost.cheapest(1e-8).value();
+///     Invariants invariants(H);
+///     run(H, z, T, advice.setting, invariants);
+template <Hamiltonian H, class... Observers>
+IntegrationReport run(const H& hamiltonian, PhasePoint<typename H::Scalar, H::Dof>& z, double T,
+                      const Setting& setting, Observers&&... observers) {
+  if (!(T > 0 && std::isfinite(T)))
+    throw std::invalid_argument("run: T is not a finite positive time; give how long to integrate");
+  if (!(setting.dt > 0 && std::isfinite(setting.dt)))
+    throw std::invalid_argument("run: setting.dt is not a finite positive step; set it");
+  const double steps = std::max(
+      1.0, std::ceil(T / setting.dt * (1 - 1e-12)));  // T = 10 dt is ten steps, whatever rounding says
+  if (!(steps < 9e18)) throw std::invalid_argument("run: T / setting.dt is too large; give a larger step");
+  using Scalar = typename H::Scalar;
+  return with_stepper(hamiltonian, setting, [&](auto& stepper) {
+    return integrate(stepper, z, {.dt = Scalar(T) / Scalar(steps), .steps = static_cast<std::int64_t>(steps)},
+                     std::forward<Observers>(observers)...);
+  });
+}
+
+}  // namespace semiexplicit

@@ -1,0 +1,202 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <Eigen/LU>
+
+#include <semiexplicit/core/extended_phase_space.hpp>
+#include <semiexplicit/steppers/semiexplicit.hpp>
+
+namespace semiexplicit {
+namespace detail {
+
+/// ∇²H at z, a symmetric 2d × 2d matrix: by H.hessian where there is one, else by central differences of the gradient, which are
+/// off by about 1e-10 of its size in double (ε^{2/3}); by more along a time so late that its own rounding shows.
+template <Hamiltonian H>
+class SecondDerivatives {
+ public:
+  using Scalar = typename H::Scalar;
+  using State = PhasePoint<Scalar, H::Dof>;
+  using Matrix = Eigen::Matrix<Scalar, twice(H::Dof), twice(H::Dof)>;
+
+  explicit SecondDerivatives(Eigen::Index dof) : at_(dof), above_(dof), below_(dof) {}
+
+  void operator()(const H& h, const typename State::Storage& z, Matrix& hessian) {
+    at_.vector() = z;
+    if constexpr (HasHessian<H>) {
+      h.hessian(at_.q(), at_.p(), hessian);
+    } else {
+      using std::abs;
+      using std::cbrt;
+      const Scalar size_or_zero = state_size(h, at_);
+      const Scalar size = size_or_zero > Scalar(0) ? size_or_zero : Scalar(1);
+      for (Eigen::Index i = 0; i < z.size(); ++i) {
+        // The best shift for the rounding of this entry: a time may be far larger than the state.
+        const Scalar rounding = Eigen::NumTraits<Scalar>::epsilon() * std::max<Scalar>(1, abs(z[i]) / size);
+        const Scalar shift = size * std::max<Scalar>(cbrt(rounding), 2 * rounding);
+        const Scalar right = z[i] + shift, left = z[i] - shift;
+        at_.vector()[i] = right;
+        h.gradient(at_.q(), at_.p(), above_.q(), above_.p());
+        at_.vector()[i] = left;
+        h.gradient(at_.q(), at_.p(), below_.q(), below_.p());
+        at_.vector()[i] = z[i];
+        hessian.col(i) = (above_.vector() - below_.vector()) / (right - left);
+      }
+      // Symmetric to the last bit, so that the map is symplectic although its entries are approximate.
+      for (Eigen::Index i = 0; i < z.size(); ++i)
+        for (Eigen::Index j = 0; j < i; ++j)
+          hessian(i, j) = hessian(j, i) = (hessian(i, j) + hessian(j, i)) / 2;
+    }
+  }
+
+ private:
+  State at_, above_, below_;
+};
+
+}  // namespace detail
+
+/// The derivative M = ∂z'/∂z of a step of Semiexplicit, by the implicit function theorem. With the copies a = z + m, b = z - m
+/// before and a', b' after the kicks, which are linearised one by one with the Hessian of H,
+///
+///     δm = -F⁻¹ (δa' - δb')|_{δm = 0},   F = ∂(a' - b' + 2m)/∂m,   M δz = (δa' + δb')/2.
+///
+/// M is symplectic to rounding, MᵀJM = J. It is the derivative of the step whose projection is solved exactly; the multiplier
+/// is found anew here, by Newton's method with F.
+///
+///     TangentMap tangent(stepper);
+///     if (tangent.at(z, dt) == Status::success) ... tangent.matrix() ...   // of the step that starts at z
+///
+/// Give H a Hessian, by hand or by from_energy(), if you can: without one it is taken from differences of the gradient, and M is
+/// off by about 1e-10 of its size in double, though symplectic still. Cost: two or three sweeps with a Hessian a kick and
+/// products of matrices, O(d³). Memory: O(d²). No heap use for a size known at compile time; otherwise Eigen's factorisation and
+/// products take some.
+template <class H>
+class TangentMap {
+ public:
+  using Scalar = typename detail::HamiltonianDoor<H>::Scalar;
+  static constexpr int Dof = detail::HamiltonianDoor<H>::Dof;
+  using State = PhasePoint<Scalar, Dof>;
+  using Matrix = Eigen::Matrix<Scalar, twice(Dof), twice(Dof)>;
+
+  TangentMap(H hamiltonian, Scheme<Scalar> scheme)
+      : hamiltonian_(std::move(hamiltonian)),
+        scheme_(std::move(scheme)),
+        size_(2 * dof_of(hamiltonian_)),
+        second_(dof_of(hamiltonian_)),
+        correction_(dof()),
+        a_(State(dof()).vector()),
+        b_(a_),
+        m_(a_),
+        gradient_(a_),
+        hessian_(Matrix::Zero(size_, size_)),
+        slope_(hessian_),
+        solution_(hessian_),
+        matrix_(Matrix::Identity(size_, size_)),
+        da_(Columns::Zero(size_, 2 * size_)),
+        db_(da_),
+        solver_(size_) {
+    scheme_.check();
+  }
+
+  /// Of the steps of that stepper.
+  template <class Solver>
+  explicit TangentMap(const Semiexplicit<H, Solver>& stepper)
+      : TangentMap(stepper.hamiltonian(), stepper.scheme()) {}
+
+  /// Finds M for the step of size dt from z. Status::success, or what went wrong (describe() says it in words).
+  Status at(const State& z, const Scalar& dt) {
+    using std::isfinite;
+    using std::pow;
+    if (!detail::valid_step(dt)) return Status::invalid_step;
+    if (scheme_.b.empty()) return Status::invalid_stepper;
+    if (z.vector().size() != size_ || !z.vector().allFinite()) return Status::invalid_state;
+    Scalar close(0);
+    m_.setZero();
+    for (int iteration = 0; iteration < 20; ++iteration) {
+      sweep(z, dt);
+      slope_ = da_.rightCols(size_) - db_.rightCols(size_) + 2 * Matrix::Identity(size_, size_);
+      solver_.compute(slope_);
+      // At a multiplier that is off by this M is off by this times dt and third derivatives. The time of an extended
+      // point may be large, and its rounding then is what is left.
+      if (iteration == 0) {
+        const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon();
+        close = pow(epsilon, Scalar(0.75)) *
+                    (detail::state_size(hamiltonian_, z) + detail::norm(a_ - z.vector())) +
+                8 * epsilon * detail::norm(z.vector());
+      }
+      gradient_ = a_ - b_ + 2 * m_;  // f
+      correction_.vector() = solver_.solve(gradient_);
+      const Scalar correction = detail::state_size(hamiltonian_, correction_);
+      if (!isfinite(correction)) return Status::not_finite;
+      if (correction <= close) {
+        finish();
+        return matrix_.allFinite() ? Status::success : Status::not_finite;
+      }
+      m_ -= correction_.vector();
+    }
+    return Status::no_convergence;
+  }
+
+  /// M of the last at() that succeeded; the identity before. Rows and columns in the order of PhasePoint::vector().
+  const Matrix& matrix() const { return matrix_; }
+
+  Eigen::Index dof() const { return dof_of(hamiltonian_); }
+  const H& hamiltonian() const { return hamiltonian_; }
+  const Scheme<Scalar>& scheme() const { return scheme_; }
+
+ private:
+  using Vec = typename State::Storage;
+  using Columns = Eigen::Matrix<Scalar, twice(Dof), Dof == Eigen::Dynamic ? Eigen::Dynamic : 4 * Dof>;
+
+  /// M from the derivatives of the copies at the solution, where solver_ has F.
+  void finish() {
+    slope_ = da_.leftCols(size_) - db_.leftCols(size_);
+    solution_ = solver_.solve(slope_);
+    matrix_ = (da_.leftCols(size_) + db_.leftCols(size_)) / 2;
+    da_.rightCols(size_) += db_.rightCols(size_);
+    matrix_.noalias() -= da_.rightCols(size_) * solution_ / 2;
+  }
+
+  /// All kicks on the copies and on their derivatives with respect to z (left half of the columns) and m (right half).
+  void sweep(const State& z, const Scalar& dt) {
+    a_ = z.vector() + m_;
+    b_ = z.vector() - m_;
+    da_.leftCols(size_).setIdentity();
+    da_.rightCols(size_).setIdentity();
+    db_.leftCols(size_).setIdentity();
+    db_.rightCols(size_) = -Matrix::Identity(size_, size_);
+    const std::size_t n = scheme_.b.size();
+    for (std::size_t i = 0; i < n; ++i) {
+      kick(dt * scheme_.a[i], a_, da_, b_, db_);
+      kick(dt * scheme_.b[i], b_, db_, a_, da_);
+    }
+    kick(dt * scheme_.a[n], a_, da_, b_, db_);
+  }
+
+  void kick(const Scalar& t, const Vec& from, const Columns& dfrom, Vec& to, Columns& dto) {
+    const Eigen::Index d = size_ / 2;
+    detail::gradient_at(hamiltonian_, from.data(), gradient_.data(), d);
+    detail::kick(t, gradient_.data(), to.data(), d, d);
+    second_(hamiltonian_, from, hessian_);
+    slope_.topRows(d) = t * hessian_.bottomRows(d);
+    slope_.bottomRows(d) = -t * hessian_.topRows(d);
+    dto.noalias() += slope_ * dfrom;
+  }
+
+  H hamiltonian_;
+  Scheme<Scalar> scheme_;
+  Eigen::Index size_;
+  detail::SecondDerivatives<H> second_;
+  State correction_;
+  Vec a_, b_, m_, gradient_;
+  Matrix hessian_, slope_, solution_, matrix_;
+  Columns da_, db_;  // ∂a/∂(z, m), ∂b/∂(z, m)
+  Eigen::PartialPivLU<Matrix> solver_;
+};
+
+template <class H, class Solver>
+TangentMap(const Semiexplicit<H, Solver>&) -> TangentMap<H>;
+
+}  // namespace semiexplicit

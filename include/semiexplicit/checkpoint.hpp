@@ -1,0 +1,5 @@
+#pragma once
+
+/// Runs that are saved and resumed.
+
+#include <semiexplicit/checkpoint/checkpoints.hpp>

@@ -1,0 +1,146 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include <semiexplicit/core/vector.hpp>
+#include <semiexplicit/solvers/stopping.hpp>
+
+namespace semiexplicit {
+
+/// Newton's method without matrices: the linear equation of each iteration is solved by GMRES, which asks for the Jacobian only
+/// by its products with vectors, and these are differences of f. It converges where the simplified Newton method and
+/// Broyden's diverge, at steps that do not resolve the fastest motion, at the price of one evaluation of f a direction: a few
+/// where few frequencies are fast, tens in a stiff lattice.
+///
+/// The accuracy of a step depends on ‖f‖ (see StoppingRule), so e = ‖f‖/4 is judged as for SimplifiedNewton, and a step that
+/// this one would accept at once costs the same here.
+///
+/// Sources: C. T. Kelley, Iterative Methods for Linear and Nonlinear Equations (SIAM 1995), chapters 3, 6 and 8; Y. Saad, M. H.
+/// Schultz, SIAM J. Sci. Stat. Comput. 7 (1986) 856.
+struct NewtonKrylov {
+  static constexpr const char* name = "NewtonKrylov";
+  StoppingRule stop = StoppingRule::product();
+  int max_iterations = 500;  ///< evaluations of f before it gives up, those for products included
+  int directions = 30;       ///< largest number of GMRES directions in a Newton iteration
+
+  /// See Describable.
+  template <class List>
+  void describe(List& list) const {
+    list("rule", stop);
+    list("max_iterations", max_iterations);
+    list("directions", directions);
+  }
+
+  /// directions + 5 vectors of length 2d, and a small triangle.
+  template <class Vec>
+  struct Workspace {
+    using Scalar = typename Vec::Scalar;
+    /// Throws std::invalid_argument for options that make no sense.
+    Workspace(const NewtonKrylov& options, Eigen::Index size)
+        : f(Vec::Zero(size)),
+          shifted(f),
+          trial(f),
+          step(f),
+          basis(size, std::clamp<Eigen::Index>(options.directions, 1, size) + 1),
+          triangle(basis.cols(), basis.cols()),
+          rotated(basis.cols()),
+          cosine(basis.cols()),
+          sine(basis.cols()) {
+      detail::require_options(name, options.stop, options.max_iterations);
+      if (options.directions < 1)
+        throw std::invalid_argument("NewtonKrylov: directions is below 1; give how many GMRES may take");
+    }
+    Vec f, shifted, trial, step;
+    Eigen::Matrix<Scalar, Vec::RowsAtCompileTime, Eigen::Dynamic> basis;  ///< orthonormal directions
+    Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic> triangle;       ///< R of the Hessenberg matrix
+    Eigen::Matrix<Scalar, Eigen::Dynamic, 1> rotated, cosine, sine;  ///< right-hand side, Givens rotations
+  };
+
+  /// Solves f(m) = 0, as SimplifiedNewton::solve().
+  template <class Residual, class Vec>
+  SolverReport<typename Vec::Scalar> solve(Residual& residual, Vec& m, Workspace<Vec>& work) const {
+    using Scalar = typename Vec::Scalar;
+    detail::Convergence<Scalar> convergence(stop, max_iterations);
+    residual(work.f);
+    Scalar size_f = detail::norm(work.f);
+    if (convergence.done(size_f / 4, Scalar(0), residual)) return convergence.report();
+    m.setZero();
+    for (;;) {
+      find_step(residual, m, size_f, work, convergence);
+      if (convergence.exhausted()) return convergence.report();
+      // Halved until f gets smaller: far from the solution the full step may not.
+      Scalar part(1), size_trial;
+      for (int halvings = 0;; ++halvings) {
+        work.trial = m + part * work.step;
+        residual(work.trial, work.f);
+        size_trial = detail::norm(work.f);
+        const bool smaller = size_trial <= (1 - part / 10000) * size_f;
+        if (smaller || halvings == 8 || size_trial <= 4 * residual.rounding_level() ||
+            convergence.exhausted())
+          break;
+        convergence.count();
+        part /= 2;
+      }
+      m = work.trial;
+      size_f = size_trial;
+      if (convergence.done(size_f / 4, detail::norm(m), residual)) return convergence.report();
+    }
+  }
+
+ private:
+  /// GMRES for f'(m) step = -f(m), to a tenth of ‖f‖: the next iteration takes the rest.
+  template <class Residual, class Vec, class Scalar>
+  void find_step(Residual& residual, const Vec& m, const Scalar& size_f, Workspace<Vec>& work,
+                 detail::Convergence<Scalar>& convergence) const {
+    using std::abs;
+    using std::hypot;
+    using std::sqrt;
+    // Of the length at which rounding and curvature spoil a difference alike.
+    const Scalar shift =
+        sqrt(Eigen::NumTraits<Scalar>::epsilon()) * (residual.state_size() + detail::norm(m));
+    const Eigen::Index most = work.basis.cols() - 1;
+    work.basis.col(0) = work.f / -size_f;
+    work.rotated.setZero();
+    work.rotated[0] = size_f;
+    Eigen::Index k = 0;
+    while (k < most && !convergence.exhausted()) {
+      work.trial = m + shift * work.basis.col(k);
+      residual(work.trial, work.shifted);
+      convergence.count();
+      auto next = work.basis.col(k + 1);
+      next = (work.shifted - work.f) / shift;
+      auto column = work.triangle.col(k);
+      for (Eigen::Index i = 0; i <= k; ++i) {  // modified Gram-Schmidt
+        column[i] = detail::dot(work.basis.col(i), next);
+        next -= column[i] * work.basis.col(i);
+      }
+      const Scalar length = detail::norm(next);
+      if (length > Scalar(0)) next /= length;
+      for (Eigen::Index i = 0; i < k; ++i) {
+        const Scalar above = work.cosine[i] * column[i] + work.sine[i] * column[i + 1];
+        column[i + 1] = work.cosine[i] * column[i + 1] - work.sine[i] * column[i];
+        column[i] = above;
+      }
+      const Scalar radius = hypot(column[k], length);
+      if (!(radius > Scalar(0))) break;  // a direction that changes nothing, or NaN
+      work.cosine[k] = column[k] / radius;
+      work.sine[k] = length / radius;
+      column[k] = radius;
+      work.rotated[k + 1] = -work.sine[k] * work.rotated[k];
+      work.rotated[k] *= work.cosine[k];
+      ++k;
+      if (abs(work.rotated[k]) <= size_f / 10) break;
+    }
+    work.step.setZero();
+    for (Eigen::Index i = k; i-- > 0;) {
+      Scalar sum = work.rotated[i];
+      for (Eigen::Index j = i + 1; j < k; ++j) sum -= work.triangle(i, j) * work.rotated[j];
+      work.rotated[i] = sum / work.triangle(i, i);
+      work.step += work.rotated[i] * work.basis.col(i);
+    }
+    if (k == 0) work.step = work.f / -4;
+  }
+};
+
+}  // namespace semiexplicit

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <semiexplicit/core/vector.hpp>
+#include <semiexplicit/solvers/stopping.hpp>
+
+namespace semiexplicit {
+
+/// Newton's iteration with the Jacobian 4I that f has at dt = 0: m ← m - f(m)/4, from m = 0. Needs no memory of its own
+/// beyond f. It contracts by |sin(λ dt/2)| on an oscillation of frequency λ (for an accurate scheme), so it is the right
+/// solver wherever the step resolves the motion.
+///
+/// Source: Jayawardana and Ohsawa, Math. Comp. 92 (2023) 251, eq. (simplified_Newton).
+struct SimplifiedNewton {
+  static constexpr const char* name = "SimplifiedNewton";
+  StoppingRule stop = StoppingRule::product();
+  int max_iterations = 100;  ///< evaluations of f before it gives up; the step is refused then
+
+  /// See Describable.
+  template <class List>
+  void describe(List& list) const {
+    list("rule", stop);
+    list("max_iterations", max_iterations);
+  }
+
+  /// The residual's value: one vector of length 2d.
+  template <class Vec>
+  struct Workspace {
+    /// Throws std::invalid_argument for options that make no sense.
+    Workspace(const SimplifiedNewton& options, Eigen::Index size) : f(Vec::Zero(size)) {
+      detail::require_options(name, options.stop, options.max_iterations);
+    }
+    Vec f;
+  };
+
+  /// Solves f(m) = 0, where residual(f) writes f(0) and residual(m, f) writes f(m). On return the residual was last
+  /// evaluated at the accepted m; `m` itself is only set where more than one evaluation was needed.
+  template <class Residual, class Vec>
+  SolverReport<typename Vec::Scalar> solve(Residual& residual, Vec& m, Workspace<Vec>& work) const {
+    using Scalar = typename Vec::Scalar;
+    detail::Convergence<Scalar> convergence(stop, max_iterations);
+    residual(work.f);
+    if (convergence.done(detail::norm(work.f) / 4, Scalar(0), residual)) return convergence.report();
+    m = work.f / -4;
+    for (;;) {
+      residual(m, work.f);
+      if (convergence.done(detail::norm(work.f) / 4, detail::norm(m), residual)) return convergence.report();
+      m -= work.f / 4;
+    }
+  }
+};
+
+}  // namespace semiexplicit

@@ -1,0 +1,126 @@
+#pragma once
+
+#include <concepts>
+#include <cstdint>
+#include <utility>
+
+#include <semiexplicit/core/extended_phase_space.hpp>
+#include <semiexplicit/core/solver.hpp>
+#include <semiexplicit/solvers/simplified_newton.hpp>
+#include <semiexplicit/steppers/detail/doubled_step.hpp>
+
+namespace semiexplicit {
+
+/// The semiexplicit symplectic integrator: Pihajoki's explicit map bound by a symmetric projection. A step looks for the
+/// multiplier m with which the copies, parted by +m and -m before the map and again after it, end equal:
+///
+///     f(m) = a' - b' + 2m = 0,   (a', b') = map(z + m, z - m),   z' = (a' + b')/2.
+///
+/// The map z → z' is symplectic in the original phase space and symmetric, keeps linear and quadratic invariants of H to the
+/// accuracy of the solve, and has the order of the scheme. Finishing with the mean makes what is left of f enter those
+/// properties at second order only, which is why a loose solve is enough (StoppingRule::product).
+///
+/// Source: B. Jayawardana and T. Ohsawa, Math. Comp. 92 (2023) 251, Definition 2.1; the invariants: T. Ohsawa,
+/// arXiv:2208.10546. Memory: seven vectors of length 2d and the solver's (simplified Newton one, Broyden memory + 2).
+template <class H, class Solver = SimplifiedNewton>
+class Semiexplicit {
+ public:
+  using Scalar = typename detail::HamiltonianDoor<H>::Scalar;
+  static constexpr int Dof = detail::HamiltonianDoor<H>::Dof;
+  using State = PhasePoint<Scalar, Dof>;
+  static constexpr const char* name = "Semiexplicit";
+
+  /// Throws std::invalid_argument, saying what is wrong, unless the scheme passes its own check and the solver's options make
+  /// sense.
+  Semiexplicit(H hamiltonian, Scheme<Scalar> scheme, Solver solver = {},
+               Summation summation = Summation::compensated)
+      : doubled_(std::move(hamiltonian), std::move(scheme), summation),
+        solver_(std::move(solver)),
+        m_(State(dof()).vector()),
+        work_(solver_, m_.size()) {}
+
+  /// One step of size dt, which may be negative. z is untouched unless the report is ok(); so it stays where a gradient
+  /// throws. No heap use.
+  StepReport step(State& z, const Scalar& dt) {
+    StepReport report{.status = doubled_.check(z, dt)};
+    if (!report.ok()) return report;
+    Residual residual{doubled_, z, dt};
+    const auto solved = solver_.solve(residual, m_, work_);
+    report.status = solved.status;
+    report.evaluations = solved.evaluations;
+    report.gradients = solved.evaluations * doubled_.chain().gradients();
+    report.correction = static_cast<double>(solved.correction);
+    report.rate = static_cast<double>(solved.rate);
+    report.escalations = solved.escalations;
+    if (report.ok() && !doubled_.finish(z)) report.status = Status::not_finite;
+    if (report.status == Status::not_finite) report.status = doubled_.diagnose(z);
+    return report;
+  }
+
+  /// Gradient calls that a step cannot exceed.
+  std::int64_t max_gradients() const requires std::same_as<Solver, SimplifiedNewton> {
+    return solver_.max_iterations * doubled_.chain().gradients();
+  }
+
+  Eigen::Index dof() const { return dof_of(hamiltonian()); }
+  const H& hamiltonian() const { return doubled_.chain().hamiltonian; }
+  const Scheme<Scalar>& scheme() const { return doubled_.chain().scheme; }
+  Summation summation() const { return doubled_.summation(); }
+  const Solver& solver() const { return solver_; }
+
+  /// See Describable.
+  template <class List>
+  void describe(List& list) const {
+    doubled_.describe(list);
+    list("solver", solver_);
+  }
+  /// Hands visit() every number that goes on from step to step; see CheckpointMemory.
+  template <class Visitor>
+  void visit_memory(Visitor&& visit) {
+    doubled_.visit_memory(visit);
+  }
+
+ private:
+  using Vec = typename State::Storage;
+
+  /// f as the solvers see it: a function of m that also knows the sizes that their stopping is judged by.
+  struct Residual {
+    detail::DoubledStep<H>& doubled;
+    const State& z;
+    const Scalar& dt;
+    Scalar size = detail::state_size(doubled.chain().hamiltonian, z);
+
+    /// f(0), where every solver starts.
+    void operator()(Vec& f) {
+      doubled.sweep(z, dt);
+      f = doubled.difference();
+      detail::drop_time_rounding<H>(z.vector(), f, doubled.chain().scheme.kicks());
+    }
+    void operator()(const Vec& m, Vec& f) {
+      doubled.sweep(z, m, dt);
+      f = doubled.difference() + 2 * m;
+      detail::drop_time_rounding<H>(z.vector(), f, doubled.chain().scheme.kicks());
+    }
+
+    /// ‖z‖, without the time where that is a coordinate, but no more than so many moves of a step: see StoppingRule.
+    Scalar state_size() const {
+      const Scalar moves = StoppingRule::moves * doubled.distance(z);
+      return moves < size ? moves : size;
+    }
+
+    /// ‖z‖, without the time where that is a coordinate.
+    const Scalar& full_size() const { return size; }
+
+    /// A correction below this may be nothing but rounding: the copies' own, made larger by the kicks in between.
+    Scalar rounding_level() const {
+      return 100 * Eigen::NumTraits<Scalar>::epsilon() * (size + doubled.distance(z));
+    }
+  };
+
+  detail::DoubledStep<H> doubled_;
+  Solver solver_;
+  Vec m_;
+  typename detail::SolverDoor<Solver, Vec>::Workspace work_;
+};
+
+}  // namespace semiexplicit

@@ -1,0 +1,399 @@
+// The advice is judged by gradient calls: they are the same on every machine.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <locale>
+#include <sstream>
+#include <string>
+
+#include <semiexplicit/accuracy/cost_of_accuracy.hpp>
+#include <semiexplicit/observers/invariants.hpp>
+#include <semiexplicit/systems/nls_lattice.hpp>
+#include <semiexplicit/systems/product.hpp>
+
+#include "catch.hpp"
+
+using namespace semiexplicit;
+
+namespace {
+
+using Lattice = systems::NlsLattice<double, 5>;
+
+/// What a whole run with a setting gives.
+struct Outcome {
+  double error, gradients;
+};
+
+template <class H>
+Outcome whole_run(const H& hamiltonian, PhasePoint<double, H::Dof> z, double T, const Setting& setting) {
+  Invariants invariants(hamiltonian);
+  const IntegrationReport report = run(hamiltonian, z, T, setting, invariants);
+  return {invariants["energy"].worst, static_cast<double>(report.gradients)};
+}
+
+/// The gradient calls of the cheapest run to a target, over every candidate and steps a factor 1.25 apart.
+template <class H>
+double least_gradients(const H& hamiltonian, const PhasePoint<double, H::Dof>& z0, double T, double target,
+                       double largest_step) {
+  const CostOptions options;
+  std::vector<Setting> settings;
+  for (const std::string& scheme : options.schemes) settings.push_back({.scheme = scheme});
+  for (const int stages : options.gauss_stages)
+    settings.push_back({.method = Setting::Method::gauss, .stages = stages});
+  double least = std::numeric_limits<double>::infinity();
+  for (Setting setting : settings)
+    for (setting.dt = largest_step; setting.dt > largest_step / 60; setting.dt /= 1.25) {
+      try {
+        const Outcome outcome = whole_run(hamiltonian, z0, T, setting);
+        if (!(outcome.error <= target)) continue;
+        least = std::min(least, outcome.gradients);
+        break;
+      } catch (const IntegrationError&) {
+      }
+    }
+  return least;
+}
+
+/// Checks the advice for a target against whole runs.
+template <class H>
+void check_advice(const H& hamiltonian, const PhasePoint<double, H::Dof>& z0, double T, double target,
+                  double largest_step) {
+  const PhasePoint<double, H::Dof> before = z0;
+  const CostOfAccuracy cost = cost_of_accuracy(hamiltonian, z0, T, {.targets = {target}});
+  CHECK(z0.vector() == before.vector());
+  const auto advice = cost.cheapest(target);
+  REQUIRE(advice);
+  INFO("target " << target << ": " << *advice);
+  const Outcome outcome = whole_run(hamiltonian, z0, T, advice->setting);
+  CHECK(advice->error <= target);
+  CHECK(outcome.error <= 3 * target);
+  CHECK(outcome.gradients <= 1.5 * least_gradients(hamiltonian, z0, T, target, largest_step));
+  CHECK(outcome.gradients == Approx(advice->gradients).epsilon(0.3));
+}
+
+PhasePoint<double, 5> lattice_start() { return {{3, 0.01, 0.01, 0.01, 0.01}, {1, 0, 0, 0, 0}}; }
+
+std::string refusal(const auto& call) {
+  try {
+    call();
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "not refused";
+}
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+}  // namespace
+
+TEST_CASE("the advised setting meets the target and is near the cheapest there is", "[long]") {
+  check_advice(systems::Product<double>(), PhasePoint<double, 1>(-3, 0), 300, 1e-4, 0.6);
+  check_advice(systems::Product<double>(), PhasePoint<double, 1>(-3, 0), 300, 1e-8, 0.6);
+  check_advice(Lattice(), lattice_start(), 30, 1e-6, 0.12);
+}
+
+TEST_CASE("the same again gives the same advice") {
+  const auto advice = [] {
+    return cost_of_accuracy(Lattice(), lattice_start(), 100, {.targets = {1e-6}}).cheapest(1e-6).value();
+  };
+  const CostRow first = advice(), second = advice();
+  CHECK(first.setting.name() == second.setting.name());
+  CHECK(first.setting.dt == second.setting.dt);
+  CHECK(first.error == second.error);
+}
+
+TEST_CASE("what the advice costs stays near its budget") {
+  const Lattice lattice;
+  for (const double budget : {0.05, 0.2}) {
+    const CostOfAccuracy cost =
+        cost_of_accuracy(lattice, lattice_start(), 3000, {.targets = {1e-8}, .budget = budget});
+    const auto advice = cost.cheapest(1e-8);
+    REQUIRE(advice);
+    CHECK(cost.spent_gradients > 0);
+    CHECK(cost.fraction_of(*advice) == Approx(cost.spent_gradients / advice->gradients));
+    CHECK(cost.fraction_of(*advice) < 2 * budget);
+  }
+}
+
+TEST_CASE("a tighter target costs more, from one scan") {
+  const CostOfAccuracy cost = cost_of_accuracy(Lattice(), lattice_start(), 100);
+  double last = 0;
+  for (const double target : {1e-3, 1e-4, 1e-6, 3e-8, 1e-9, 1e-10}) {
+    const auto row = cost.cheapest(target);
+    REQUIRE(row);
+    CHECK(row->error <= target);
+    CHECK(row->gradients >= last);
+    last = row->gradients;
+  }
+}
+
+TEST_CASE("an accuracy out of reach is said to be so") {
+  const CostOfAccuracy cost =
+      cost_of_accuracy(systems::Product<double>(), PhasePoint<double, 1>(-3, 0), 1000, {.targets = {1e-18}});
+  CHECK_FALSE(cost.cheapest(1e-18));
+  REQUIRE(cost.best());
+  CHECK(cost.best()->error > 1e-18);
+  std::ostringstream text;
+  text << cost;
+  CHECK(contains(text.str(), "out of reach"));
+}
+
+TEST_CASE("a row of either method runs") {
+  const systems::Product<double> product;
+  for (const Setting& setting : {Setting{.scheme = "low_defect6_s13", .dt = 0.03},
+                                 Setting{.method = Setting::Method::gauss, .stages = 4, .dt = 0.03}}) {
+    PhasePoint<double, 1> z(-3, 0);
+    const IntegrationReport report = run(product, z, 1, setting);
+    CHECK(report.steps == 34);
+    CHECK(report.t == Approx(1));
+  }
+  PhasePoint<double, 1> z(-3, 0);
+  CHECK(run(product, z, 1, {.scheme = "strang", .dt = 0.1}).steps == 10);
+  CHECK(contains(refusal([&] { run(product, z, -1, {.scheme = "strang", .dt = 0.1}); }), "T is not"));
+  CHECK(contains(refusal([&] { run(product, z, 1, {.scheme = "strang"}); }), "setting.dt is not"));
+  CHECK(contains(refusal([&] { run(product, z, 1, {.scheme = "no such", .dt = 0.1}); }), "no such"));
+}
+
+TEST_CASE("bad requests are refused by name") {
+  const systems::Product<double> product;
+  const PhasePoint<double, 1> z0(-3, 0);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto of = [&](const PhasePoint<double, 1>& z, double T, const CostOptions& options = {}) {
+    return refusal([&] { cost_of_accuracy(product, z, T, options); });
+  };
+  CHECK(contains(of(z0, 0), "T is not a finite positive time"));
+  CHECK(contains(of(z0, -1), "T is not"));
+  CHECK(contains(of(z0, nan), "T is not"));
+  CHECK(contains(of({nan, 0}, 1), "z0 holds NaN or Inf; give"));
+  CHECK(contains(of({0, 0}, 1), "nothing moves at z0"));
+  CHECK(contains(of(z0, 1, {.targets = {}}), "options.targets is empty; give"));
+  CHECK(contains(of(z0, 1, {.targets = {0.0}}), "options.targets holds 0; give"));
+  CHECK(contains(of(z0, 1, {.targets = {-1e-6}}), "options.targets holds"));
+  CHECK(contains(of(z0, 1, {.targets = {nan}}), "options.targets holds"));
+  CHECK(contains(of(z0, 1, {.budget = 0}), "options.budget"));
+  CHECK(contains(of(z0, 1, {.schemes = {}, .gauss_stages = {}}), "both empty"));
+  CHECK(contains(of(z0, 1, {.gauss_stages = {9}}), "options.gauss_stages holds 9"));
+  CHECK(contains(of(z0, 1, {.schemes = {"yoshda6"}}), "yoshda6"));
+  const CostOfAccuracy nothing;
+  CHECK_FALSE(nothing.cheapest(1e-6));
+  CHECK(contains(refusal([&] { (void)nothing.cheapest(0); }), "target is not"));
+  CHECK(contains(refusal([&] { (void)nothing.cheapest(nan); }), "target is not"));
+}
+
+namespace {
+
+/// H = f(q, p) and a gradient of one's own, whose calls are counted.
+template <class Energy, class Gradient>
+auto counted(double& calls, Energy energy, Gradient gradient) {
+  return make_hamiltonian<double, 1>(
+      energy, [&calls, gradient](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+        ++calls;
+        gradient(q[0], p[0], dHdq[0], dHdp[0]);
+      });
+}
+/// H = (q² + 1)(p² + 1)/2 + offset.
+auto product_energy(double offset) {
+  return
+      [offset](const auto& q, const auto& p) { return (q[0] * q[0] + 1) * (p[0] * p[0] + 1) / 2 + offset; };
+}
+auto product_gradient(double by_q, double by_p) {
+  return [=](double q, double p, double& dHdq, double& dHdp) {
+    dHdq = by_q * q * (p * p + 1);
+    dHdp = by_p * p * (q * q + 1);
+  };
+}
+
+}  // namespace
+
+TEST_CASE("a gradient that does not belong to the energy is refused before anything else") {
+  double calls = 0;
+  const auto said = [&](const PhasePoint<double, 1>& z0, double by_q, double by_p) {
+    calls = 0;
+    const auto wrong = counted(calls, product_energy(0), product_gradient(by_q, by_p));
+    const std::string text = refusal([&] { cost_of_accuracy(wrong, z0, 1000); });
+    CHECK(calls <= 20);
+    CHECK(contains(text, "check_gradient"));
+    return text;
+  };
+  CHECK(contains(said({-3, 0.5}, 1, -1), "dH/dp[0] is -5, but by the energy it is 5"));
+  CHECK(contains(said({-3, 0.5}, 1, -1), "the sign is wrong"));
+  // At rest one half of the gradient is zero at z0, whatever its sign.
+  CHECK(contains(said({-3, 0}, -1, 1), "at z0: dH/dq[0] is 3, but by the energy it is -3"));
+  CHECK(contains(said({-3, 0}, 1, -1), "near z0: dH/dp[0] is"));
+  CHECK(contains(said({-3, 0}, 1.03, 1), "dH/dq[0]"));
+
+  const auto adds = counted(calls, product_energy(0), [](double q, double p, double& dHdq, double& dHdp) {
+    dHdq += q * (p * p + 1);
+    dHdp += p * (q * q + 1);
+  });
+  CHECK(
+      contains(refusal([&] { cost_of_accuracy(adds, PhasePoint<double, 1>(-3, 0.5), 100); }), "is added to"));
+
+  // One entry of two hundred, for a few hundred energies.
+  struct Chain : systems::NlsLattice<double> {
+    using systems::NlsLattice<double>::NlsLattice;
+    double* energies;
+    double energy(const In<double, Eigen::Dynamic>& q, const In<double, Eigen::Dynamic>& p) const {
+      ++*energies;
+      return systems::NlsLattice<double>::energy(q, p);
+    }
+    void gradient(const In<double, Eigen::Dynamic>& q, const In<double, Eigen::Dynamic>& p,
+                  Out<double, Eigen::Dynamic> dHdq, Out<double, Eigen::Dynamic> dHdp) const {
+      systems::NlsLattice<double>::gradient(q, p, dHdq, dHdp);
+      dHdq[377] *= -1;
+    }
+  };
+  double energies = 0;
+  Chain chain(500);
+  chain.energies = &energies;
+  PhasePoint<double, Eigen::Dynamic> z(500);
+  for (Eigen::Index i = 0; i < 1000; ++i) z.vector()[i] = std::sin(static_cast<double>(i));
+  CHECK(contains(refusal([&] { cost_of_accuracy(chain, z, 10); }), "a slope of the energy is not the one"));
+  CHECK(energies < 500);
+}
+
+TEST_CASE(
+    "a scan keeps its bound on gradient calls, whatever the Hamiltonian, and says why it found nothing") {
+  double calls = 0;
+  const auto scan = [&](const auto& hamiltonian, const PhasePoint<double, 1>& z0, double T,
+                        const CostOptions& options) {
+    calls = 0;
+    const CostOfAccuracy cost = cost_of_accuracy(hamiltonian, z0, T, options);
+    CHECK(calls == cost.spent_gradients);
+    CHECK(calls <= options.max_gradients);
+    CHECK(calls <= 7 * cost.budget);
+    for (const double target : cost.targets) {
+      CHECK((cost.reach(target) == Reach::met) == cost.cheapest(target).has_value());
+      CHECK((cost.reach(target) == Reach::met) == cost.why(target).empty());
+    }
+    std::ostringstream text;
+    text << cost;
+    CHECK(contains(text.str(), "Spent: "));
+    return cost;
+  };
+  const CostOptions usual;
+
+  // An energy that is small beside its terms: rounding forbids the tight targets.
+  for (const double left : {1e-3, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14, 0.0}) {
+    CAPTURE(left);
+    const CostOfAccuracy cost =
+        scan(counted(calls, product_energy(left - 1.625), product_gradient(1, 1)), {-1.5, 0}, 100, usual);
+    CHECK(cost.relative == (left > 1e-13));
+    if (left == 1e-8) {
+      CHECK(cost.reach(1e-4) == Reach::met);
+      CHECK(cost.reach(1e-8) == Reach::rounding);
+      CHECK(cost.reach(1e-10) == Reach::rounding);
+      CHECK(contains(cost.why(1e-10), "small beside its terms"));
+    }
+  }
+  // Kinks: the accuracy of a scheme is lost there. Noise, and rounding to float: not wrong gradients.
+  scan(counted(
+           calls, [](const auto& q, const auto& p) { return p[0] * p[0] / 2 + std::abs(q[0]); },
+           [](double q, double p, double& dHdq, double& dHdp) { dHdq = q > 0 ? 1 : -1, dHdp = p; }),
+       {1, 0}, 1000, usual);
+  const CostOfAccuracy wall = scan(counted(
+                                       calls,
+                                       [](const auto& q, const auto& p) {
+                                         const double x = std::max(q[0] - 0.5, 0.0);
+                                         return (p[0] * p[0] + q[0] * q[0]) / 2 + 50 * x * x;
+                                       },
+                                       [](double q, double p, double& dHdq, double& dHdp) {
+                                         dHdq = q + 100 * std::max(q - 0.5, 0.0), dHdp = p;
+                                       }),
+                                   {-1, 0}, 1000, usual);
+  CHECK(wall.reach(1e-4) == Reach::met);
+  CHECK(wall.reach(1e-10) != Reach::met);
+  const CostOfAccuracy noisy =
+      scan(counted(
+               calls,
+               [](const auto& q, const auto& p) {
+                 return (p[0] * p[0] + q[0] * q[0]) / 2 + 1e-7 * std::sin(1e6 * q[0]);
+               },
+               [](double q, double p, double& dHdq, double& dHdp) { dHdq = q, dHdp = p; }),
+           {-1, 0}, 1000, usual);
+  CHECK(noisy.reach(1e-4) == Reach::met);
+  CHECK(noisy.reach(1e-8) == Reach::rounding);
+  const CostOfAccuracy rounded =
+      scan(counted(
+               calls,
+               [](const auto& q, const auto& p) {
+                 const double xx = q[0] * q[0], yy = p[0] * p[0];
+                 return static_cast<double>(static_cast<float>((xx + yy) / 2 + 0.1 * xx * yy));
+               },
+               [](double q, double p, double& dHdq, double& dHdp) {
+                 dHdq = q + 0.2 * q * p * p, dHdp = p + 0.2 * q * q * p;
+               }),
+           {-1, 0}, 1000, usual);
+  CHECK(rounded.reach(1e-4) == Reach::met);
+  CHECK(rounded.reach(1e-8) == Reach::rounding);
+  // A late time is no reason to call a right gradient wrong, nor an oscillation noise.
+  const auto late = make_hamiltonian<double, 2>(
+      [](const auto& q, const auto& p) {
+        return p[0] * p[0] / 2 + p[1] - std::cos(q[0]) * (1 + 0.5 * std::cos(3 * q[1]));
+      },
+      [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+        dHdq << std::sin(q[0]) * (1 + 0.5 * std::cos(3 * q[1])), 1.5 * std::cos(q[0]) * std::sin(3 * q[1]);
+        dHdp << p[0], 1;
+      });
+  for (const double t : {1e4, 1e6})
+    CHECK(cost_of_accuracy(late, PhasePoint<double, 2>({1, t}, {0.5, 0.3}), 100.0).rounding < 1e-4);
+
+  // However little is allowed.
+  for (const double bound : {1e3, 1e4, 1e5}) {
+    const CostOfAccuracy cost = scan(counted(calls, product_energy(0), product_gradient(1, 1)), {-3, 0}, 1e9,
+                                     {.max_gradients = bound, .by = CostBy::seconds});
+    if (bound == 1e3) CHECK(cost.reach(1e-4) == Reach::budget);
+    if (bound == 1e3) CHECK(contains(cost.why(1e-4), "max_gradients"));
+  }
+  const auto product = counted(calls, product_energy(0), product_gradient(1, 1));
+  CHECK(contains(
+      refusal([&] { cost_of_accuracy(product, PhasePoint<double, 1>(-3, 0), 1, {.max_gradients = 10}); }),
+      "options.max_gradients is below 1000"));
+
+  const CostOfAccuracy single = cost_of_accuracy(systems::Product<float>(), PhasePoint<float, 1>(-3, 0), 100);
+  CHECK(single.reach(1e-4) == Reach::met);
+  CHECK(single.reach(1e-8) == Reach::rounding);
+  CHECK(single.spent_gradients < 5e5);
+}
+
+TEST_CASE("no advice is given for an orbit that ends before T") {
+  double calls = 0;
+  const auto escapes = counted(
+      calls, [](const auto& q, const auto& p) { return p[0] * p[0] / 2 - q[0] * q[0] * q[0]; },
+      [](double q, double p, double& dHdq, double& dHdp) { dHdq = -3 * q * q, dHdp = p; });
+  for (const double T : {10.0, 1000.0}) {
+    const CostOfAccuracy cost =
+        cost_of_accuracy(escapes, PhasePoint<double, 1>(1, 0.5), T, {.targets = {1e-6}});
+    CHECK_FALSE(cost.cheapest(1e-6));
+    CHECK_FALSE(cost.best());
+    CHECK(cost.reach(1e-6) == Reach::orbit_ends);
+    CHECK(cost.orbit_end == Approx(1.55).epsilon(0.02));
+    CHECK(cost.spent_gradients <= 4 * cost.budget);
+    std::ostringstream text;
+    text << cost;
+    CHECK(contains(text.str(), "the orbit ends near t = 1.5"));
+  }
+  CHECK(cost_of_accuracy(escapes, PhasePoint<double, 1>(1, 0.5), 1, {.targets = {1e-6}}).cheapest(1e-6));
+}
+
+TEST_CASE("the table does not depend on the locale") {
+  const CostOfAccuracy cost =
+      cost_of_accuracy(systems::Product<double>(), PhasePoint<double, 1>(-3, 0), 10, {.targets = {1e-6}});
+  const auto printed = [&] {
+    std::ostringstream text;
+    text << cost;
+    return text.str();
+  };
+  struct Comma : std::numpunct<char> {
+    char do_decimal_point() const override { return ','; }
+    char do_thousands_sep() const override { return '.'; }
+    std::string do_grouping() const override { return "\3"; }
+  };
+  const std::string classic = printed();
+  const std::locale before = std::locale::global(std::locale(std::locale::classic(), new Comma));
+  const std::string here = printed();
+  std::locale::global(before);
+  CHECK(here == classic);
+}

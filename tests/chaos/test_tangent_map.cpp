@@ -1,0 +1,156 @@
+#include "catch.hpp"
+
+#include <cmath>
+
+#include <semiexplicit/chaos.hpp>
+#include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/systems.hpp>
+#include <semiexplicit/time.hpp>
+
+#include "lattice_energy.hpp"
+
+// The derivative of a step: symplectic, and the limit of differences of the step.
+
+namespace {
+
+using namespace semiexplicit;
+using Extended = long double;
+
+/// max |MᵀJM - J|.
+template <class Matrix>
+auto asymmetry(const Matrix& m) {
+  const Eigen::Index d = m.rows() / 2;
+  Matrix j = Matrix::Zero(m.rows(), m.cols());
+  j.topRightCorner(d, d).setIdentity();
+  j.bottomLeftCorner(d, d) = -j.topRightCorner(d, d);
+  return (m.transpose() * j * m - j).cwiseAbs().maxCoeff();
+}
+
+/// The derivative of stepper.step by differences, extrapolated from two steps h and h/2.
+template <class S>
+auto differences(S& stepper, const typename S::State& z, typename S::Scalar dt, typename S::Scalar h) {
+  using Scalar = typename S::Scalar;
+  const Eigen::Index size = z.vector().size();
+  Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic> m(size, size);
+  const auto slope = [&](Eigen::Index i, Scalar shift) {
+    auto above = z, below = z;
+    above.vector()[i] += shift;
+    below.vector()[i] -= shift;
+    REQUIRE(stepper.step(above, dt).ok());
+    REQUIRE(stepper.step(below, dt).ok());
+    return ((above.vector() - below.vector()) / (2 * shift)).eval();
+  };
+  for (Eigen::Index i = 0; i < size; ++i) m.col(i) = (4 * slope(i, h / 2) - slope(i, h)) / 3;
+  return m;
+}
+
+const PhasePoint<double, 3> lattice_point({0.8, -0.3, 0.5}, {0.2, 0.9, -0.6});
+
+/// A pendulum whose driving has the period 1: all late times below are the time 0.
+struct Driven {
+  using Scalar = double;
+  static constexpr int Dof = 1;
+  void gradient(double t, In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
+    dHdq[0] = std::sin(q[0]) * (1 + 0.5 * std::cos(std::acos(-1.0) * 2 * (t - std::floor(t))));
+    dHdp[0] = p[0];
+  }
+};
+
+}  // namespace
+
+TEST_CASE("The tangent map is symplectic and the limit of differences", "[tangent]") {
+  const auto H = from_energy<3>(lattice_energy);
+  const SimplifiedNewton tight{.stop = StoppingRule::product(1e-30)};
+  for (const auto& scheme : {schemes::strang(), schemes::low_defect6_s13()})
+    for (const double dt : {0.2, -0.05}) {
+      CAPTURE(scheme.name, dt);
+      Semiexplicit stepper(H, scheme, tight);
+      TangentMap tangent(stepper);
+      REQUIRE(tangent.at(lattice_point, dt) == Status::success);
+      CHECK(asymmetry(tangent.matrix()) <= 1e-13);
+      CHECK((tangent.matrix() - differences(stepper, lattice_point, dt, 1e-3)).cwiseAbs().maxCoeff() <=
+            1e-11);
+      // It is not the identity, nor the derivative of the step without projection.
+      CHECK((tangent.matrix() - Eigen::Matrix<double, 6, 6>::Identity()).norm() > 0.1);
+    }
+}
+
+TEST_CASE("Without a Hessian the tangent map is approximate, and symplectic still", "[tangent]") {
+  const systems::NlsLattice<double, 3> H;
+  static_assert(!HasHessian<decltype(H)>);
+  Semiexplicit stepper(from_energy<3>(lattice_energy), schemes::strang());
+  TangentMap exact(stepper);
+  TangentMap approximate(H, schemes::strang());
+  REQUIRE(exact.at(lattice_point, 0.2) == Status::success);
+  REQUIRE(approximate.at(lattice_point, 0.2) == Status::success);
+  CHECK(asymmetry(approximate.matrix()) <= 1e-13);
+  const double difference = (exact.matrix() - approximate.matrix()).cwiseAbs().maxCoeff();
+  CHECK(difference <= 1e-9);
+  CHECK(difference > 1e-14);
+}
+
+TEST_CASE("The tangent map has the precision of its numbers", "[tangent]") {
+  const systems::Product<Extended> H;
+  Semiexplicit stepper(H, schemes::blanes_moan4<Extended>(),
+                       SimplifiedNewton{.stop = StoppingRule::product(1e-38)});
+  TangentMap tangent(stepper);
+  const PhasePoint<Extended, 1> z(-1.5L, 0.4L);
+  REQUIRE(tangent.at(z, 0.2L) == Status::success);
+  CHECK(asymmetry(tangent.matrix()) <= 1e-18L);
+  CHECK((tangent.matrix() - differences(stepper, z, 0.2L, 1e-4L)).cwiseAbs().maxCoeff() <= 1e-14L);
+}
+
+TEST_CASE("Steps that hardly converge have a tangent map", "[tangent]") {
+  Semiexplicit stepper(systems::Product<Extended>(), schemes::strang<Extended>(),
+                       SimplifiedNewton{.stop = StoppingRule::product(1e-38), .max_iterations = 1000});
+  const PhasePoint<Extended, 1> z(-3, 0);
+  auto end = z;
+  CHECK(stepper.step(end, 0.36L).evaluations > 50);
+  TangentMap tangent(stepper);
+  REQUIRE(tangent.at(z, 0.36L) == Status::success);
+  CHECK(asymmetry(tangent.matrix()) <= 1e-16L);
+  CHECK((tangent.matrix() - differences(stepper, z, 0.36L, 1e-4L)).cwiseAbs().maxCoeff() <= 1e-10L);
+}
+
+TEST_CASE("A tangent map that cannot be had says why", "[tangent]") {
+  TangentMap tangent(systems::Product<Extended>(), schemes::strang<Extended>());
+  CHECK(tangent.at({1, 2}, 0) == Status::invalid_step);
+  CHECK(tangent.at({1, NAN}, 0.1L) == Status::invalid_state);
+  CHECK(tangent.at({1e4000L, 1e4000L}, 0.1L) == Status::not_finite);
+  CHECK(tangent.matrix() == Eigen::Matrix<Extended, 2, 2>::Identity());
+}
+
+TEST_CASE("The time of a driven system does not loosen its tangent map, nor does a start from rest",
+          "[tangent]") {
+  const Autonomous driven(from_energy<1>([](const auto& t, const auto& q, const auto& p) {
+    using std::cos;
+    return (q[0] * q[0] + 1) * (p[0] * p[0] + 1) / 2 - q[0] * cos(t);
+  }));
+  Semiexplicit stepper(driven, schemes::blanes_moan4());
+  TangentMap tangent(stepper);
+  const double late = 6.283185307179586 * 1e9;  // the same phase, to 1e-6
+  REQUIRE(tangent.at(driven.extended({1, 0.5}, 0.0), 0.1) == Status::success);
+  const auto early = tangent.matrix();
+  REQUIRE(tangent.at(driven.extended({1, 0.5}, late), 0.1) == Status::success);
+  CHECK((tangent.matrix() - early).topLeftCorner(1, 1).norm() < 1e-5);
+  CHECK(asymmetry(tangent.matrix()) < 1e-9);
+  CHECK(tangent.at(driven.extended({0, 0}, 0.0), 0.1) == Status::success);
+}
+
+TEST_CASE("Differences for a Hessian suit a time that is far larger than the state", "[tangent]") {
+  const Autonomous driven(Driven{});
+  TangentMap tangent(driven, schemes::low_defect6_s13());
+  REQUIRE(tangent.at(driven.extended({1, 0.2}, 0), 0.02) == Status::success);
+  const Eigen::Matrix4d early = tangent.matrix();
+  for (const double t0 : {1e3, 1e6, 1e9, 1e12, -1e12}) {
+    CAPTURE(t0);
+    REQUIRE(tangent.at(driven.extended({1, 0.2}, t0), 0.02) == Status::success);
+    CHECK(asymmetry(tangent.matrix()) <= 1e-13);
+    // As far as the rounding of the times allows.
+    CHECK((tangent.matrix() - early).cwiseAbs().maxCoeff() <= 1e-9 + std::cbrt(std::abs(t0) * 2e-16) / 4);
+    Eigen::Matrix2d late, soon;  // of q and p alone
+    late << tangent.matrix()(0, 0), tangent.matrix()(0, 2), tangent.matrix()(2, 0), tangent.matrix()(2, 2);
+    soon << early(0, 0), early(0, 2), early(2, 0), early(2, 2);
+    CHECK((late - soon).cwiseAbs().maxCoeff() <= 1e-9 + std::abs(t0) * 1e-15);
+  }
+}

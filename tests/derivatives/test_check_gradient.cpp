@@ -1,0 +1,339 @@
+#include "catch.hpp"
+
+#include <cmath>
+#include <limits>
+#include <locale>
+#include <random>
+#include <sstream>
+
+#include <semiexplicit/derivatives.hpp>
+#include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/systems.hpp>
+
+#include "refusal.hpp"
+
+// What a comparison with the energy finds in gradients that are right and in such that are not.
+
+namespace {
+
+using namespace semiexplicit;
+
+/// The NLS lattice with a gradient that anything may be done to.
+template <class Change>
+auto changed(const Change& change) {
+  return make_hamiltonian<double, 3>(
+      [](const auto& q, const auto& p) { return systems::NlsLattice<double, 3>().energy(q, p); },
+      [change](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+        systems::NlsLattice<double, 3>().gradient(q, p, dHdq, dHdp);
+        change(dHdq, dHdp);
+      });
+}
+
+const PhasePoint<double, 3> point({0.3, -1.2, 0.8}, {0.9, 0.4, -0.7});
+
+template <class Check>
+std::string words(const Check& check) {
+  std::ostringstream out;
+  out << check;
+  return out.str();
+}
+
+template <class Change>
+std::string verdict(const Change& change) {
+  return words(check_gradient(changed(change), point));
+}
+
+/// No degrees of freedom.
+struct Empty {
+  using Scalar = double;
+  static constexpr int Dof = Eigen::Dynamic;
+  Eigen::Index dof() const { return 0; }
+  double energy(const In<double, Eigen::Dynamic>&, const In<double, Eigen::Dynamic>&) const { return 1; }
+  void gradient(const In<double, Eigen::Dynamic>&, const In<double, Eigen::Dynamic>&,
+                Out<double, Eigen::Dynamic>, Out<double, Eigen::Dynamic>) const {}
+};
+
+}  // namespace
+
+TEST_CASE("A wrong gradient is named and explained", "[check_gradient]") {
+  CHECK(verdict([](auto&, auto&) {}) == "the gradient agrees with the energy");
+  const std::string sign = verdict([](auto& dHdq, auto&) { dHdq[1] *= -1; });
+  CHECK(says(sign, "dH/dq[1] is "));
+  CHECK(says(sign, "but by the energy it is "));
+  CHECK(says(sign, "the sign is wrong"));
+  CHECK_FALSE(says(sign, "dH/dq[0]"));
+  CHECK_FALSE(says(sign, "dH/dp"));
+  CHECK(says(verdict([](auto&, auto& dHdp) { dHdp[2] *= 2; }), "a factor 2"));
+  CHECK(says(verdict([](auto&, auto& dHdp) { dHdp[2] /= 2; }), "a factor 2"));
+  CHECK(says(verdict([](auto&, auto& dHdp) { dHdp[0] = 0; }), "dH/dp[0] is 0"));
+  CHECK(says(verdict([](auto&, auto& dHdp) { dHdp[0] = 0; }), "is it set at all?"));
+  CHECK(says(verdict([](auto& dHdq, auto& dHdp) { dHdq.swap(dHdp); }), "exchanged"));
+  CHECK(says(verdict([](auto& dHdq, auto&) { dHdq[0] = NAN; }), "dH/dq[0] is nan"));
+  // A subtle one, in the eleventh digit.
+  CHECK(says(verdict([](auto& dHdq, auto&) { dHdq[0] *= 1 + 1e-10; }), "dH/dq[0]"));
+}
+
+TEST_CASE("No right gradient is called wrong", "[check_gradient]") {
+  // Magnitudes from 1e-6 to 1e6 in one point, in three kinds of number.
+  const auto all_right = []<class Scalar>(Scalar) {
+    int wrong = 0;
+    for (int k = 0; k < 50; ++k) {
+      PhasePoint<Scalar, 3> z;
+      for (int i = 0; i < 6; ++i)
+        z.vector()[i] = Scalar(std::sin(k + 7 * i) * std::pow(10.0, 2 * std::sin(3 * k + i)));
+      wrong += !check_gradient(systems::NlsLattice<Scalar, 3>(), z).ok();
+    }
+    return wrong == 0;
+  };
+  CHECK(all_right(1.0f));
+  CHECK(all_right(1.0));
+  CHECK(all_right(1.0L));
+}
+
+TEST_CASE("Hard energies are judged with care", "[check_gradient]") {
+  // Oscillations much faster than the first step, a singularity close by, and noise in the ninth digit.
+  int wrong = 0, blind = 0;
+  for (int k = 0; k < 100; ++k) {
+    const auto H = [&](double factor) {
+      return make_hamiltonian<double, 1>(
+          [](const auto& q, const auto& p) {
+            const double noise = 1e-9 * std::sin(1e6 * std::sin(1e9 * q[0]));
+            return p[0] * p[0] / 2 - 100 * (std::cos(100 * q[0]) + noise) + std::sqrt(q[0] - 0.9);
+          },
+          [factor](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+            dHdq[0] = factor * (1e4 * std::sin(100 * q[0]) + 0.5 / std::sqrt(q[0] - 0.9));
+            dHdp[0] = p[0];
+          });
+    };
+    const PhasePoint<double, 1> z(1.0 + 0.1 * k, 0.3);
+    wrong += !check_gradient(H(1), z).ok();
+    blind += check_gradient(H(1.01), z).ok();
+  }
+  CHECK(wrong == 0);
+  CHECK(blind == 0);
+}
+
+TEST_CASE("What cannot be checked is refused", "[check_gradient]") {
+  using Point = PhasePoint<double, Eigen::Dynamic>;
+  const systems::NlsLattice<double> H(3);
+  CHECK(refuses([&] { check_gradient(H, Point({1, 2}, {3, 4})); }, "z has 2 degrees of freedom"));
+  CHECK(refuses([&] { check_gradient(H, Point({1, 2, NAN}, {3, 4, 5})); }, "energy at z is NaN or Inf"));
+  CHECK(check_gradient(H, Point(3)).ok());  // all zero
+  CHECK(refuses([] { check_gradient(Empty{}, Point(0)); }, "no degrees of freedom"));
+}
+
+TEST_CASE("A variable that is zero up to rounding hides nothing", "[check_gradient]") {
+  const auto energy = [](const auto& q, const auto& p) { return q[0] + q[1] * q[1] + p[0] * p[0] + p[1]; };
+  const auto wrong =
+      make_hamiltonian<double, 2>(energy, [](const auto&, const auto& p, auto& dHdq, auto& dHdp) {
+        dHdq << -3, 2;
+        dHdp << 2 * p[0], 1;
+      });
+  const PhasePoint<double, 2> z({std::cos(std::acos(0.0)), 1}, {1, 0.5});
+  const auto check = check_gradient(wrong, z);
+  CHECK(check.entries[0].wrong);
+  CHECK_FALSE(check.entries[1].wrong);
+  // And a NaN is wrong where the differences are NaN as well.
+  const auto root =
+      make_hamiltonian<double, 1>([](const auto& q, const auto& p) { return std::sqrt(q[0]) + p[0]; },
+                                  [](const auto& q, const auto&, auto& dHdq, auto& dHdp) {
+                                    dHdq[0] = 0 / q[0];
+                                    dHdp[0] = 1;
+                                  });
+  CHECK_FALSE(check_gradient(root, PhasePoint<double, 1>(0, 1)).ok());
+}
+
+namespace {
+
+/// H = (q² + 1)(p² + 1)/2, whose gradient's entries go through write(output, value).
+template <class Write, class Write2>
+auto product_that(const Write& by_q, const Write2& by_p) {
+  return make_hamiltonian<double, 1>(
+      [](const auto& q, const auto& p) { return (q[0] * q[0] + 1) * (p[0] * p[0] + 1) / 2; },
+      [=](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+        by_q(dHdq[0], q[0] * (p[0] * p[0] + 1));
+        by_p(dHdp[0], p[0] * (q[0] * q[0] + 1));
+      });
+}
+const auto assign = [](double& to, double value) { to = value; };
+const auto add = [](double& to, double value) { to += value; };
+const auto forget = [](double&, double) {};
+
+}  // namespace
+
+TEST_CASE("A gradient that does not overwrite its outputs is wrong", "[check_gradient]") {
+  const PhasePoint<double, 1> z(-3, 0.5), at_rest(-3, 0);
+  const auto adds = check_gradient(product_that(add, add), z);
+  CHECK_FALSE(adds.ok());
+  CHECK(adds.entries[0].output == GradientOutput::added_to);
+  CHECK(says(words(adds), "dH/dq[0] is added to what was in the output: write it with ="));
+  CHECK(says(words(adds), "dH/dp[0] is added to"));
+  // Its true value is zero, so that no difference shows it.
+  const auto forgets = check_gradient(product_that(assign, forget), at_rest);
+  CHECK_FALSE(forgets.ok());
+  CHECK_FALSE(forgets.entries[0].wrong);
+  CHECK(forgets.entries[1].output == GradientOutput::not_written);
+  CHECK(says(words(forgets), "dH/dp[0] is not written"));
+  CHECK_FALSE(check_gradient(product_that(forget, forget), at_rest).ok());
+  // Reading is not writing: 0 · NaN.
+  const auto clears = [](double& to, double value) { to *= 0, to += value; };
+  CHECK(says(words(check_gradient(product_that(clears, assign), z)), "dH/dq[0] depends on what was in"));
+  // Nor is every call the same, say where threads share a sum: the last digits may differ.
+  int calls = 0;
+  const auto shaky = [&calls](double& to, double value) { to = value * (1 + 1e-15 * (++calls % 3)); };
+  CHECK(check_gradient(product_that(shaky, assign), z).ok());
+  CHECK(words(check_gradient(product_that(assign, assign), at_rest)) ==
+        "the gradient agrees with the energy");
+}
+
+TEST_CASE("Not judged is told from right", "[check_gradient]") {
+  const auto times = [](double factor) {
+    return [factor](double& to, double value) { to = factor * value; };
+  };
+  // So near to the origin that steps of a tenth of z move the energy by less than its rounding: larger ones judge.
+  for (const double size : {1e-4, 1e-8, 1e-10}) {
+    CAPTURE(size);
+    const PhasePoint<double, 1> z(size, -2 * size);
+    const auto right = check_gradient(product_that(assign, assign), z);
+    CHECK(right.ok());
+    CHECK(right.judged());
+    CHECK_FALSE(check_gradient(product_that(times(1.01), assign), z).ok());
+    CHECK(says(words(check_gradient(product_that(assign, times(-1)), z)), "the sign is wrong"));
+  }
+  // Nothing is known about a gradient of 1e-20 beside an energy of 1/2.
+  const auto blind = check_gradient(product_that(times(-1), assign), PhasePoint<double, 1>(1e-20, 0.5));
+  CHECK(blind.ok());
+  const auto hidden = make_hamiltonian<double, 1>(
+      [](const auto& q, const auto& p) { return 1e18 + q[0] * q[0] / 2 + 1e15 * p[0] * p[0]; },
+      [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+        dHdq[0] = -q[0];
+        dHdp[0] = 2e15 * p[0];
+      });
+  const auto unsure = check_gradient(hidden, PhasePoint<double, 1>(1, 1));
+  CHECK(unsure.ok());
+  CHECK_FALSE(unsure.judged());
+  CHECK_FALSE(unsure.entries[0].judged);
+  CHECK(unsure.entries[1].judged);
+  CHECK(says(words(unsure), "agrees with the energy in the entries that could be judged"));
+  CHECK(says(words(unsure), "not judged: dH/dq[0]; the differences"));
+  // An entry is judged to be zero where the energy moves nearby, and where it depends on nothing there.
+  CHECK(check_gradient(product_that(assign, assign), PhasePoint<double, 1>(-3, 0)).judged());
+  CHECK(check_gradient(product_that(assign, assign), PhasePoint<double, 1>(0, 0)).judged());
+  const auto cyclic = make_hamiltonian<double, 1>(
+      [](const auto&, const auto& p) { return p[0] * p[0] / 2; },
+      [](const auto&, const auto& p, auto& dHdq, auto& dHdp) { dHdq[0] = 0, dHdp[0] = p[0]; });
+  CHECK(check_gradient(cyclic, PhasePoint<double, 1>(1, 0.3)).judged());
+  // At the edge of the domain.
+  const auto edge = make_hamiltonian<double, 1>(
+      [](const auto& q, const auto& p) { return std::sqrt(q[0]) + p[0]; },
+      [](const auto&, const auto&, auto& dHdq, auto& dHdp) { dHdq[0] = 1, dHdp[0] = 1; });
+  const auto at_edge = check_gradient(edge, PhasePoint<double, 1>(0, 1));
+  CHECK_FALSE(at_edge.entries[0].judged);
+  CHECK(at_edge.entries[1].judged);
+}
+
+TEST_CASE("The words on a gradient do not depend on the locale", "[check_gradient]") {
+  struct Comma : std::numpunct<char> {
+    char do_decimal_point() const override { return ','; }
+  };
+  const std::locale before = std::locale::global(std::locale(std::locale::classic(), new Comma));
+  const std::string text = verdict([](auto& dHdq, auto&) { dHdq[1] *= -1; });
+  std::locale::global(before);
+  CHECK(says(text, "."));
+  CHECK(text == verdict([](auto& dHdq, auto&) { dHdq[1] *= -1; }));
+}
+
+TEST_CASE("Entries of very different sizes are judged by the rounding of the values used",
+          "[check_gradient]") {
+  const auto times = [](double factor) {
+    return [factor](double& to, double value) { to = factor * value; };
+  };
+  const auto right = product_that(assign, assign);
+  const auto by_q = product_that(times(1.001), assign);
+  const auto by_p = product_that(assign, times(1.001));
+  CHECK(check_gradient(right, PhasePoint<double, 1>(1e7, 1e-6)).judged());
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> decade(-8, 8);
+  int wrong = 0, passed = 0, found = 0;
+  for (int k = 0; k < 300; ++k) {
+    const double q = std::pow(10.0, decade(random)), p = std::pow(10.0, decade(random));
+    const PhasePoint<double, 1> z(k % 2 == 0 ? q : -q, k % 3 == 0 ? -p : p);
+    wrong += !check_gradient(right, z).ok();
+    const auto first = check_gradient(by_q, z).entries[0], second = check_gradient(by_p, z).entries[1];
+    passed += (first.judged && !first.wrong) + (second.judged && !second.wrong);
+    found += first.wrong + second.wrong;
+  }
+  CHECK(wrong == 0);
+  CHECK(passed == 0);
+  CHECK(found >= 450);
+  // A molecule in SI units.
+  const auto molecule = [](double sign) {
+    return make_hamiltonian<double, 1>(
+        [](const auto& q, const auto& p) { return p[0] * p[0] / 2e-27 + 1e3 * q[0] * q[0] / 2; },
+        [sign](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+          dHdq[0] = 1e3 * q[0];
+          dHdp[0] = sign * p[0] / 1e-27;
+        });
+  };
+  const PhasePoint<double, 1> z(1e-10, 1e-23);
+  CHECK(words(check_gradient(molecule(1), z)) == "the gradient agrees with the energy");
+  CHECK(check_gradient(molecule(-1), z).entries[1].wrong);
+  // A feature far narrower than the largest entry, and a tiny one beside it.
+  const auto fast = make_hamiltonian<double, 2>(
+      [](const auto& q, const auto& p) { return std::sqrt(1 + 1e16 * p.squaredNorm()) + q.squaredNorm(); },
+      [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+        dHdq = 2 * q;
+        dHdp = 1e16 * p / std::sqrt(1 + 1e16 * p.squaredNorm());
+      });
+  CHECK(check_gradient(fast, PhasePoint<double, 2>({84.1305, 4.73107e-10}, {1.40328e-10, 0.0101959})).ok());
+}
+
+TEST_CASE("Oscillations far faster than the variable is large are resolved", "[check_gradient]") {
+  // A late time, which is a variable here, and a large angle.
+  const auto driven = [](double sign) {
+    return make_hamiltonian<double, 2>(
+        [](const auto& q, const auto& p) {
+          return p[0] * p[0] / 2 + p[1] - std::cos(q[0]) * (1 + 0.5 * std::cos(3 * q[1]));
+        },
+        [sign](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+          dHdq[0] = std::sin(q[0]) * (1 + 0.5 * std::cos(3 * q[1]));
+          dHdq[1] = sign * 1.5 * std::cos(q[0]) * std::sin(3 * q[1]);
+          dHdp << p[0], 1;
+        });
+  };
+  int wrong = 0, passed = 0, found = 0, all = 0;
+  for (const double late : {1e4, 1e5, 1e6, 1e7, 1e8, 1e9})
+    for (int k = 0; k < 20; ++k, ++all) {
+      const PhasePoint<double, 2> z({0.3 + 0.04 * k, late * (1 + 0.0317 * k)}, {0.5 - 0.01 * k, -0.2});
+      const auto right = check_gradient(driven(1), z), other = check_gradient(driven(-1), z);
+      wrong += !right.ok();
+      passed += other.ok() && other.judged();
+      found += other.entries[1].wrong;
+      CHECK_FALSE((other.entries[0].wrong || other.entries[2].wrong || other.entries[3].wrong));
+    }
+  CHECK(wrong == 0);
+  CHECK(passed == 0);
+  CHECK(found >= all - 5);
+  const auto angle = [](double sign) {
+    return make_hamiltonian<double, 1>(
+        [](const auto& q, const auto& p) { return p[0] * p[0] / 2 - std::cos(30 * q[0]) / 30; },
+        [sign](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+          dHdq[0] = sign * std::sin(30 * q[0]);
+          dHdp[0] = p[0];
+        });
+  };
+  for (const double q : {13.713, 137.13, 1371.3, 13713.0, 137131.0}) {
+    CHECK(check_gradient(angle(1), PhasePoint<double, 1>(q, 0.5)).ok());
+    CHECK_FALSE(check_gradient(angle(-1), PhasePoint<double, 1>(q, 0.5)).ok());
+    CHECK_FALSE(check_gradient(angle(0), PhasePoint<double, 1>(q, 0.5)).ok());
+  }
+}
+
+TEST_CASE("A gradient of a variable that the energy does not depend on is wrong", "[check_gradient]") {
+  const auto extra = make_hamiltonian<double, 1>([](const auto&, const auto& p) { return p[0] * p[0] / 2; },
+                                                 [](const auto&, const auto& p, auto& dHdq, auto& dHdp) {
+                                                   dHdq[0] = 5;
+                                                   dHdp[0] = p[0];
+                                                 });
+  CHECK(check_gradient(extra, PhasePoint<double, 1>(1, 0.3)).entries[0].wrong);
+}

@@ -1,0 +1,117 @@
+#include "catch.hpp"
+
+#include <cmath>
+#include <stdexcept>
+
+#include <semiexplicit/ensemble.hpp>
+#include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/systems.hpp>
+
+#ifdef SEMIEXPLICIT_HAS_PACKS
+
+using namespace semiexplicit;
+
+namespace {
+
+const systems::NlsLattice<double, 3> lattice;
+const PhasePoint<double, 3> start({1, 0.5, -0.3}, {0.4, -0.7, 0.2});
+
+/// A gradient as HasPackGradient's example has it: one text for numbers and for packs, with a root.
+struct Kepler {
+  using Scalar = double;
+  using PackGradientOf = Kepler;
+  static constexpr int Dof = 2;
+  template <class Q, class D>
+  void gradient(const Q& q, const Q& p, D&& dHdq, D&& dHdp) const {
+    using std::sqrt;
+    const auto squared = q[0] * q[0] + q[1] * q[1];
+    const auto cubed = squared * sqrt(squared);
+    for (int i = 0; i < 2; ++i) {
+      dHdq[i] = q[i] / cubed;
+      dHdp[i] = p[i];
+    }
+  }
+};
+static_assert(HasPackGradient<Kepler> && HasPackGradient<systems::Product<double>> &&
+              HasPackGradient<systems::NlsLattice<double>> &&
+              HasPackGradient<systems::PointVortices<double, 10>>);
+
+struct Plain {
+  using Scalar = double;
+  static constexpr int Dof = 1;
+  void gradient(In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
+    dHdq = q;
+    dHdp = p;
+  }
+};
+static_assert(!HasPackGradient<Plain>);
+
+template <class H>
+void same_as_one_by_one(const H& h, const PhasePoint<double, H::Dof>& from, double dt) {
+  for (int stages = 1; stages <= 8; ++stages)
+    for (const bool extrapolate : {true, false}) {
+      CAPTURE(stages, extrapolate);
+      GaussLegendre one_by_one(h, {.stages = stages, .extrapolate = extrapolate});
+      GaussLegendreLanes in_lanes(h, {.stages = stages, .extrapolate = extrapolate});
+      auto u = from, v = from;
+      for (int n = 0; n < 20; ++n) {
+        REQUIRE(one_by_one.step(u, dt).ok());
+        const auto report = in_lanes.step(v, dt);
+        REQUIRE(report.ok());
+        CHECK(report.gradients == stages * report.evaluations + ((extrapolate && n > 0) ? 0 : 1));
+      }
+      CHECK((u.vector() - v.vector()).norm() <= 1e-14 * from.vector().norm());
+    }
+}
+
+}  // namespace
+
+TEST_CASE("Stages in lanes take the steps of the stages one by one", "[gauss]") {
+  same_as_one_by_one(lattice, start, 0.05);
+  same_as_one_by_one(systems::NlsLattice<double>(3), {start.q(), start.p()}, 0.05);
+  same_as_one_by_one(Kepler{}, {{1, 0}, {0, 0.9}}, 0.05);
+}
+
+TEST_CASE("Stages in lanes: another step or another state is not extrapolated to", "[gauss]") {
+  GaussLegendreLanes stepper(lattice, {.stages = 4}), fresh(lattice, {.stages = 4});
+  auto z = start;
+  for (int n = 0; n < 3; ++n) REQUIRE(stepper.step(z, 0.05).ok());
+  auto copy = z;
+  CHECK(stepper.step(z, -0.05).gradients == fresh.step(copy, -0.05).gradients);
+  CHECK((z.vector() - copy.vector()).norm() <= 1e-15);
+}
+
+TEST_CASE("Stages in lanes: a tolerance ends the iteration early", "[gauss]") {
+  auto loose = start, tight = start;
+  const auto a = GaussLegendreLanes(lattice, {.stages = 3, .tolerance = 1e-6}).step(loose, 0.1);
+  const auto b = GaussLegendreLanes(lattice, {.stages = 3}).step(tight, 0.1);
+  CHECK(a.ok());
+  CHECK(a.correction < 1e-6);
+  CHECK(a.evaluations < b.evaluations);
+  CHECK((loose.vector() - tight.vector()).norm() <= 1e-6);
+}
+
+TEST_CASE("Stages in lanes: what cannot be done is refused, and the state left alone", "[gauss]") {
+  CHECK_THROWS_AS(GaussLegendreLanes(lattice, {.stages = 9}), std::invalid_argument);
+  CHECK_THROWS_AS(GaussLegendreLanes(lattice, {.solver = StageSolver::newton}), std::invalid_argument);
+  CHECK_THROWS_AS(GaussLegendreLanes(lattice, {.tolerance = -1}), std::invalid_argument);
+  CHECK_THROWS_AS(GaussLegendreLanes(lattice, {.max_iterations = 0}), std::invalid_argument);
+
+  auto z = start;
+  CHECK(GaussLegendreLanes(lattice, {.stages = 3, .max_iterations = 2}).step(z, 0.2).status ==
+        Status::no_convergence);
+  GaussLegendreLanes stepper(lattice, {.stages = 3});
+  CHECK(stepper.step(z, 0.0).status == Status::invalid_step);
+  CHECK(stepper.step(z, 1e3).status != Status::success);
+  CHECK(z.vector() == start.vector());
+  z.q()[1] = std::nan("");
+  CHECK(stepper.step(z, 0.1).status == Status::invalid_state);
+  z = start;
+  CHECK(stepper.step(z, 0.1).ok());
+  PhasePoint<double, Eigen::Dynamic> small(2);
+  CHECK(GaussLegendreLanes(systems::NlsLattice<double>(3)).step(small, 0.1).status == Status::invalid_state);
+  PhasePoint<double, 2> singular({0, 0}, {1, 0});
+  CHECK(GaussLegendreLanes(Kepler{}).step(singular, 0.1).status == Status::not_finite);
+}
+
+#endif

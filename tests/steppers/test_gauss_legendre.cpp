@@ -1,0 +1,181 @@
+#include "catch.hpp"
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <stdexcept>
+
+#include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/systems.hpp>
+
+namespace {
+
+using namespace semiexplicit;
+
+const systems::NlsLattice<double, 3> lattice;
+const PhasePoint<double, 3> start({1, 0.5, -0.3}, {0.4, -0.7, 0.2});
+
+/// The product system with its Hessian, its derivatives counted.
+struct Counted {
+  using Scalar = double;
+  static constexpr int Dof = 1;
+
+  void gradient(In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
+    ++*gradients;
+    system.gradient(q, p, dHdq, dHdp);
+  }
+  void hessian(In<double, 1> q, In<double, 1> p, Eigen::Ref<Eigen::Matrix2d> result) const {
+    ++*hessians;
+    system.hessian(q, p, result);
+  }
+
+  systems::Product<double> system;
+  std::shared_ptr<std::int64_t> gradients = std::make_shared<std::int64_t>(0);
+  std::shared_ptr<std::int64_t> hessians = std::make_shared<std::int64_t>(0);
+};
+static_assert(HasHessian<Counted>);
+
+/// Without its Hessian.
+struct NoHessian {
+  using Scalar = double;
+  static constexpr int Dof = 1;
+  void gradient(In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
+    system.gradient(q, p, dHdq, dHdp);
+  }
+  Counted system;
+};
+static_assert(Hamiltonian<NoHessian> && !HasHessian<NoHessian>);
+
+}  // namespace
+
+TEST_CASE("One stage is the implicit midpoint rule", "[gauss]") {
+  PhasePoint<double, 3> z = start;
+  REQUIRE(GaussLegendre(lattice, {.stages = 1}).step(z, 0.05).ok());
+  const PhasePoint<double, 3> middle((z.q() + start.q()) / 2, (z.p() + start.p()) / 2);
+  Eigen::Vector3d dHdq, dHdp;
+  lattice.gradient(middle.q(), middle.p(), dHdq, dHdp);
+  CHECK((z.q() - start.q() - 0.05 * dHdp).norm() <= 1e-16);
+  CHECK((z.p() - start.p() + 0.05 * dHdq).norm() <= 1e-16);
+}
+
+TEST_CASE("Newton's method and the fixed point solve the same equations", "[gauss]") {
+  for (int stages = 1; stages <= 8; ++stages) {
+    CAPTURE(stages);
+    PhasePoint<double, 3> by_newton = start, by_fixed_point = start;
+    GaussLegendre newton(lattice, {.stages = stages, .solver = StageSolver::newton});
+    GaussLegendre fixed_point(lattice, {.stages = stages});
+    for (int n = 0; n < 10; ++n) {
+      const auto a = newton.step(by_newton, 0.1), b = fixed_point.step(by_fixed_point, 0.1);
+      REQUIRE(a.status == Status::success);
+      REQUIRE(b.status == Status::success);
+      CHECK(a.evaluations <= b.evaluations);
+    }
+    CHECK((by_newton.vector() - by_fixed_point.vector()).norm() <= 1e-14);
+  }
+}
+
+TEST_CASE("A Hessian that is given is used, and gives what differences give", "[gauss]") {
+  const Counted with;
+  const NoHessian without;
+  PhasePoint<double, 1> a(-3, 0.5), b = a;
+  GaussLegendre given(with, {.stages = 3, .solver = StageSolver::newton});
+  GaussLegendre differences(without, {.stages = 3, .solver = StageSolver::newton});
+  for (int n = 0; n < 10; ++n) {
+    *with.gradients = *with.hessians = *without.system.gradients = 0;
+    const auto r = given.step(a, 0.05), s = differences.step(b, 0.05);
+    REQUIRE(r.ok());
+    REQUIRE(s.ok());
+    CHECK(r.gradients == *with.gradients);
+    CHECK(s.gradients == *without.system.gradients);
+    CHECK(*with.hessians == 3 * r.evaluations);
+    CHECK(s.gradients > 4 * r.gradients);
+  }
+  CHECK(*without.system.hessians == 0);
+  CHECK((a.vector() - b.vector()).norm() <= 1e-13);
+}
+
+TEST_CASE("Newton's method converges quadratically and bears steps that the fixed point does not",
+          "[gauss]") {
+  PhasePoint<double, 1> z(-3, 0);
+  GaussLegendre newton(Counted{}, {.stages = 2, .solver = StageSolver::newton, .tolerance = 1e-10});
+  const auto report = newton.step(z, 0.05);
+  REQUIRE(report.ok());
+  CHECK(report.evaluations <= 5);
+
+  // A stiff oscillator, ten radians a step.
+  const auto stiff = make_hamiltonian<double, 1>(
+      [](const auto& q, const auto& p) { return 50 * (q[0] * q[0] + p[0] * p[0]); },
+      [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+        dHdq = 100 * q;
+        dHdp = 100 * p;
+      });
+  PhasePoint<double, 1> y(1, 0);
+  CHECK_FALSE(GaussLegendre(stiff, {.stages = 2}).step(y, 0.1).ok());
+  CHECK(y.vector() == Eigen::Vector2d(1, 0));
+  CHECK(GaussLegendre(stiff, {.stages = 2, .solver = StageSolver::newton}).step(y, 0.1).ok());
+  CHECK(y.vector().norm() == Approx(1).epsilon(1e-13));
+}
+
+TEST_CASE("Extrapolated starting values save iterations and change nothing else", "[gauss]") {
+  for (const int stages : {2, 4, 6}) {
+    CAPTURE(stages);
+    const auto run = [&](bool extrapolate, PhasePoint<double, 3>& z) {
+      GaussLegendre stepper(lattice, {.stages = stages, .extrapolate = extrapolate});
+      return integrate(stepper, z, {.dt = 0.02, .steps = 200});
+    };
+    PhasePoint<double, 3> with = start, without = start;
+    const auto a = run(true, with), b = run(false, without);
+    // The more stages, the better the polynomial predicts.
+    CHECK(static_cast<double>(a.evaluations) <=
+          (stages < 4 ? 0.97 : 0.8) * static_cast<double>(b.evaluations));
+    CHECK((with.vector() - without.vector()).norm() <= 1e-13);
+  }
+}
+
+TEST_CASE("Another step or another state is not extrapolated to", "[gauss]") {
+  GaussLegendre stepper(lattice, {.stages = 4}), fresh(lattice, {.stages = 4});
+  PhasePoint<double, 3> z = start;
+  for (int n = 0; n < 3; ++n) REQUIRE(stepper.step(z, 0.05).ok());
+  PhasePoint<double, 3> copy = z;
+  const auto turned = stepper.step(z, -0.05), first = fresh.step(copy, -0.05);
+  CHECK(turned.gradients == first.gradients);
+  CHECK((z.vector() - copy.vector()).norm() <= 1e-15);
+
+  PhasePoint<double, 3> other({0.1, 0.2, 0.3}, {0.3, 0.2, 0.1}), same = other;
+  GaussLegendre new_one(lattice, {.stages = 4});
+  CHECK(stepper.step(other, -0.05).gradients == new_one.step(same, -0.05).gradients);
+  CHECK(other.vector() == same.vector());
+}
+
+TEST_CASE("A tolerance ends the iteration early", "[gauss]") {
+  PhasePoint<double, 3> loose = start, tight = start;
+  const auto a = GaussLegendre(lattice, {.stages = 3, .tolerance = 1e-6}).step(loose, 0.1);
+  const auto b = GaussLegendre(lattice, {.stages = 3}).step(tight, 0.1);
+  CHECK(a.ok());
+  CHECK(a.correction < 1e-6);
+  CHECK(a.evaluations < b.evaluations);
+  CHECK((loose.vector() - tight.vector()).norm() <= 1e-6);
+  // Out of reach: what rounding allows is accepted, and said so.
+  PhasePoint<double, 3> z = start;
+  CHECK(GaussLegendre(lattice, {.stages = 3, .tolerance = 1e-300}).step(z, 0.1).ok());
+}
+
+TEST_CASE("Options that make no sense are refused", "[gauss]") {
+  CHECK_THROWS_AS(GaussLegendre(lattice, {.stages = 0}), std::invalid_argument);
+  CHECK_THROWS_AS(GaussLegendre(lattice, {.stages = 9}), std::invalid_argument);
+  CHECK_THROWS_AS(GaussLegendre(lattice, {.max_iterations = 0}), std::invalid_argument);
+  CHECK_THROWS_AS(GaussLegendre(lattice, {.tolerance = -1}), std::invalid_argument);
+  CHECK_THROWS_AS(GaussLegendre(lattice, {.tolerance = std::nan("")}), std::invalid_argument);
+}
+
+TEST_CASE("Few iterations are not enough, and the state is left alone", "[gauss]") {
+  for (const StageSolver solver : {StageSolver::fixed_point, StageSolver::newton}) {
+    PhasePoint<double, 3> z = start;
+    const auto report =
+        GaussLegendre(lattice, {.stages = 3, .solver = solver, .max_iterations = 2}).step(z, 0.2);
+    CHECK(report.status == Status::no_convergence);
+    CHECK(report.evaluations == 2);
+    CHECK(z.vector() == start.vector());
+  }
+}

@@ -1,0 +1,247 @@
+// Poincaré's transformation of time: eccentric orbits and close encounters by steps of equal size.
+
+#include "catch.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include <semiexplicit/scene.hpp>
+#include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/systems.hpp>
+#include <semiexplicit/time.hpp>
+
+#include "refusal.hpp"
+
+namespace {
+
+using namespace semiexplicit;
+const double pi = std::acos(-1.0);
+
+/// H = |p|²/2 - 1/|q|, in as many dimensions as the value says.
+template <int Size>
+struct Kepler {
+  using Scalar = double;
+  static constexpr int Dof = Size;
+  Eigen::Index dof() const { return 2; }
+  double energy(In<double, Size> q, In<double, Size> p) const { return p.squaredNorm() / 2 - 1 / q.norm(); }
+  void gradient(In<double, Size> q, In<double, Size> p, Out<double, Size> dHdq,
+                Out<double, Size> dHdp) const {
+    const double rr = q.squaredNorm();
+    dHdq = q / (rr * std::sqrt(rr));
+    dHdp = p;
+  }
+};
+
+/// The orbit of semi-major axis 1 at the time t after the pericentre, from Kepler's equation.
+PhasePoint<double, 2> kepler_orbit(double e, double t) {
+  const double mean = std::remainder(t, 2 * pi);
+  double anomaly = mean + (mean > 0 ? e : -e);
+  for (int i = 0; i < 50; ++i)
+    anomaly -= (anomaly - e * std::sin(anomaly) - mean) / (1 - e * std::cos(anomaly));
+  const double c = std::cos(anomaly), s = std::sin(anomaly), b = std::sqrt(1 - e * e), rate = 1 / (1 - e * c);
+  return {{c - e, b * s}, {-s * rate, b * c * rate}};
+}
+
+/// ∮ dt/g over such an orbit, for g = r^power; with the eccentric anomaly E, dt = r dE.
+double parameter_of_orbit(double e, double power) {
+  double sum = 0;
+  const int n = 20'000;
+  for (int i = 0; i < n; ++i)
+    sum += 2 * pi / n * std::pow(1 - e * std::cos(2 * pi * (i + 0.5) / n), 1 - power);
+  return sum;
+}
+
+/// Largest error of a quantity relative to its first value.
+struct Worst {
+  double first = 0, error = 0;
+  void see(double value) {
+    if (first == 0) first = value;
+    error = std::max(error, std::abs(value / first - 1));
+  }
+};
+
+}  // namespace
+
+TEST_CASE("Kepler's orbits of any eccentricity: a hundred of them, in a hundred steps each",
+          "[time transformed][long]") {
+  const Kepler<2> h;
+  for (const double e : {0.9, 0.99, 0.999}) {
+    CAPTURE(e);
+    const TimeTransformed k(h, monitors::Distance{1.5}, -0.5);
+    Semiexplicit stepper(k, schemes::low_defect8_s20());
+    auto z = k.extended(kepler_orbit(e, 0), 0.0);
+    const double p_t = z.p()[2];
+    Worst energy, momentum;
+    const auto report = integrate(stepper, z, {.dt = parameter_of_orbit(e, 1.5) / 100, .steps = 10'000},
+                                  [&](double, const auto& at) {
+                                    const auto q = at.q().template head<2>(), p = at.p().template head<2>();
+                                    energy.see(h.energy(q, p));
+                                    momentum.see(q[0] * p[1] - q[1] * p[0]);
+                                  });
+    CHECK(energy.error < 1e-9);
+    CHECK(momentum.error < 1e-13);
+    CHECK(report.evaluations == report.steps);
+    // A hundred periods, and the orbit is where it should be at the time that it carries.
+    CHECK(std::abs(k.time(z) / (2 * pi) - 100) < 1e-8);
+    CHECK(z.p()[2] == p_t);
+  }
+}
+
+TEST_CASE("A step of fixed size fails where the transformed one is exact", "[time transformed]") {
+  const Kepler<2> h;
+  const double e = 0.99;
+  Semiexplicit stepper(h, schemes::low_defect8_s20());
+  auto z = kepler_orbit(e, pi);
+  const double before = h.energy(z.q(), z.p());
+  const auto report =
+      integrate(stepper, z, {.dt = 2 * pi / 100, .steps = 1000, .on_failure = OnFailure::stop});
+  CHECK((!report.ok() || std::abs(h.energy(z.q(), z.p()) / before - 1) > 1e-3));
+}
+
+TEST_CASE("Positions at physical times agree with Kepler's equation", "[time transformed]") {
+  const Kepler<2> h;
+  const double e = 0.9;
+  std::vector<double> times;
+  for (int i = 0; i <= 200; ++i) times.push_back(1 + 0.1 * i);  // three orbits, begun at t = 1
+  for (const auto& method : {1, 2}) {
+    const TimeTransformed k(h, monitors::Distance{1.5}, -0.5);
+    auto z = k.extended(kepler_orbit(e, 0), 1.0);
+    double worst = 0;
+    auto output = at_times(
+        k, times,
+        [&](double t, const PhasePoint<double, 2>& at) {
+          worst = std::max(worst, (at.q() - kepler_orbit(e, t - 1).q()).norm());
+        },
+        5);
+    const double ds = parameter_of_orbit(e, 1.5) / 400;
+    if (method == 1) {
+      Semiexplicit stepper(k, schemes::low_defect8_s20());
+      integrate(stepper, z, {.dt = ds, .steps = 1600}, output);
+    } else {
+      GaussLegendre stepper(k, {.stages = 4});
+      integrate(stepper, z, {.dt = ds, .steps = 1600}, output);
+    }
+    CHECK(output.served() == times.size());
+    CHECK(worst < 1e-9);
+  }
+}
+
+TEST_CASE("The time is carried to the order of the method", "[time transformed]") {
+  const Kepler<2> h;
+  const TimeTransformed k(h, monitors::Distance{1.2}, -0.5);
+  const double e = 0.5, whole = parameter_of_orbit(e, 1.2);
+  for (const char* name : {"strang", "blanes_moan4", "blanes_moan6"}) {
+    const auto scheme = schemes::by_name(name);
+    const auto error = [&](int steps) {
+      Semiexplicit stepper(k, scheme);
+      auto z = k.extended(kepler_orbit(e, 0), 0.0);
+      integrate(stepper, z, {.dt = whole / steps, .steps = steps});
+      return std::abs(k.time(z) - 2 * pi);
+    };
+    CAPTURE(name);
+    CHECK(std::log2(error(120) / error(240)) == Approx(scheme.order).margin(0.35));
+  }
+}
+
+TEST_CASE("A size known at run time changes nothing", "[time transformed]") {
+  const TimeTransformed fixed(Kepler<2>{}, monitors::Distance{}, -0.5);
+  const TimeTransformed dynamic(Kepler<Eigen::Dynamic>{}, monitors::Distance{}, -0.5);
+  const auto start = kepler_orbit(0.8, 0.3);
+  auto x = fixed.extended(start, 0.0);
+  auto y = dynamic.extended({start.q(), start.p()}, 0.0);
+  Semiexplicit one(fixed, schemes::blanes_moan6());
+  Semiexplicit other(dynamic, schemes::blanes_moan6());
+  integrate(one, x, {.dt = 0.05, .steps = 100});
+  integrate(other, y, {.dt = 0.05, .steps = 100});
+  CHECK((x.vector() - y.vector()).norm() < 1e-12);
+}
+
+TEST_CASE("An energy that is a little off is taken up", "[time transformed]") {
+  const TimeTransformed exact(Kepler<2>{}, monitors::Distance{}, -0.5),
+      wrong(Kepler<2>{}, monitors::Distance{}, -0.6);
+  auto x = exact.extended(kepler_orbit(0.8, 0.3), 0.0), y = wrong.extended(kepler_orbit(0.8, 0.3), 0.0);
+  CHECK(y.p()[2] == Approx(-0.1));
+  Semiexplicit one(exact, schemes::blanes_moan6()), other(wrong, schemes::blanes_moan6());
+  integrate(one, x, {.dt = 0.02, .steps = 500});
+  integrate(other, y, {.dt = 0.02, .steps = 500});
+  CHECK((exact.point(x).vector() - wrong.point(y).vector()).norm() < 1e-11);
+  CHECK(exact.time(x) == Approx(wrong.time(y)).epsilon(1e-12));
+}
+
+TEST_CASE("Three vortices that nearly collapse", "[time transformed]") {
+  // With 1/Γ₁ + 1/Γ₂ + 1/Γ₃ = 0 and Σ ΓᵢΓⱼD² = 0 all distances shrink to nothing in finite time (Aref, Phys. Fluids 22
+  // (1979) 393, section IV); a little off they turn round at a distance that is small.
+  const systems::PointVortices<double, 3> h({2, 2, -1});
+  const auto start = h.phase_point({-1, 1, 1.0003}, {0, 0, std::sqrt(2.0)});
+  const double e0 = h.energy(start.q(), start.p());
+  const auto closest = [&](const auto& q, const auto& p) {
+    const Eigen::Vector3d x = h.x(q), y = h.y(p);
+    return std::min({std::hypot(x[0] - x[1], y[0] - y[1]), std::hypot(x[0] - x[2], y[0] - y[2]),
+                     std::hypot(x[1] - x[2], y[1] - y[2])});
+  };
+  const TimeTransformed k(h, monitors::VortexDistances(h), e0);
+  Semiexplicit stepper(k, schemes::low_defect8_s20());
+  auto z = k.extended(start, 0.0);
+  double nearest = 10, farthest_after = 0;
+  Worst energy, impulse;
+  integrate(stepper, z, {.dt = 0.2, .steps = 950}, [&](double, const auto& at) {
+    const auto point = k.point(at);
+    const double now = closest(point.q(), point.p());
+    if (now < nearest) farthest_after = 0;
+    nearest = std::min(nearest, now);
+    farthest_after = std::max(farthest_after, now);
+    energy.see(h.energy(point.q(), point.p()));
+    impulse.see(h.angular_impulse(point.q(), point.p()));
+  });
+  CHECK(nearest < 0.03);
+  CHECK(farthest_after > 0.5);
+  CHECK(energy.error < 1e-10);
+  CHECK(impulse.error < 1e-12);
+}
+
+TEST_CASE("A relativistic orbit of eccentricity 0.95", "[time transformed]") {
+  using namespace semiexplicit::effects;
+  const double e = 0.95, c = 300, a = 1;
+  const Scene scene(orbits::Kinetic<2>{}, orbits::Attraction<2>{.gm = 1},
+                    orbits::PostNewtonian1<2>{.gm = 1, .c = c});
+  const auto start = kepler_orbit(e, pi);
+  const TimeTransformed k(scene, monitors::Distance{}, scene.energy(start.q(), start.p()));
+  Semiexplicit stepper(k, schemes::low_defect8_s20());
+  auto z = k.extended(start, 0.0);
+  Worst energy, momentum;
+  double turned = 0;
+  std::vector<double> apocentres;  // angles of the apocentres: where q·p goes from above to below zero
+  double before = 0, angle_before = 0;
+  integrate(stepper, z, {.dt = parameter_of_orbit(e, 1.5) / 100, .steps = 5000}, [&](double, const auto& at) {
+    const auto q = at.q().template head<2>(), p = at.p().template head<2>();
+    energy.see(scene.energy(q, p));
+    momentum.see(q[0] * p[1] - q[1] * p[0]);
+    const double angle = std::atan2(q[1], q[0]);
+    turned = angle_before + std::remainder(angle - angle_before, 2 * pi);
+    const double now = q.dot(p);
+    if (before > 0 && now <= 0)
+      apocentres.push_back(angle_before + (turned - angle_before) * before / (before - now));
+    before = now;
+    angle_before = turned;
+  });
+  REQUIRE(apocentres.size() > 40);
+  const double advance = (apocentres.back() - apocentres.front()) / double(apocentres.size() - 1) - 2 * pi;
+  CHECK(energy.error < 1e-10);
+  CHECK(momentum.error < 1e-12);
+  CHECK(advance == Approx(6 * pi / (c * c * a * (1 - e * e))).epsilon(0.005));
+}
+
+TEST_CASE("What cannot be transformed is refused", "[time transformed]") {
+  const TimeTransformed k(Kepler<2>{}, monitors::Distance{}, -0.5);
+  CHECK(refuses([&] { k.extended({{0, 0}, {0, 1}}, 0.0); }, "not finite"));
+  const auto negative = [](const auto& q, auto&& dgdq) {
+    dgdq.setZero();
+    return -q[0];
+  };
+  const TimeTransformed backwards(Kepler<2>{}, negative, -0.5);
+  CHECK(refuses([&] { backwards.extended({{1, 0}, {0, 1}}, 0.0); }, "not positive"));
+  const TimeTransformed dynamic(Kepler<Eigen::Dynamic>{}, monitors::Distance{}, -0.5);
+  CHECK(refuses([&] { dynamic.extended(PhasePoint<double, Eigen::Dynamic>(3), 0.0); }, "another size"));
+}

@@ -26,7 +26,7 @@ struct Written {
 /// H = (q² + 1)(p² + 1)/2.
 struct ProductFormula {
   template <class Q, class P, class Dq, class Dp>
-  static void evaluate(const Q& q, const P& p, Dq& dHdq, Dp& dHdp) {
+  __attribute__((always_inline)) static void evaluate(const Q& q, const P& p, Dq& dHdq, Dp& dHdp) {
     dHdq[0] = q[0] * (p[0] * p[0] + 1);
     dHdp[0] = p[0] * (q[0] * q[0] + 1);
   }
@@ -35,7 +35,7 @@ struct ProductFormula {
 /// Two equal pendulums, one hanging from the other; masses, lengths and gravity are 1.
 struct DoublePendulumFormula {
   template <class Q, class P, class Dq, class Dp>
-  static void evaluate(const Q& q, const P& p, Dq& dHdq, Dp& dHdp) {
+  __attribute__((always_inline)) static void evaluate(const Q& q, const P& p, Dq& dHdq, Dp& dHdp) {
     const double s = std::sin(q[0] - q[1]), c = std::cos(q[0] - q[1]), inertia = 1 + s * s;
     const double kinetic = p[0] * p[0] + 2 * p[1] * p[1] - 2 * p[0] * p[1] * c;
     const double torque = p[0] * p[1] * s / inertia - kinetic * s * c / (inertia * inertia);
@@ -50,7 +50,7 @@ struct DoublePendulumFormula {
 /// H = (Δ p_r² + p_θ² + (p_φ/sin θ + a sin θ p_t)² - ((r² + a²) p_t + a p_φ)²/Δ) / 2Σ.
 struct KerrFormula {
   template <class Q, class P, class Dq, class Dp>
-  static void evaluate(const Q& q, const P& p, Dq& dHdq, Dp& dHdp) {
+  __attribute__((always_inline)) static void evaluate(const Q& q, const P& p, Dq& dHdq, Dp& dHdp) {
     constexpr double a = 0.9;
     const double r = q[1], sine = std::sin(q[2]), cosine = std::cos(q[2]);
     const double sigma = r * r + a * a * cosine * cosine, delta = r * r - 2 * r + a * a;
@@ -74,7 +74,7 @@ struct KerrFormula {
 /// The lattice of Jayawardana and Ohsawa with five sites.
 struct NlsFormula {
   template <class Q, class P, class Dq, class Dp>
-  static void evaluate(const Q& q, const P& p, Dq& dHdq, Dp& dHdp) {
+  __attribute__((always_inline)) static void evaluate(const Q& q, const P& p, Dq& dHdq, Dp& dHdp) {
     for (int i = 0; i < 5; ++i) {
       double dq = 0, dp = 0;
       const double r = q[i] * q[i] + p[i] * p[i];
@@ -97,7 +97,7 @@ struct NlsFormula {
 /// Ten vortices of circulations 1 and -0.6, in turns, whose coordinates are scaled to be canonical.
 struct VorticesFormula {
   template <class Q, class P, class Dq, class Dp>
-  static void evaluate(const Q& q, const P& p, Dq& dHdq, Dp& dHdp) {
+  __attribute__((always_inline)) static void evaluate(const Q& q, const P& p, Dq& dHdq, Dp& dHdp) {
     constexpr int n = 10;
     for (int i = 0; i < n; ++i) dHdq[i] = dHdp[i] = 0;
     for (int i = 0; i < n; ++i)

@@ -113,7 +113,7 @@ class AsPublished {
 
     // Sizes of zero: nothing is forgiven as rounding, the iteration goes on to the last one allowed.
     double state_size() const { return 0; }
-    double full_size() const { return 0; }
+    bool within_rounding(double) const { return false; }
     double rounding_level() const { return 0; }
   };
 

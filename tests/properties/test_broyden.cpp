@@ -23,15 +23,19 @@ struct Residual {
   Eigen::Index n;
   double size = 1, rounding = 0;
   std::vector<Vec> visited{};
+  Vec last_f{};
 
   void operator()(Vec& value) { (*this)(Vec::Zero(n), value); }
   void operator()(const Vec& m, Vec& value) {
     visited.push_back(m);
-    value = f(m);
+    value = last_f = f(m);
   }
   double state_size() const { return size; }
-  double full_size() const { return size; }
   double rounding_level() const { return rounding; }
+  bool within_rounding(double multiple) const {
+    const double epsilon = std::numeric_limits<double>::epsilon();
+    return last_f.stableNorm() / 4 <= (multiple < 1 ? multiple * epsilon * size : multiple / 100 * rounding);
+  }
 };
 
 struct Iterates {

@@ -31,8 +31,11 @@ struct Residual {
     value = last_f;
   }
   double state_size() const { return size; }
-  double full_size() const { return size; }
   double rounding_level() const { return rounding; }
+  bool within_rounding(double multiple) const {
+    const double epsilon = std::numeric_limits<double>::epsilon();
+    return last_f.stableNorm() / 4 <= (multiple < 1 ? multiple * epsilon * size : multiple / 100 * rounding);
+  }
 };
 
 template <class Solver>

@@ -411,3 +411,52 @@ TEST_CASE("A stepper that is used for several states gives each what a fresh one
     CHECK(same_bits(y, w));
   });
 }
+
+namespace {
+/// The nonlinear oscillator beside a coordinate that only drifts, coupled to nothing.
+template <class Scalar>
+auto beside_a_drift() {
+  return make_hamiltonian<Scalar, 2>(
+      [](const auto& q, const auto& p) { return p[0] + (q[1] * q[1] + 1) * (p[1] * p[1] + 1) / 2; },
+      [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+        dHdq[0] = 0;
+        dHdp[0] = 1;
+        dHdq[1] = q[1] * (p[1] * p[1] + 1);
+        dHdp[1] = p[1] * (q[1] * q[1] + 1);
+      });
+}
+template <class Scalar, class Solver>
+void goes_as_alone(Solver solver, Scalar far, bool converges) {
+  for (const Scalar q0 : {Scalar(0), far / 10, far}) {
+    CAPTURE(q0);
+    Semiexplicit stepper(beside_a_drift<Scalar>(), schemes::low_defect6_s13<Scalar>(), solver);
+    PhasePoint<Scalar, 2> z({q0, Scalar(-3)}, {Scalar(0), Scalar(0)});
+    const bool ok = stepper.step(z, Scalar(0.7)).ok();
+    CHECK(ok == converges);
+    // By Newton's method in more digits.
+    if (ok) CHECK(std::hypot(z.q()[1] + 0.352667664, z.p()[1] - 2.81061867) <= 1e-8);
+  }
+}
+}  // namespace
+
+TEST_CASE("A large coordinate that is coupled to nothing hides no iteration that diverges", "[failures]") {
+  goes_as_alone<double>(SimplifiedNewton{}, 1e12, false);
+  goes_as_alone<double>(Broyden{}, 1e12, true);
+  goes_as_alone<float>(SimplifiedNewton{}, 1e5F, false);
+}
+
+TEST_CASE("A large coordinate whose rounding the forces feel is no failure", "[failures]") {
+  // A pendulum that has turned a million times: the rounding of its angle, 1e-9, is in its momentum, too.
+  const auto H = from_energy<1>([](const auto& q, const auto& p) {
+    using std::cos;
+    return p[0] * p[0] / 2 - cos(q[0]);
+  });
+  const double turn = 2 * std::acos(-1.0);
+  for (const double turns : {0.0, 1e3, 1e6}) {
+    CAPTURE(turns);
+    Semiexplicit stepper(H, schemes::blanes_moan4(), SimplifiedNewton{.stop = StoppingRule::product(0)});
+    PhasePoint<double, 1> z(1 + turns * turn, 0.5);
+    const auto report = integrate(stepper, z, {.dt = 0.1, .steps = 200});
+    CHECK(report.evaluations <= 30 * report.steps);
+  }
+}

@@ -167,18 +167,15 @@ class TangentMap {
     da_.rightCols(size_).setIdentity();
     db_.leftCols(size_).setIdentity();
     db_.rightCols(size_) = -Matrix::Identity(size_, size_);
-    const std::size_t n = scheme_.b.size();
-    for (std::size_t i = 0; i < n; ++i) {
-      kick(dt * scheme_.a[i], a_, da_, b_, db_);
-      kick(dt * scheme_.b[i], b_, db_, a_, da_);
-    }
-    kick(dt * scheme_.a[n], a_, da_, b_, db_);
+    detail::sweep(
+        scheme_, dt, [&](const Scalar& t) { kick(t, a_, da_, b_, db_); },
+        [&](const Scalar& t) { kick(t, b_, db_, a_, da_); });
   }
 
   void kick(const Scalar& t, const Vec& from, const Columns& dfrom, Vec& to, Columns& dto) {
     const Eigen::Index d = size_ / 2;
     detail::gradient_at(hamiltonian_, from.data(), gradient_.data(), d);
-    detail::kick(t, gradient_.data(), to.data(), d, d);
+    detail::add(t, gradient_.data(), to.data(), d, d);
     second_(hamiltonian_, from, hessian_);
     slope_.topRows(d) = t * hessian_.bottomRows(d);
     slope_.bottomRows(d) = -t * hessian_.topRows(d);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <concepts>
 
 #include <semiexplicit/core/report.hpp>
@@ -7,6 +8,13 @@
 namespace semiexplicit {
 
 namespace detail {
+
+/// Is dt a step at all: finite, and not zero?
+template <class Scalar>
+bool valid_step(const Scalar& dt) {
+  using std::isfinite;
+  return isfinite(dt) && dt != Scalar(0);
+}
 
 template <class S>
 concept NamesScalarAndState = requires {

@@ -5,6 +5,8 @@
 
 #include <Eigen/Core>
 
+#include <semiexplicit/core/inlined.hpp>
+
 static_assert(EIGEN_VERSION_AT_LEAST(3, 4, 0), "semiexplicit needs Eigen 3.4 or later");
 
 namespace semiexplicit {
@@ -52,23 +54,31 @@ typename Derived::Scalar sum_of_absolutes(const Eigen::MatrixBase<Derived>& v) {
   return (part[0] + part[1]) + (part[2] + part[3]);
 }
 
+/// norm() of a vector whose squares leave the range of normal numbers.
+template <class Derived>
+SEMIEXPLICIT_NOINLINE typename Derived::Scalar norm_of_extreme(const Eigen::MatrixBase<Derived>& v) {
+  using Scalar = typename Derived::Scalar;
+  using std::abs;
+  using std::isfinite;
+  using std::sqrt;
+  Scalar largest(0);
+  for (Eigen::Index i = 0; i < v.size(); ++i)
+    if (abs(v.derived().coeff(i)) > largest) largest = abs(v.derived().coeff(i));
+  if (largest == Scalar(0) || !isfinite(largest)) return largest;
+  return largest * sqrt(dot(v / largest, v / largest));
+}
+
 /// Euclidean norm that neither underflows nor overflows: states of size 1e-200 or 1e200 have a norm, too.
 template <class Derived>
 typename Derived::Scalar norm(const Eigen::MatrixBase<Derived>& v) {
   using Scalar = typename Derived::Scalar;
-  using std::abs;
-  using std::isfinite;
   using std::sqrt;
   // The plain sum is right wherever no square left the range of normal numbers.
   const Scalar squared = dot(v, v);
   const Scalar small = (std::numeric_limits<Scalar>::min)() / std::numeric_limits<Scalar>::epsilon();
   const Scalar large = (std::numeric_limits<Scalar>::max)() * std::numeric_limits<Scalar>::epsilon();
   if ((squared >= small && squared <= large) || squared != squared) return sqrt(squared);
-  Scalar largest(0);
-  for (Eigen::Index i = 0; i < v.size(); ++i)
-    if (abs(v.derived().coeff(i)) > largest) largest = abs(v.derived().coeff(i));
-  if (largest == Scalar(0) || !isfinite(largest)) return largest;
-  return largest * sqrt(dot(v / largest, v / largest));
+  return norm_of_extreme(v);
 }
 
 }  // namespace detail

@@ -124,20 +124,6 @@ namespace detail {
 using Many = RegisterPack<double>;
 using LaneMask = Many::mask_type;
 
-/// The gradient of a pack of phase points: 2d packs at `at`, written to 2d packs.
-template <PackHamiltonian H>
-void pack_gradient_at(const H& hamiltonian, const Many* at, Many* gradient, Eigen::Index dof) {
-  if constexpr (std::same_as<typename H::Scalar, Many>) {
-    using Column = Vector<Many, H::Dof>;
-    hamiltonian.gradient(Eigen::Map<const Column>(at, dof), Eigen::Map<const Column>(at + dof, dof),
-                         Eigen::Map<Column>(gradient, dof), Eigen::Map<Column>(gradient + dof, dof));
-  } else {
-    const Many *const q = at, *const p = at + dof;  // named, for gradients that deduce one type for both
-    Many *const dHdq = gradient, *const dHdp = gradient + dof;
-    hamiltonian.gradient(q, p, dHdq, dHdp);
-  }
-}
-
 /// to = from in the chosen lanes.
 inline void assign(const LaneMask& lanes, Many& to, const Many& from) {
 #ifdef __clang__  // version 14 with AVX-512 makes nothing, or something else, of libstdc++'s where()

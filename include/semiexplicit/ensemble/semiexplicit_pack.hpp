@@ -7,10 +7,10 @@
 #include <vector>
 
 #include <semiexplicit/core/extended_phase_space.hpp>
+#include <semiexplicit/core/stepper.hpp>
 #include <semiexplicit/ensemble/pack_point.hpp>
 #include <semiexplicit/solvers/simplified_newton.hpp>
-#include <semiexplicit/steppers/detail/kick_chain.hpp>
-#include <semiexplicit/steppers/pihajoki.hpp>
+#include <semiexplicit/steppers/detail/kick.hpp>
 
 #ifdef SEMIEXPLICIT_HAS_PACKS
 
@@ -130,54 +130,41 @@ class SemiexplicitPack {
     if constexpr (small) {
       constexpr auto length = std::size_t(2 * Dof);
       Many a[length], b[length], gradient[length], moved[length], f[length];
-      run(z, m, dt, a, b, gradient, moved, f, Dof);
+      const Many e = residual(z, m, dt, a, b, gradient, moved, f, Dof);
       for (int i = 0; i < 2 * Dof; ++i) {
         f_[std::size_t(i)] = f[i];
         moved_[std::size_t(i)] = moved[i];
       }
-      return detail::norm(f, 2 * Dof) / 4.0;
+      return e;
     } else {
-      run(z, m, dt, a_.data(), b_.data(), gradient_.data(), moved_.data(), f_.data(), dof());
-      return detail::norm(f_.data(), length()) / 4.0;
+      return residual(z, m, dt, a_.data(), b_.data(), gradient_.data(), moved_.data(), f_.data(), dof());
     }
   }
 
-  void run(const Many* z, const Many* m, double dt, Many* a, Many* b, Many* gradient, Many* moved, Many* f,
-           Eigen::Index d) const {
-    for (Eigen::Index i = 0; i < 2 * d; ++i) {
-      a[i] = m ? z[i] + m[i] : z[i];
-      b[i] = m ? z[i] - m[i] : z[i];
-      moved[i] = 0.0;
-    }
-    const std::size_t n = scheme_.b.size();
-    for (std::size_t i = 0; i < n; ++i) {
-      kick(dt * scheme_.a[i], a, b, gradient, moved, d);
-      kick(dt * scheme_.b[i], b, a, gradient, moved, d);
-    }
-    kick(dt * scheme_.a[n], a, b, gradient, moved, d);
-    for (Eigen::Index i = 0; i < 2 * d; ++i) f[i] = m ? a[i] - b[i] + 2.0 * m[i] : a[i] - b[i];
+  Many residual(const Many* z, const Many* m, double dt, Many* a, Many* b, Many* gradient, Many* moved,
+                Many* f, Eigen::Index d) const {
+    detail::projection_residual(hamiltonian_, scheme_, dt, true, z, m, a, b, gradient, moved, f, d);
     if constexpr (InExtendedPhaseSpace<H>)
       for (const Eigen::Index last : {d - 1, 2 * d - 1})
         detail::assign(abs(f[last]) <= detail::time_rounding(z[last], scheme_.kicks()), f[last], 0.0);
-  }
-
-  void kick(double t, const Many* from, Many* to, Many* gradient, Many* moved, Eigen::Index d) const {
-    detail::pack_gradient_at(hamiltonian_, from, gradient, d);
-    const Many time = t;
-    for (Eigen::Index i = 0; i < d; ++i) {  // written so that each line may become one fused operation
-      to[i] += time * gradient[d + i];
-      moved[i] += time * gradient[d + i];
-      to[d + i] -= time * gradient[i];
-      moved[d + i] -= time * gradient[i];
-    }
+    return detail::norm(f, 2 * d) / 4.0;
   }
 
   /// What Convergence asks of a residual, in one lane.
-  struct LaneSizes {
+  struct LaneResidual {
+    const SemiexplicitPack& pack;
+    const Column& z;
+    std::size_t lane;
     double state, full, distance;
     double state_size() const { return state; }
-    double full_size() const { return full; }
     double rounding_level() const { return 100 * Eigen::NumTraits<double>::epsilon() * (full + distance); }
+    bool within_rounding(double multiple) const {
+      for (std::size_t i = 0; i < z.size(); ++i) {
+        const double f = pack.f_[i][lane], at = z[i][lane];
+        if (!detail::within_rounding(&f, &at, 1, distance, multiple)) return false;
+      }
+      return true;
+    }
   };
 
   /// Semiexplicit's state_size() after a sweep, where both copies moved by twice `distance`.
@@ -201,7 +188,8 @@ class SemiexplicitPack {
       const Many sizes = size_or_moves(size_z, distance);
       for (std::size_t k = 0; k < Many::size(); ++k)
         if (going[k])
-          going[k] = !lanes[k]->done(e[k], size_m[k], LaneSizes{sizes[k], size_z[k], distance[k]});
+          going[k] = !lanes[k]->done(e[k], size_m[k],
+                                     LaneResidual{*this, state.z, k, sizes[k], size_z[k], distance[k]});
       if (none_of(going)) break;
       // All multipliers move on; lanes that are done keep their moves of the copies.
       if (first)

@@ -39,13 +39,14 @@ struct SimplifiedNewton {
     using Scalar = typename Vec::Scalar;
     detail::Convergence<Scalar> convergence(stop, max_iterations);
     residual(work.f);
-    if (convergence.done(detail::norm(work.f) / 4, Scalar(0), residual)) return convergence.report();
-    m = work.f / -4;
-    for (;;) {
-      residual(m, work.f);
-      if (convergence.done(detail::norm(work.f) / 4, detail::norm(m), residual)) return convergence.report();
+    Scalar size_m(0);
+    while (!convergence.done(detail::norm(work.f) / 4, size_m, residual)) {
+      if (size_m == Scalar(0)) m.setZero();
       m -= work.f / 4;
+      size_m = detail::norm(m);
+      residual(m, work.f);
     }
+    return convergence.report();
   }
 };
 

@@ -57,6 +57,17 @@ inline void require_options(const char* solver, const StoppingRule& rule, int ma
   if (max_iterations < 1) refuse("max_iterations is below 1; give the evaluations that a step may take");
 }
 
+/// See AnyResidual::within_rounding().
+template <class Scalar>
+bool within_rounding(const Scalar* f, const Scalar* z, Eigen::Index size, const Scalar& distance,
+                     double multiple) {
+  using std::abs;
+  const Scalar roundings = 4 * Scalar(multiple) * Eigen::NumTraits<Scalar>::epsilon();
+  for (Eigen::Index i = 0; i < size; ++i)
+    if (!(abs(f[i]) <= roundings * (abs(z[i]) + distance))) return false;
+  return true;
+}
+
 /// The bookkeeping that every solver shares: after each evaluation, is this the end, and how?
 template <class Scalar>
 class Convergence {
@@ -73,13 +84,23 @@ class Convergence {
     const Scalar previous = report_.correction;
     report_.correction = e;
     if (!first) report_.rate = e / previous;
+    if (first || e < best_ / 2) {
+      best_ = e;
+      stalled_ = 0;
+    } else {
+      ++stalled_;
+    }
     if (!isfinite(e))
       report_.status = Status::not_finite;
     else if (rule_.accepts(e, size_m, residual.state_size()))
       report_.status = Status::success;
-    else if (e <= Eigen::NumTraits<Scalar>::epsilon() / 100 * residual.full_size())
+    else if (residual.within_rounding(0.01))
       report_.status = Status::rounding_limited;  // m moves no digit of the copies: e would halve for ever
-    else if (!first && e >= previous && e <= accurate_ && e <= residual.rounding_level())
+    else if (
+        !first && e <= accurate_ && e <= residual.rounding_level() &&
+        ((e >= previous && residual.within_rounding(100)) ||
+         // The rounding of a large entry, carried to others by the kicks; an iteration that diverges has grown by then.
+         (stalled_ >= patience && e <= 8 * best_)))
       report_.status = Status::rounding_limited;
     else {
       // Copies that diverge have a rounding level above the state itself; the first sweep's is believed.
@@ -98,6 +119,9 @@ class Convergence {
  private:
   StoppingRule rule_;
   int max_iterations_, judged_ = 0;
+  static constexpr int patience = 8;  ///< corrections in which one that diverges shows
+  int stalled_ = 0;                   ///< corrections since the smallest was halved
+  Scalar best_ = 0;
   Scalar accurate_ = 0;  ///< nothing larger passes for rounding
   SolverReport<Scalar> report_;
 };

@@ -4,8 +4,12 @@
 #include <string>
 #include <utility>
 
+#include <semiexplicit/core/checkpointable.hpp>
+#include <semiexplicit/core/gradient_size.hpp>
+#include <semiexplicit/core/hamiltonian_door.hpp>
+#include <semiexplicit/core/stepper.hpp>
 #include <semiexplicit/steppers/detail/compensated_update.hpp>
-#include <semiexplicit/steppers/pihajoki.hpp>
+#include <semiexplicit/steppers/detail/sweep.hpp>
 
 namespace semiexplicit {
 
@@ -106,17 +110,16 @@ class ExplicitSplitting {
   // What is moved is summed apart from the state: it has the rounding errors of the increments only.
   void drifts_and_kicks(const Scalar& dt, Scalar* at, Scalar* moved, Scalar* half) const {
     const Eigen::Index d = dof();
-    const auto drift = [&](const Scalar& t) {
-      hamiltonian_.momentum_gradient(Eigen::Map<const Column>(at + d, d), Eigen::Map<Column>(half, d));
-      add(t, half, at, moved, d);
-    };
-    const std::size_t n = scheme_.b.size();
-    for (std::size_t i = 0; i < n; ++i) {
-      drift(dt * scheme_.a[i]);
-      hamiltonian_.position_gradient(Eigen::Map<const Column>(at, d), Eigen::Map<Column>(half, d));
-      add(-dt * scheme_.b[i], half, at + d, moved + d, d);
-    }
-    drift(dt * scheme_.a[n]);
+    detail::sweep(
+        scheme_, dt,
+        [&](const Scalar& t) {
+          hamiltonian_.momentum_gradient(Eigen::Map<const Column>(at + d, d), Eigen::Map<Column>(half, d));
+          add(t, half, at, moved, d);
+        },
+        [&](const Scalar& t) {
+          hamiltonian_.position_gradient(Eigen::Map<const Column>(at, d), Eigen::Map<Column>(half, d));
+          add(-t, half, at + d, moved + d, d);
+        });
   }
 
   static void add(const Scalar& t, const Scalar* __restrict half, Scalar* __restrict to,

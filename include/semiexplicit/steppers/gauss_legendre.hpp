@@ -10,9 +10,12 @@
 #include <Eigen/LU>
 
 #include <semiexplicit/core/extended_phase_space.hpp>
+#include <semiexplicit/core/gradient_size.hpp>
+#include <semiexplicit/core/hamiltonian_door.hpp>
+#include <semiexplicit/core/stepper.hpp>
 #include <semiexplicit/steppers/detail/compensated_update.hpp>
 #include <semiexplicit/steppers/detail/gauss_tableau.hpp>
-#include <semiexplicit/steppers/pihajoki.hpp>
+#include <semiexplicit/core/inlined.hpp>
 
 namespace semiexplicit {
 

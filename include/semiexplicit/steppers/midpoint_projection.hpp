@@ -20,26 +20,26 @@ class MidpointProjection {
 
   /// Throws std::invalid_argument, saying what is wrong, unless the scheme passes its own check.
   MidpointProjection(H hamiltonian, Scheme<Scalar> scheme, Summation summation = Summation::compensated)
-      : doubled_(std::move(hamiltonian), std::move(scheme), summation) {}
+      : doubled_(std::move(hamiltonian), std::move(scheme), summation), difference_(State(dof()).vector()) {}
 
   /// One step of size dt, which may be negative; z is untouched unless the report is ok(). `correction` is a quarter of
   /// the distance between the copies before the mean is taken.
   StepReport step(State& z, const Scalar& dt) {
     StepReport report{.status = doubled_.check(z, dt)};
     if (!report.ok()) return report;
-    doubled_.sweep(z, dt);
+    doubled_.residual(z, nullptr, dt, difference_);
     report.evaluations = 1;
-    report.gradients = doubled_.chain().gradients();
+    report.gradients = doubled_.gradients();
     using std::isfinite;
-    const Scalar correction = detail::norm(doubled_.difference()) / 4;
+    const Scalar correction = detail::norm(difference_) / 4;
     report.correction = static_cast<double>(correction);
     if (!isfinite(correction) || !doubled_.finish(z)) report.status = doubled_.diagnose(z);
     return report;
   }
 
   Eigen::Index dof() const { return dof_of(hamiltonian()); }
-  const H& hamiltonian() const { return doubled_.chain().hamiltonian; }
-  const Scheme<Scalar>& scheme() const { return doubled_.chain().scheme; }
+  const H& hamiltonian() const { return doubled_.hamiltonian(); }
+  const Scheme<Scalar>& scheme() const { return doubled_.scheme(); }
   Summation summation() const { return doubled_.summation(); }
 
   /// See Describable.
@@ -55,6 +55,7 @@ class MidpointProjection {
 
  private:
   detail::DoubledStep<H> doubled_;
+  typename State::Storage difference_;
 };
 
 }  // namespace semiexplicit

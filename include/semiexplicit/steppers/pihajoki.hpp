@@ -1,47 +1,11 @@
 #pragma once
 
-#include <cmath>
+#include <cstdint>
 #include <utility>
 
-#include <semiexplicit/core/checkpointable.hpp>
-#include <semiexplicit/core/report.hpp>
-#include <semiexplicit/steppers/detail/kick_chain.hpp>
+#include <semiexplicit/steppers/detail/explicit_map.hpp>
 
 namespace semiexplicit {
-
-namespace detail {
-
-/// Is `dt` a step at all: finite, and not zero?
-template <class Scalar>
-bool valid_step(const Scalar& dt) {
-  using std::isfinite;
-  return isfinite(dt) && dt != Scalar(0);
-}
-
-/// Moves `zeta` by an explicit map: run() works on the chain's copies, and only a finite result becomes the new state.
-template <class H, class Run>
-StepReport step_explicitly(ExtendedPoint<typename KickChain<H>::Scalar, KickChain<H>::Dof>& zeta,
-                           KickChain<H>& chain, const typename KickChain<H>::Scalar& dt,
-                           std::int64_t gradients, const Run& run) {
-  if (!valid_step(dt)) return {.status = Status::invalid_step};
-  if (!chain.valid()) return {.status = Status::invalid_stepper};
-  if (zeta.a.vector().size() != chain.a.size() || zeta.b.vector().size() != chain.b.size())
-    return {.status = Status::invalid_state};
-  chain.a = zeta.a.vector();
-  chain.b = zeta.b.vector();
-  run();
-  StepReport report{.status = Status::not_finite, .evaluations = 1, .gradients = gradients};
-  if (!chain.a.allFinite() || !chain.b.allFinite()) {
-    if (!zeta.a.vector().allFinite() || !zeta.b.vector().allFinite()) report.status = Status::invalid_state;
-  } else {
-    zeta.a.vector() = chain.a;
-    zeta.b.vector() = chain.b;
-    report.status = Status::success;
-  }
-  return report;
-}
-
-}  // namespace detail
 
 /// The explicit map of the doubled space: a palindromic list of kicks A(a₀dt) B(b₀dt) A(a₁dt) ..., one gradient call each,
 /// where A is the flow of H(q, y) and B that of H(x, p). Symmetric and symplectic in the doubled space R^{4d}. Nothing
@@ -57,17 +21,20 @@ class Pihajoki {
   static constexpr const char* name = "Pihajoki";
 
   /// Throws std::invalid_argument, saying what is wrong, unless the scheme passes its own check.
-  Pihajoki(H hamiltonian, Scheme<Scalar> scheme) : chain_(std::move(hamiltonian), std::move(scheme)) {}
+  Pihajoki(H hamiltonian, Scheme<Scalar> scheme) : map_(std::move(hamiltonian), std::move(scheme)) {}
 
   /// One step of size dt, which may be negative. zeta is untouched unless the report is ok(); it fails on dt = 0, on a
   /// state of another size or not finite, and where a gradient makes the copies NaN or Inf.
   StepReport step(State& zeta, const Scalar& dt) {
-    return detail::step_explicitly(zeta, chain_, dt, chain_.gradients(), [&] { chain_.run(dt); });
+    return map_.step(zeta, dt, static_cast<std::int64_t>(scheme().kicks()),
+                     [&](auto* a, auto* b, auto* gradient, auto d) {
+                       detail::kicks(hamiltonian(), scheme(), dt, a, b, gradient, d);
+                     });
   }
 
   Eigen::Index dof() const { return dof_of(hamiltonian()); }
-  const H& hamiltonian() const { return chain_.hamiltonian; }
-  const Scheme<Scalar>& scheme() const { return chain_.scheme; }
+  const H& hamiltonian() const { return map_.hamiltonian; }
+  const Scheme<Scalar>& scheme() const { return map_.scheme; }
 
   /// See Describable.
   template <class List>
@@ -81,7 +48,7 @@ class Pihajoki {
   void visit_memory(Visitor&&) {}
 
  private:
-  detail::KickChain<H> chain_;
+  detail::ExplicitMap<H> map_;
 };
 
 }  // namespace semiexplicit

@@ -21,7 +21,7 @@ namespace semiexplicit {
 /// properties at second order only, which is why a loose solve is enough (StoppingRule::product).
 ///
 /// Source: B. Jayawardana and T. Ohsawa, Math. Comp. 92 (2023) 251, Definition 2.1; the invariants: T. Ohsawa,
-/// arXiv:2208.10546. Memory: seven vectors of length 2d and the solver's (simplified Newton one, Broyden memory + 2).
+/// arXiv:2208.10546. Memory: four vectors of length 2d, seven where 2d > 32, and the solver's (simplified Newton one, Broyden memory + 2).
 template <class H, class Solver = SimplifiedNewton>
 class Semiexplicit {
  public:
@@ -48,7 +48,7 @@ class Semiexplicit {
     const auto solved = solver_.solve(residual, m_, work_);
     report.status = solved.status;
     report.evaluations = solved.evaluations;
-    report.gradients = solved.evaluations * doubled_.chain().gradients();
+    report.gradients = solved.evaluations * doubled_.gradients();
     report.correction = static_cast<double>(solved.correction);
     report.rate = static_cast<double>(solved.rate);
     report.escalations = solved.escalations;
@@ -59,12 +59,12 @@ class Semiexplicit {
 
   /// Gradient calls that a step cannot exceed.
   std::int64_t max_gradients() const requires std::same_as<Solver, SimplifiedNewton> {
-    return solver_.max_iterations * doubled_.chain().gradients();
+    return solver_.max_iterations * doubled_.gradients();
   }
 
   Eigen::Index dof() const { return dof_of(hamiltonian()); }
-  const H& hamiltonian() const { return doubled_.chain().hamiltonian; }
-  const Scheme<Scalar>& scheme() const { return doubled_.chain().scheme; }
+  const H& hamiltonian() const { return doubled_.hamiltonian(); }
+  const Scheme<Scalar>& scheme() const { return doubled_.scheme(); }
   Summation summation() const { return doubled_.summation(); }
   const Solver& solver() const { return solver_; }
 
@@ -88,32 +88,30 @@ class Semiexplicit {
     detail::DoubledStep<H>& doubled;
     const State& z;
     const Scalar& dt;
-    Scalar size = detail::state_size(doubled.chain().hamiltonian, z);
+    Scalar size = detail::state_size(doubled.hamiltonian(), z);
+    const Vec* last = nullptr;
 
     /// f(0), where every solver starts.
-    void operator()(Vec& f) {
-      doubled.sweep(z, dt);
-      f = doubled.difference();
-      detail::drop_time_rounding<H>(z.vector(), f, doubled.chain().scheme.kicks());
-    }
-    void operator()(const Vec& m, Vec& f) {
-      doubled.sweep(z, m, dt);
-      f = doubled.difference() + 2 * m;
-      detail::drop_time_rounding<H>(z.vector(), f, doubled.chain().scheme.kicks());
+    void operator()(Vec& f) { evaluate(nullptr, f); }
+    void operator()(const Vec& m, Vec& f) { evaluate(&m, f); }
+    void evaluate(const Vec* m, Vec& f) {
+      doubled.residual(z, m, dt, f);
+      last = &f;
     }
 
     /// ‖z‖, without the time where that is a coordinate, but no more than so many moves of a step: see StoppingRule.
     Scalar state_size() const {
-      const Scalar moves = StoppingRule::moves * doubled.distance(z);
+      const Scalar moves = StoppingRule::moves * doubled.distance();
       return moves < size ? moves : size;
     }
 
-    /// ‖z‖, without the time where that is a coordinate.
-    const Scalar& full_size() const { return size; }
-
     /// A correction below this may be nothing but rounding: the copies' own, made larger by the kicks in between.
     Scalar rounding_level() const {
-      return 100 * Eigen::NumTraits<Scalar>::epsilon() * (size + doubled.distance(z));
+      return 100 * Eigen::NumTraits<Scalar>::epsilon() * (size + doubled.distance());
+    }
+    bool within_rounding(double multiple) const {
+      return detail::within_rounding(last->data(), z.vector().data(), z.vector().size(), doubled.distance(),
+                                     multiple);
     }
   };
 

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include <semiexplicit/steppers/pihajoki.hpp>
+#include <semiexplicit/steppers/detail/explicit_map.hpp>
 
 namespace semiexplicit {
 
@@ -29,10 +29,9 @@ class Tao {
   /// triple_jump, suzuki, yoshida6, kahan_li, suzuki_umeno and sofroniou_spaletta are: a direct list of A and B
   /// coefficients says nothing about C. Also unless ω is finite.
   Tao(H hamiltonian, Scheme<Scalar> scheme, Scalar omega)
-      : chain_(std::move(hamiltonian), std::move(scheme)),
+      : map_(std::move(hamiltonian), std::move(scheme)),
         omega_(std::move(omega)),
-        gradient_(chain_.a),
-        turns_(chain_.scheme.b.size()) {
+        turns_(map_.scheme.b.size()) {
     using std::isfinite;
     require_composition_of_strang();
     if (!isfinite(omega_)) throw std::invalid_argument("Tao: omega is NaN or Inf; give a finite number");
@@ -40,26 +39,21 @@ class Tao {
 
   /// One step of size dt, as Pihajoki::step().
   StepReport step(State& zeta, const Scalar& dt) {
-    // The chain still holds the copies that the last step left, and gradient_ the gradient at a.
-    const bool known = std::exchange(gradient_known_, false) && chain_.a.size() == zeta.a.vector().size() &&
-                       chain_.a == zeta.a.vector();
+    // The map still holds the copies that the last step left, and the gradient at a.
+    const bool known = std::exchange(gradient_known_, false) && map_.a.size() == zeta.a.vector().size() &&
+                       map_.a == zeta.a.vector();
     const auto gradients = static_cast<std::int64_t>(3 * scheme().b.size() + (known ? 0 : 1));
-    const StepReport report = detail::step_explicitly(zeta, chain_, dt, gradients, [&] {
-      find_turns(dt);
-      detail::inlined<Scalar>([&] {
-        if constexpr (HasLaneGradient<H>)
-          kicks_in_lanes(dt, known);
-        else
-          kicks(dt, known, chain_.a.data(), chain_.b.data());
-      });
+    find_turns(dt);
+    const StepReport report = map_.step(zeta, dt, gradients, [&](auto* a, auto* b, auto* gradient, auto d) {
+      kicks(dt, known, a, b, gradient, d);
     });
     gradient_known_ = report.ok();
     return report;
   }
 
   Eigen::Index dof() const { return dof_of(hamiltonian()); }
-  const H& hamiltonian() const { return chain_.hamiltonian; }
-  const Scheme<Scalar>& scheme() const { return chain_.scheme; }
+  const H& hamiltonian() const { return map_.hamiltonian; }
+  const Scheme<Scalar>& scheme() const { return map_.scheme; }
   const Scalar& omega() const { return omega_; }
 
   /// See Describable.
@@ -73,61 +67,28 @@ class Tao {
   /// Hands visit() every number that goes on from step to step; see CheckpointMemory.
   template <class Visitor>
   void visit_memory(Visitor&& visit) {
-    visit(chain_.a);  // where the gradient was taken
-    visit(gradient_);
+    visit(map_.a);  // where the gradient was taken
+    visit(map_.gradient);
     visit(gradient_known_);
   }
 
  private:
-  void kicks(const Scalar& dt, bool known, Scalar* a, Scalar* b) {
-    const Eigen::Index d = dof();
-    const auto gradient_at = [&](const Scalar* at) {
-      detail::gradient_at(hamiltonian(), at, gradient_.data(), d);
-    };
+  template <class Number, class Size>
+  void kicks(const Scalar& dt, bool known, Number* a, Number* b, Number* gradient, Size d) const {
+    const auto move = [&](const Scalar& t, Number* to) { detail::add(t, gradient, to, d, d); };
+    const auto gradient_at = [&](const Number* at) { detail::gradient_on(hamiltonian(), at, gradient, d); };
     if (!known) gradient_at(a);
     for (std::size_t i = 0; i < scheme().b.size(); ++i) {
       const Scalar h = dt * scheme().b[i];
-      detail::kick(Scalar(dt * scheme().a[i]), gradient_.data(), b, d, d);
+      move(Scalar(dt * scheme().a[i]), b);
       gradient_at(b);
-      detail::kick(Scalar(h / 2), gradient_.data(), a, d, d);
+      move(Scalar(h / 2), a);
       rotate(turns_[i], a, b, d);
       gradient_at(b);
-      detail::kick(Scalar(h / 2), gradient_.data(), a, d, d);
+      move(Scalar(h / 2), a);
       gradient_at(a);
     }
-    detail::kick(Scalar(dt * scheme().a.back()), gradient_.data(), b, d, d);
-  }
-
-  void kicks_in_lanes([[maybe_unused]] const Scalar& dt, [[maybe_unused]] bool known) {
-#ifdef SEMIEXPLICIT_HAS_LANES
-    using Point = detail::LanePoint<Dof>;
-    Point a = Point::load(chain_.a.data()), b = Point::load(chain_.b.data());
-    Point gradient = Point::load(gradient_.data());
-    const auto gradient_at = [&](const Point& at) {
-      hamiltonian().lane_gradient(at.q, at.p, gradient.q, gradient.p);
-    };
-    const auto kick = [&](double t, Point& to) {
-      for (int k = 0; k < Point::size; ++k) {
-        to.q[k] += t * gradient.p[k];
-        to.p[k] -= t * gradient.q[k];
-      }
-    };
-    if (!known) gradient_at(a);
-    for (std::size_t i = 0; i < scheme().b.size(); ++i) {
-      const double h = dt * scheme().b[i];
-      kick(dt * scheme().a[i], b);
-      gradient_at(b);
-      kick(h / 2, a);
-      for (int k = 0; k < Point::size; ++k) rotate(turns_[i], a.q[k], b.q[k], b.p[k], a.p[k]);
-      gradient_at(b);
-      kick(h / 2, a);
-      gradient_at(a);
-    }
-    kick(dt * scheme().a.back(), b);
-    a.store(chain_.a.data());
-    b.store(chain_.b.data());
-    gradient.store(gradient_.data());
-#endif
+    move(Scalar(dt * scheme().a.back()), b);
   }
 
   /// Cosine and sine of the angle by which the flow C of a stage turns.
@@ -157,7 +118,8 @@ class Tao {
     y = mean_p - turned_p;
   }
   /// The same for a = (q, y) and b = (x, p).
-  static void rotate(const Turn& by, Scalar* __restrict a, Scalar* __restrict b, Eigen::Index d) {
+  template <class Number>
+  static void rotate(const Turn& by, Number* __restrict a, Number* __restrict b, Eigen::Index d) {
     for (Eigen::Index k = 0; k < d; ++k) rotate(by, a[k], b[k], b[d + k], a[d + k]);
   }
 
@@ -176,9 +138,8 @@ class Tao {
     }
   }
 
-  detail::KickChain<H> chain_;
+  detail::ExplicitMap<H> map_;
   Scalar omega_;
-  typename PhasePoint<Scalar, Dof>::Storage gradient_;
   bool gradient_known_ = false;
   std::vector<Turn> turns_;  ///< a stage each, of steps of turns_dt_
   Scalar turns_dt_ = Scalar(0);

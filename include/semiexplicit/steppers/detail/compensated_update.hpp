@@ -3,6 +3,7 @@
 #include <limits>
 
 #include <semiexplicit/core/phase_point.hpp>
+#include <semiexplicit/steppers/detail/for_each_index.hpp>
 
 namespace semiexplicit {
 
@@ -34,26 +35,19 @@ class CompensatedUpdate {
   template <class Increment>
   bool update(PhasePoint<Scalar, Dof>& z, const Increment& increment) {
     if (!continues(z)) carry_.setZero();
-    Scalar* state = z.vector().data();  // which increment() may read as well
-    Scalar* __restrict carry = carry_.data();
-    Scalar* __restrict next = next_.data();
-    const Eigen::Index n = next_.size();
-    Scalar not_finite(0);  // becomes NaN
-    for (Eigen::Index i = 0; i < n; ++i) {
-      // Knuth's two-sum: exact whichever operand is larger.
-      const Scalar delta = increment(i) + carry[i];
-      const Scalar sum = state[i] + delta;
-      const Scalar moved = sum - state[i];
-      carry[i] = (state[i] - (sum - moved)) + (delta - moved);
-      next[i] = sum;
-      not_finite += sum - sum;
+    // Small results stay in registers until they count.
+    if constexpr (Dof != Eigen::Dynamic && Dof <= 16) {
+      Scalar sums[std::size_t(2 * Dof)], lost[std::size_t(2 * Dof)];
+      if (!add(z.vector().data(), sums, lost, std::integral_constant<int, 2 * Dof>(), increment))
+        return false;
+      detail::for_each_index(std::integral_constant<int, 2 * Dof>(), [&](Eigen::Index i) {
+        z.vector()[i] = next_[i] = sums[i];
+        carry_[i] = lost[i];
+      });
+    } else {
+      if (!add(z.vector().data(), next_.data(), carry_.data(), next_.size(), increment)) return false;
+      for (Eigen::Index i = 0; i < next_.size(); ++i) z.vector()[i] = next_[i];
     }
-    if (!(not_finite == Scalar(0))) {
-      next_.setConstant(
-          std::numeric_limits<Scalar>::quiet_NaN());  // no state equals it: the carry is dropped
-      return false;
-    }
-    for (Eigen::Index i = 0; i < n; ++i) state[i] = next[i];
     return true;
   }
 
@@ -65,6 +59,25 @@ class CompensatedUpdate {
   }
 
  private:
+  /// The sums, and what rounding cut off; false where a sum is not finite.
+  template <class Size, class Increment>
+  bool add(const Scalar* state, Scalar* __restrict sums, Scalar* __restrict lost, Size size,
+           const Increment& increment) {
+    Scalar not_finite(0);  // becomes NaN
+    detail::for_each_index(size, [&](Eigen::Index i) {
+      // Knuth's two-sum: exact whichever operand is larger.
+      const Scalar delta = increment(i) + carry_[i];
+      const Scalar sum = state[i] + delta;
+      const Scalar moved = sum - state[i];
+      lost[i] = (state[i] - (sum - moved)) + (delta - moved);
+      sums[i] = sum;
+      not_finite += sum - sum;
+    });
+    if (not_finite == Scalar(0)) return true;
+    next_.setConstant(std::numeric_limits<Scalar>::quiet_NaN());  // no state equals it: the carry is dropped
+    return false;
+  }
+
   typename PhasePoint<Scalar, Dof>::Storage carry_, next_;
 };
 

@@ -3,33 +3,41 @@
 #include <utility>
 
 #include <semiexplicit/core/checkpointable.hpp>
+#include <semiexplicit/core/extended_phase_space.hpp>
+#include <semiexplicit/core/gradient_size.hpp>
+#include <semiexplicit/core/hamiltonian_door.hpp>
+#include <semiexplicit/core/stepper.hpp>
 #include <semiexplicit/steppers/detail/compensated_update.hpp>
-#include <semiexplicit/steppers/pihajoki.hpp>
+#include <semiexplicit/steppers/detail/kick.hpp>
 
 namespace semiexplicit::detail {
 
 /// What the projections share: one step of the doubled system from a common point z, and the move of z to the mean of
-/// the copies. Six vectors of length 2d.
+/// the copies. Three vectors of length 2d, and three more where they do not fit on the stack.
 template <class H>
 class DoubledStep {
  public:
-  using Scalar = typename detail::HamiltonianDoor<H>::Scalar;
-  static constexpr int Dof = detail::HamiltonianDoor<H>::Dof;
+  using Scalar = typename HamiltonianDoor<H>::Scalar;
+  static constexpr int Dof = HamiltonianDoor<H>::Dof;
   using State = PhasePoint<Scalar, Dof>;
   using Vec = typename State::Storage;
 
   DoubledStep(H hamiltonian, Scheme<Scalar> scheme, Summation summation)
-      : chain_(std::move(hamiltonian), std::move(scheme)),
-        sum_(chain_.a),
-        update_(dof_of(chain_.hamiltonian)),
-        summation_(summation) {}
+      : hamiltonian_(std::move(hamiltonian)),
+        scheme_(std::move(scheme)),
+        moved_(State(dof()).vector()),
+        update_(dof()),
+        summation_(summation) {
+    scheme_.check();
+    if constexpr (!Registers<H>::fit) a_ = b_ = gradient_ = moved_;
+  }
 
   /// Whether a step of size dt can start from z: Status::success if so. Costs nothing: a state that is not finite shows
   /// in the result, and diagnose() tells it from a gradient that is not.
   Status check(const State& z, const Scalar& dt) const {
     if (!valid_step(dt)) return Status::invalid_step;
-    if (!chain_.valid()) return Status::invalid_stepper;
-    return z.vector().size() == chain_.a.size() ? Status::success : Status::invalid_state;
+    if (scheme_.b.empty()) return Status::invalid_stepper;  // moved from
+    return z.vector().size() == moved_.size() ? Status::success : Status::invalid_state;
   }
 
   /// The status of a step from z that came out NaN or Inf.
@@ -37,46 +45,52 @@ class DoubledStep {
     return z.vector().allFinite() ? Status::not_finite : Status::invalid_state;
   }
 
-  /// All kicks from a = b = z.
-  void sweep(const State& z, const Scalar& dt) { run(z.vector(), z.vector(), dt); }
-
-  /// The same from a = z + m, b = z - m (the paper's ζ + Aᵀμ).
-  void sweep(const State& z, const Vec& m, const Scalar& dt) {
-    chain_.a = z.vector() + m;
-    chain_.b = z.vector() - m;
-    run(chain_.a, chain_.b, dt);
+  /// f becomes the residual of the projection at m, or at m = 0 where it is null.
+  void residual(const State& z, const Vec* m, const Scalar& dt, Vec& f) {
+    inlined<Scalar>([&] {
+      if constexpr (Registers<H>::fit) {
+        using Point = typename Registers<H>::Point;
+        Point at, by, a, b, gradient, moved, difference;
+        at.load(z.vector().data());
+        if (m) by.load(m->data());
+        projection_residual(hamiltonian_, scheme_, dt, summed(), at.data, m ? by.data : nullptr, a.data,
+                            b.data, gradient.data, moved.data, difference.data, Registers<H>::d);
+        moved.store(moved_.data());
+        difference.store(f.data());
+      } else {
+        projection_residual(hamiltonian_, scheme_, dt, summed(), z.vector().data(), m ? m->data() : nullptr,
+                            a_.data(), b_.data(), gradient_.data(), moved_.data(), f.data(), dof());
+      }
+    });
+    drop_time_rounding<H>(z.vector(), f, scheme_.kicks());
   }
 
-  /// a - b after the sweep.
-  auto difference() const { return chain_.a - chain_.b; }
-
-  /// How far the mean of the copies moved from z, in the Euclidean norm.
-  Scalar distance(const State& z) const {
-    return summed() ? norm(sum_) / 2 : norm((chain_.a - z.vector()) + (chain_.b - z.vector())) / 2;
-  }
+  /// How far the mean of the copies moved, in the Euclidean norm.
+  Scalar distance() const { return norm(moved_) / 2; }
 
   /// z becomes the mean of the copies; false, and z untouched, where that is not finite.
   bool finish(State& z) {
-    if (summation_ == Summation::plain) {
-      sum_ = (chain_.a + chain_.b) / 2;
-      if (!sum_.allFinite()) return false;
-      z.vector() = sum_;
-      return true;
-    }
-    if (summed()) return update_.update(z, [moved = sum_.data()](Eigen::Index i) { return moved[i] / 2; });
-    return update_.update(z, [a = chain_.a.data(), b = chain_.b.data(), from = z.vector().data()](
-                                 Eigen::Index i) { return ((a[i] - from[i]) + (b[i] - from[i])) / 2; });
+    if (summation_ == Summation::compensated)
+      return update_.update(z, [moved = moved_.data()](Eigen::Index i) { return moved[i] / 2; });
+    moved_ = z.vector() + moved_ / 2;
+    if (!moved_.allFinite()) return false;
+    z.vector() = moved_;
+    return true;
   }
 
-  const KickChain<H>& chain() const { return chain_; }
+  /// Gradient calls of an evaluation of the residual.
+  std::int64_t gradients() const { return static_cast<std::int64_t>(scheme_.kicks()); }
+  Eigen::Index dof() const { return dof_of(hamiltonian_); }
+  const H& hamiltonian() const { return hamiltonian_; }
+  const Scheme<Scalar>& scheme() const { return scheme_; }
   Summation summation() const { return summation_; }
 
   template <class List>
   void describe(List& list) const {
-    list("degrees of freedom", dof_of(chain_.hamiltonian));
-    list("scheme", chain_.scheme);
+    list("degrees of freedom", dof());
+    list("scheme", scheme_);
     list("summation", summation_);
-    list.function("Hamiltonian", GradientSize(chain_.hamiltonian));
+    list.function("Hamiltonian", GradientSize(hamiltonian_));
   }
   template <class Visitor>
   void visit_memory(Visitor&& visit) {
@@ -89,25 +103,15 @@ class DoubledStep {
   static constexpr std::size_t long_vector = std::size_t{1} << 20;
   bool summed() const {
     return summation_ == Summation::compensated &&
-           static_cast<std::size_t>(chain_.a.size()) * sizeof(Scalar) <= long_vector;
+           static_cast<std::size_t>(moved_.size()) * sizeof(Scalar) <= long_vector;
   }
 
-  void run(const Vec& from_a, const Vec& from_b, const Scalar& dt) {
-    if (summed()) {
-      chain_.run(from_a, from_b, dt, sum_);
-    } else {
-      if (&from_a != &chain_.a) {
-        chain_.a = from_a;
-        chain_.b = from_b;
-      }
-      chain_.run(dt);
-    }
-  }
-
-  KickChain<H> chain_;
-  Vec sum_;
+  H hamiltonian_;
+  Scheme<Scalar> scheme_;
+  Vec moved_;  ///< what both copies moved together
   CompensatedUpdate<Scalar, Dof> update_;
   Summation summation_;
+  Vec a_, b_, gradient_;  ///< of large systems only
 };
 
 }  // namespace semiexplicit::detail

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstdint>
+#include <utility>
+
+#include <semiexplicit/core/gradient_size.hpp>
+#include <semiexplicit/core/hamiltonian_door.hpp>
+#include <semiexplicit/core/stepper.hpp>
+#include <semiexplicit/steppers/detail/kick.hpp>
+
+namespace semiexplicit::detail {
+
+/// What the explicit maps of the doubled space share: H, the scheme, and copies on which a step is tried before it counts. Three
+/// vectors of length 2d.
+template <class H>
+class ExplicitMap {
+ public:
+  using Scalar = typename HamiltonianDoor<H>::Scalar;
+  static constexpr int Dof = HamiltonianDoor<H>::Dof;
+  using State = ExtendedPoint<Scalar, Dof>;
+  using Vec = typename PhasePoint<Scalar, Dof>::Storage;
+
+  ExplicitMap(H h, Scheme<Scalar> s)
+      : hamiltonian(std::move(h)),
+        scheme(std::move(s)),
+        a(PhasePoint<Scalar, Dof>(dof_of(hamiltonian)).vector()),
+        b(a),
+        gradient(a) {
+    scheme.check();
+  }
+
+  /// Moves zeta by run(a, b, gradient, d), which works on arrays of 2d numbers, or of registers that hold them; only a finite
+  /// result becomes the new state.
+  template <class Run>
+  StepReport step(State& zeta, const Scalar& dt, std::int64_t gradients, const Run& run) {
+    if (!valid_step(dt)) return {.status = Status::invalid_step};
+    if (scheme.b.empty()) return {.status = Status::invalid_stepper};  // moved from
+    if (zeta.a.vector().size() != a.size() || zeta.b.vector().size() != b.size())
+      return {.status = Status::invalid_state};
+    a = zeta.a.vector();
+    b = zeta.b.vector();
+    inlined<Scalar>([&] {
+      if constexpr (Registers<H>::fit) {
+        typename Registers<H>::Point at_a, at_b, slope;
+        at_a.load(a.data());
+        at_b.load(b.data());
+        slope.load(gradient.data());
+        run(at_a.data, at_b.data, slope.data, Registers<H>::d);
+        at_a.store(a.data());
+        at_b.store(b.data());
+        slope.store(gradient.data());
+      } else {
+        run(a.data(), b.data(), gradient.data(), dof_of(hamiltonian));
+      }
+    });
+    StepReport report{.status = Status::not_finite, .evaluations = 1, .gradients = gradients};
+    if (!a.allFinite() || !b.allFinite()) {
+      if (!zeta.a.vector().allFinite() || !zeta.b.vector().allFinite()) report.status = Status::invalid_state;
+    } else {
+      zeta.a.vector() = a;
+      zeta.b.vector() = b;
+      report.status = Status::success;
+    }
+    return report;
+  }
+
+  H hamiltonian;
+  Scheme<Scalar> scheme;
+  Vec a, b, gradient;
+};
+
+}  // namespace semiexplicit::detail

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <cstddef>
+
+#include <semiexplicit/core/inlined.hpp>
+#include <semiexplicit/schemes/scheme.hpp>
+
+namespace semiexplicit::detail {
+
+/// The flows of a scheme in their order, A(a₀dt) B(b₀dt) A(a₁dt) ..., where A(t) and B(t) move what they work on by a time t.
+template <class Scalar, class A, class B>
+SEMIEXPLICIT_INLINE void sweep(const Scheme<Scalar>& scheme, const Scalar& dt, const A& a, const B& b) {
+  const std::size_t n = scheme.b.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    a(Scalar(dt * scheme.a[i]));
+    b(Scalar(dt * scheme.b[i]));
+  }
+  a(Scalar(dt * scheme.a[n]));
+}
+
+}  // namespace semiexplicit::detail

@@ -12,7 +12,7 @@ namespace semiexplicit {
 /// A Hamiltonian that is the sum of the effects that are named, and of no others:
 ///
 ///     using namespace effects;
-///     Scene scene(orbits::Kinetic<2>{}, orbits::Attraction<2>{.gm = 1}, orbits::RotatingFrame<2>{.omega = 1});
+///     Scene scene(orbits::Kinetic<double, 2>{}, orbits::Attraction<double, 2>{.gm = 1}, orbits::RotatingFrame<double, 2>{.omega = 1});
 ///     auto stepper = stepper_for(scene);
 ///
 /// The effects are known at compile time and inlined into one gradient, which costs what the same sum written by hand

@@ -41,9 +41,6 @@ class Circulations {
   }
 
   Eigen::Index size() const { return N == Eigen::Dynamic ? gamma.size() : N; }
-  systems::detail::VortexScales<Scalar> scales() const {
-    return {gamma.data(), x_per_q.data(), y_per_p.data()};
-  }
 
   Column gamma, x_per_q, y_per_p;
 };
@@ -269,7 +266,7 @@ class PointVortices {
       return;
     }
 #endif
-    detail::sum_vortex_pairs(dof(), c_.scales(), q, p, dHdq, dHdp);
+    detail::sum_vortex_pairs(dof(), scales(), q, p, dHdq, dHdp);
     for (Eigen::Index i = 0; i < dof(); ++i) {
       dHdq[i] *= factor_q_[i];
       dHdp[i] *= factor_p_[i];
@@ -283,7 +280,7 @@ class PointVortices {
     Lanes factor_q[std::size_t(registers_for(N))], factor_p[std::size_t(registers_for(N))];
     semiexplicit::detail::load_lanes<N>(factor_q_.data(), factor_q);
     semiexplicit::detail::load_lanes<N>(factor_p_.data(), factor_p);
-    detail::sum_vortex_pairs<N>(c_.scales(), q, p, dHdq, dHdp);
+    detail::sum_vortex_pairs<N>(scales(), q, p, dHdq, dHdp);
     for (int k = 0; k < registers_for(N); ++k) {
       dHdq[k] *= factor_q[k];
       dHdp[k] *= factor_p[k];
@@ -292,6 +289,10 @@ class PointVortices {
 #endif
 
  private:
+  detail::VortexScales<Scalar> scales() const {
+    return {c_.gamma.data(), c_.x_per_q.data(), c_.y_per_p.data()};
+  }
+
   effects::vortices::Circulations<Scalar, N> c_;
   Column factor_q_, factor_p_;  ///< what makes ∂H/∂q and ∂H/∂p of the pairs' sums
 };

@@ -114,25 +114,25 @@ int main(int argc, char** argv) {
                         {"vy", "m/s", "how fast, across it"}};
   const std::string djs = "Damour, Jaranowski, Schaefer, Phys. Rev. D 62 (2000) 044024";
   program.effects = {
-      {{}, "", [](const Choice&) { return Kinetic<3>{}; }},
-      {{"gm"}, "", [](const Choice& c) { return Attraction<3>{.gm = c["gm"]}; }},
+      {{}, "", [](const Choice&) { return Kinetic<double, 3>{}; }},
+      {{"gm"}, "", [](const Choice& c) { return Attraction<double, 3>{.gm = c["gm"]}; }},
       {{"mu"},
        "Szebehely, Theory of Orbits (1967)",
-       [](const Choice& c) { return TwoCentres<3>::restricted(c["mu"]); }},
+       [](const Choice& c) { return TwoCentres<double, 3>::restricted(c["mu"]); }},
       {{"gm", "j2", "radius"},
        "Vallado, Fundamentals of Astrodynamics, 4th ed.",
-       [](const Choice& c) { return Oblateness<3>{.gm = c["gm"], .j2 = c["j2"], .radius = c["radius"]}; }},
+       [](const Choice& c) { return Oblateness<double, 3>{.gm = c["gm"], .j2 = c["j2"], .radius = c["radius"]}; }},
       {{"frame-rate"},
        "Arnold, Mathematical Methods of Classical Mechanics",
-       [](const Choice& c) { return RotatingFrame<3>{.omega = c["frame-rate"]}; }},
+       [](const Choice& c) { return RotatingFrame<double, 3>{.omega = c["frame-rate"]}; }},
       {{"gm", "c", "nu"},
        djs,
-       [](const Choice& c) { return PostNewtonian1<3>{.gm = c["gm"], .c = c["c"], .nu = c["nu"]}; }},
+       [](const Choice& c) { return PostNewtonian1<double, 3>{.gm = c["gm"], .c = c["c"], .nu = c["nu"]}; }},
       {{"gm", "c", "nu"},
        djs,
-       [](const Choice& c) { return PostNewtonian2<3>{.gm = c["gm"], .c = c["c"], .nu = c["nu"]}; }},
+       [](const Choice& c) { return PostNewtonian2<double, 3>{.gm = c["gm"], .c = c["c"], .nu = c["nu"]}; }},
       {{"gs", "c"}, "Lense, Thirring (1918)", [](const Choice& c) {
-         return SpinOrbit<3>{.gs = c["gs"], .c = c["c"]};
+         return SpinOrbit<double, 3>{.gs = c["gs"], .c = c["c"]};
        }}};
   program.presets = presets();
   program.add_invariants = [](auto& invariants, const Choice& c) {

@@ -120,9 +120,9 @@ int main(int argc, char** argv) {
           PhasePoint<double, 1>(-3, 0), 0.01);
 
   namespace orbits = effects::orbits;
-  const orbits::Kinetic<2> kinetic{};
-  const orbits::Attraction<2> attraction{.gm = 1};
-  const orbits::PostNewtonian1<2> correction{.gm = 1, .c = 10, .nu = 0.25};
+  const orbits::Kinetic<double, 2> kinetic{};
+  const orbits::Attraction<double, 2> attraction{.gm = 1};
+  const orbits::PostNewtonian1<double, 2> correction{.gm = 1, .c = 10, .nu = 0.25};
   compare(
       "1PN orbit", rounds, Scene(kinetic, attraction, correction),
       from_energy<2>([](const auto& q, const auto& p) {

@@ -206,8 +206,8 @@ inline Measurement<3> closure(const Choice& c) {
   };
   const bool restricted = c.only({"kinetic", "two_centres", "rotating_frame"}) && c["frame-rate"] == 1;
   const auto jacobi = [=](const PhasePoint<double, 3>& z) {
-    return -2 * (Scene(orbits::Kinetic<3>{}, orbits::TwoCentres<3>::restricted(c["mu"]),
-                       orbits::RotatingFrame<3>{.omega = c["frame-rate"]})
+    return -2 * (Scene(orbits::Kinetic<double, 3>{}, orbits::TwoCentres<double, 3>::restricted(c["mu"]),
+                       orbits::RotatingFrame<double, 3>{.omega = c["frame-rate"]})
                      .energy(z.q(), z.p()));
   };
   const auto report = [=](std::ostream& out, const Run& run) {

@@ -28,8 +28,8 @@
 //       SceneProgram<3> program{.name = "orbits", .about = "An orbit."};
 //       program.parameters = {{"gm", "m3/s2", "GM of the centre"}, {"a", "m", "semi-major axis"}};
 //       program.effects = {
-//           {{}, "", [](const Choice&) { return orbits::Kinetic<3>{}; }},
-//           {{"gm"}, "Newton (1687)", [](const Choice& c) { return orbits::Attraction<3>{.gm = c["gm"]}; }}};
+//           {{}, "", [](const Choice&) { return orbits::Kinetic<double, 3>{}; }},
+//           {{"gm"}, "Newton (1687)", [](const Choice& c) { return orbits::Attraction<double, 3>{.gm = c["gm"]}; }}};
 //       program.presets = {{.name = "earth", .about = "the Earth about the Sun",
 //                           .units = {"AU, year", 149597870700.0, 31557600.0},
 //                           .effects = {"kinetic", "attraction"},

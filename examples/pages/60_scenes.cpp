@@ -21,8 +21,8 @@ struct Trap {  // k|q|²/2
 int main() {
   using namespace effects;
   const double omega = 0.3, t = 20;
-  const Scene at_rest(orbits::Kinetic<2>{}, Trap{});
-  const Scene turning(orbits::Kinetic<2>{}, Trap{}, orbits::RotatingFrame<2>{.omega = omega});
+  const Scene at_rest(orbits::Kinetic<double, 2>{}, Trap{});
+  const Scene turning(orbits::Kinetic<double, 2>{}, Trap{}, orbits::RotatingFrame<double, 2>{.omega = omega});
   static_assert(at_rest.separable && !turning.separable);
 
   // At rest nothing couples q and p: stepper_for gives plain explicit splitting. In the turning frame the angular momentum

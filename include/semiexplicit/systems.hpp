@@ -1,7 +1,13 @@
 #pragma once
 
-/// Ready Hamiltonians.
+/// Ready Hamiltonians, and the effects that scenes of each physics are put together from.
 
+#include <semiexplicit/systems/black_hole.hpp>
+#include <semiexplicit/systems/charges.hpp>
+#include <semiexplicit/systems/electrostatics.hpp>
 #include <semiexplicit/systems/nls_lattice.hpp>
-#include <semiexplicit/systems/point_vortices.hpp>
+#include <semiexplicit/systems/orbits.hpp>
+#include <semiexplicit/systems/post_newtonian.hpp>
 #include <semiexplicit/systems/product.hpp>
+#include <semiexplicit/systems/vortex_walls.hpp>
+#include <semiexplicit/systems/vortices.hpp>

@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 const systems::NlsLattice<double, 2> lattice;
 const PhasePoint<double, 2> lattice_start({1, 0.5}, {0.4, -0.7});
-const Scene kepler(effects::orbits::Kinetic<2>{}, effects::orbits::Attraction<2>{.gm = 1});
+const Scene kepler(effects::orbits::Kinetic<double, 2>{}, effects::orbits::Attraction<double, 2>{.gm = 1});
 const PhasePoint<double, 2> kepler_start({0.7, 0}, {0, 1.3});
 
 /// Bit for bit.

@@ -2,8 +2,8 @@
 // case without_acts: an effect says what it acts on: using Acts = OnPosition<double, 2>;
 // case without_gradient: an effect on one half needs energy(x) const and add_gradient(x, dHdx) const
 // case disagree: must agree on the degrees of freedom
-#include <semiexplicit/scene/effects/orbits.hpp>
 #include <semiexplicit/scene/scene.hpp>
+#include <semiexplicit/systems/orbits.hpp>
 
 using namespace semiexplicit;
 
@@ -20,8 +20,8 @@ struct Mine {
 
 int main() {
 #ifdef disagree
-  Scene scene(effects::orbits::Kinetic<2>{}, effects::orbits::Attraction<3>{});
+  Scene scene(effects::orbits::Kinetic<double, 2>{}, effects::orbits::Attraction<double, 3>{});
 #else
-  Scene scene(Mine{}, effects::orbits::Kinetic<2>{});
+  Scene scene(Mine{}, effects::orbits::Kinetic<double, 2>{});
 #endif
 }

@@ -161,7 +161,7 @@ TEST_CASE("Nor does a step of a scene, doubled or not, chosen at compile time or
     CHECK(count == 0);
   };
   const PhasePoint<double, 2> orbit({1, 0}, {0, 1});
-  const Scene plain(orbits::Kinetic<2>{}, orbits::Attraction<2>{});
+  const Scene plain(orbits::Kinetic<double, 2>{}, orbits::Attraction<double, 2>{});
   uses_none(stepper_for(plain), orbit);
   uses_none(stepper_for(SeparableRuntimeScene(RuntimeScene(plain))), orbit);
   uses_none(stepper_for(RuntimeScene(plain)), orbit);

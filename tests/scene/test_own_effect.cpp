@@ -25,7 +25,8 @@ TEST_CASE("A user's own effect goes into a scene like any other", "[scene]") {
   static_assert(PositionEffect<Trap>);
   // A trap in a frame that turns, seen from outside: an oscillator of frequency √k.
   const double omega = 0.3, t = 10;
-  const Scene scene(orbits::Kinetic<2>{}, Trap{.k = 4}, orbits::RotatingFrame<2>{.omega = omega});
+  const Scene scene(orbits::Kinetic<double, 2>{}, Trap{.k = 4},
+                    orbits::RotatingFrame<double, 2>{.omega = omega});
   static_assert(!decltype(scene)::separable);
   auto stepper = stepper_for(scene);
   PhasePoint<double, 2> z({1, 0}, {0, 1});
@@ -35,5 +36,5 @@ TEST_CASE("A user's own effect goes into a scene like any other", "[scene]") {
   CHECK(z.q()[1] == Approx(std::cos(omega * t) * y - std::sin(omega * t) * x).margin(1e-8));
 
   // Without the frame nothing is coupled, and nothing doubled.
-  static_assert(decltype(Scene(orbits::Kinetic<2>{}, Trap{}))::separable);
+  static_assert(decltype(Scene(orbits::Kinetic<double, 2>{}, Trap{}))::separable);
 }

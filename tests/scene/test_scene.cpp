@@ -60,21 +60,22 @@ struct Spelled {
 
 auto mercury() {
   const double gm = 39.47841760435743;  // 4π², au and years
-  return Scene(Kinetic<2>{}, Attraction<2>{.gm = gm}, PostNewtonian1<2>{.gm = gm, .c = 63241.077},
-               Oblateness<2>{.gm = gm, .j2 = 2e-7, .radius = 0.00465047});
+  return Scene(Kinetic<double, 2>{}, Attraction<double, 2>{.gm = gm},
+               PostNewtonian1<double, 2>{.gm = gm, .c = 63241.077},
+               Oblateness<double, 2>{.gm = gm, .j2 = 2e-7, .radius = 0.00465047});
 }
 
 }  // namespace
 
 TEST_CASE("The kind of an effect follows from what it acts on, and separability from the kinds", "[scene]") {
-  static_assert(MomentumEffect<Kinetic<2>> && !PositionEffect<Kinetic<2>>);
-  static_assert(PositionEffect<Attraction<3>> && !MomentumEffect<Attraction<3>>);
-  static_assert(CoupledEffect<RotatingFrame<2>> && !PositionEffect<RotatingFrame<2>>);
+  static_assert(MomentumEffect<Kinetic<double, 2>> && !PositionEffect<Kinetic<double, 2>>);
+  static_assert(PositionEffect<Attraction<double, 3>> && !MomentumEffect<Attraction<double, 3>>);
+  static_assert(CoupledEffect<RotatingFrame<double, 2>> && !PositionEffect<RotatingFrame<double, 2>>);
   static_assert(EachEffect<lattice::Hopping<>> && !CoupledEffect<lattice::Hopping<>>);
   static_assert(!Effect<NoEffect>);
 
-  using Plain = Scene<Kinetic<2>, Attraction<2>>;
-  using Turning = Scene<Kinetic<2>, Attraction<2>, RotatingFrame<2>>;
+  using Plain = Scene<Kinetic<double, 2>, Attraction<double, 2>>;
+  using Turning = Scene<Kinetic<double, 2>, Attraction<double, 2>, RotatingFrame<double, 2>>;
   static_assert(Hamiltonian<Plain> && HasEnergy<Plain> && SeparableHamiltonian<Plain> && Plain::separable);
   static_assert(Hamiltonian<Turning> && HasEnergy<Turning> && !SeparableHamiltonian<Turning>);
   static_assert(std::is_same_v<decltype(stepper_for(std::declval<Plain>())), ExplicitSplitting<Plain>>);
@@ -86,9 +87,9 @@ TEST_CASE("The kind of an effect follows from what it acts on, and separability 
 }
 
 TEST_CASE("A scene is the sum of its effects, in one gradient or in halves", "[scene]") {
-  const Kinetic<2> kinetic;
-  const Attraction<2> attraction{.gm = 1.2};
-  const RotatingFrame<2> frame{.omega = 0.7};
+  const Kinetic<double, 2> kinetic;
+  const Attraction<double, 2> attraction{.gm = 1.2};
+  const RotatingFrame<double, 2> frame{.omega = 0.7};
   const Scene scene(kinetic, attraction, frame);
   const Point z({0.7, -0.4}, {0.3, 1.1});
   Point sum, whole;
@@ -141,7 +142,7 @@ TEST_CASE("A separable scene is not doubled: half of the calls, and fewer forces
 }
 
 TEST_CASE("Explicit splitting has the order of its scheme, goes back, and refuses what fails", "[scene]") {
-  const Scene scene(Kinetic<2>{}, Attraction<2>{});
+  const Scene scene(Kinetic<double, 2>{}, Attraction<double, 2>{});
   const Point start({0.8, 0}, {0, 1.25});
   // The orbit closes after its period.
   const double energy = scene.energy(start.q(), start.p()),
@@ -181,7 +182,7 @@ TEST_CASE("Explicit splitting has the order of its scheme, goes back, and refuse
 }
 
 TEST_CASE("Effects chosen at run time give the same orbit as the scene of them", "[scene]") {
-  const Scene scene(Kinetic<2>{}, Attraction<2>{}, RotatingFrame<2>{.omega = 0.3});
+  const Scene scene(Kinetic<double, 2>{}, Attraction<double, 2>{}, RotatingFrame<double, 2>{.omega = 0.3});
   const RuntimeScene all(scene);
   CHECK(all.names() == std::vector<std::string>{"kinetic", "attraction", "rotating_frame"});
   CHECK(all.effects()[1].about() == "Newton's attraction by a centre, -GM/r");
@@ -198,7 +199,7 @@ TEST_CASE("Effects chosen at run time give the same orbit as the scene of them",
     return z.vector();
   };
   auto coupled = stepper_for(scene);
-  auto separable = stepper_for(Scene(Kinetic<2>{}, Attraction<2>{}));
+  auto separable = stepper_for(Scene(Kinetic<double, 2>{}, Attraction<double, 2>{}));
   CHECK(with_stepper_for(all, orbit) == orbit(coupled));
   CHECK(with_stepper_for(plain, orbit) == orbit(separable));
   CHECK(all.energy(Eigen::Vector2d(1, 0), Eigen::Vector2d(0, 1)) == Approx(-0.5 - 0.3));
@@ -207,8 +208,8 @@ TEST_CASE("Effects chosen at run time give the same orbit as the scene of them",
 TEST_CASE("An effect that is off is not called, an unknown one is refused with the nearest names",
           "[scene]") {
   std::int64_t calls = 0;
-  const RuntimeScene<double, 2> all{Kinetic<2>{}, Attraction<2>{}, CountingPotential{&calls},
-                                    RotatingFrame<2>{}};
+  const RuntimeScene<double, 2> all{Kinetic<double, 2>{}, Attraction<double, 2>{}, CountingPotential{&calls},
+                                    RotatingFrame<double, 2>{}};
   auto stepper = stepper_for(all.without("counting"));
   Point z({1, 0}, {0, 1});
   integrate(stepper, z, {.dt = 0.1, .steps = 10});
@@ -225,7 +226,7 @@ TEST_CASE("An effect that is off is not called, an unknown one is refused with t
   CHECK(refuses([&] { RuntimeScene<double, Eigen::Dynamic>{nowhere}; }, "-1 degrees of freedom"));
   CHECK(refuses(
       [&] {
-        (RuntimeScene<double, 2>{Kinetic<2>{}, Kinetic<2>{}});
+        (RuntimeScene<double, 2>{Kinetic<double, 2>{}, Kinetic<double, 2>{}});
       },
       "two effects are called kinetic"));
   CHECK(refuses([&] { (SeparableRuntimeScene<double, 2>(all)); }, "rotating_frame couples q and p"));
@@ -271,11 +272,12 @@ TEST_CASE("An audit says where its own runs are too coarse, and where nothing ru
   CHECK(coarse.undecided(1e-12) == std::vector<std::string>{"j2"});
   CHECK(coarse.called_for(1e-12).size() == 3);
 
-  const Audit alone = audit(Scene(Kinetic<2>{}), Point({1, 0}, {0, 1}), 1, {.dt = 0.1});
+  const Audit alone = audit(Scene(Kinetic<double, 2>{}), Point({1, 0}, {0, 1}), 1, {.dt = 0.1});
   CHECK(std::isinf(alone.rows[0].shift_max));
   CHECK(alone.called_for(1) == std::vector<std::string>{"kinetic"});
   // An orbit through the origin is compared, too.
-  const Audit oscillator = audit(Scene(Kinetic<2>{}, Oscillator{}), Point({0, 0}, {1, 0}), 6.4, {.dt = 0.1});
+  const Audit oscillator =
+      audit(Scene(Kinetic<double, 2>{}, Oscillator{}), Point({0, 0}, {1, 0}), 6.4, {.dt = 0.1});
   CHECK(oscillator.rows[1].shift_max == Approx(6.4 - std::sin(6.4)).epsilon(1e-4));
   CHECK(oscillator.called_for(0.1).size() == 2);
   CHECK(refuses([&] { audit(mercury(), z, INFINITY, {.dt = 1}); }, "finite"));
@@ -285,7 +287,7 @@ TEST_CASE("An audit says where its own runs are too coarse, and where nothing ru
 TEST_CASE("An audit keeps its bound on gradient calls, or says what to change", "[scene]") {
   const Point z({1, 0}, {0, 1});
   std::int64_t calls = 0;
-  const Scene counted(CountingPotential{&calls}, Kinetic<2>{}, Spelled{});
+  const Scene counted(CountingPotential{&calls}, Kinetic<double, 2>{}, Spelled{});
   const auto bounded = [&](double bound) {
     calls = 0;
     return refusal([&] { audit(counted, z, 10, {.dt = 0.05, .max_gradients = bound}); });
@@ -306,7 +308,8 @@ TEST_CASE("An audit keeps its bound on gradient calls, or says what to change", 
 TEST_CASE("What strays is relative to nothing that is zero up to rounding", "[scene]") {
   AuditOptions<double, 2> options{.dt = 0.01};
   options.invariants = {{"L", [](const auto& q, const auto& p) { return q[0] * p[1] - q[1] * p[0]; }}};
-  const Audit radial = audit(Scene(Kinetic<2>{}, Attraction<2>{}, RotatingFrame<2>{.omega = 0.1}),
-                             Point({1.0 / 3, 3}, {1.0 / 9, 1 + 2e-16}), 1, options);
+  const Audit radial =
+      audit(Scene(Kinetic<double, 2>{}, Attraction<double, 2>{}, RotatingFrame<double, 2>{.omega = 0.1}),
+            Point({1.0 / 3, 3}, {1.0 / 9, 1 + 2e-16}), 1, options);
   for (const AuditRow& row : radial.rows) CHECK(row.invariant_shift[1] < 1);
 }

@@ -204,8 +204,8 @@ TEST_CASE("Three vortices that nearly collapse", "[time transformed]") {
 TEST_CASE("A relativistic orbit of eccentricity 0.95", "[time transformed]") {
   using namespace semiexplicit::effects;
   const double e = 0.95, c = 300, a = 1;
-  const Scene scene(orbits::Kinetic<2>{}, orbits::Attraction<2>{.gm = 1},
-                    orbits::PostNewtonian1<2>{.gm = 1, .c = c});
+  const Scene scene(orbits::Kinetic<double, 2>{}, orbits::Attraction<double, 2>{.gm = 1},
+                    orbits::PostNewtonian1<double, 2>{.gm = 1, .c = c});
   const auto start = kepler_orbit(e, pi);
   const TimeTransformed k(scene, monitors::Distance{}, scene.energy(start.q(), start.p()));
   Semiexplicit stepper(k, schemes::low_defect8_s20());

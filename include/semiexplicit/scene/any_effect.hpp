@@ -22,8 +22,8 @@ class AnyEffect {
 
   template <Effect E>
   requires std::same_as<typename E::Acts::Scalar, Scalar> &&(E::Acts::Dof == Dof) AnyEffect(E effect)
-      : name_(effect_name(effect)),
-        about_(effect_about(effect)),
+      : name_(detail::effect_name(effect)),
+        about_(detail::effect_about(effect)),
         on_position_(!MomentumEffect<E>),
         on_momentum_(!PositionEffect<E>),
         coupled_(CoupledEffect<E>),

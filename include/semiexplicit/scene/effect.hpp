@@ -47,14 +47,14 @@ struct OnEach : OnPosition<ScalarType, DofValue> {};
 template <class ScalarType, int DofValue>
 struct OnBoth : OnPosition<ScalarType, DofValue> {};
 
+namespace detail {
+
 /// E says what it acts on: `using Acts = OnPosition<double, 2>;` or OnMomentum, OnEach, OnBoth.
 template <class E>
 concept HasActs = requires {
   typename E::Acts::Scalar;
   E::Acts::Dof;
 };
-
-namespace detail {
 
 template <class E, template <class, int> class Kind>
 concept ActsAs = std::same_as<typename E::Acts, Kind<typename E::Acts::Scalar, E::Acts::Dof>>;
@@ -97,6 +97,8 @@ concept CoupledEffect = detail::ActsAs<E, OnBoth> && detail::HasCoupledMembers<E
 template <class E>
 concept Effect = PositionEffect<E> || MomentumEffect<E> || EachEffect<E> || CoupledEffect<E>;
 
+namespace detail {
+
 /// The name of an effect: `static constexpr const char* name`, or a member function `name()`.
 template <class E>
 std::string effect_name(const E& effect) {
@@ -114,8 +116,6 @@ std::string effect_about(const E& effect) {
   else
     return "";
 }
-
-namespace detail {
 
 /// E::Acts; for what has none anything, so that the one error of is_effect() is not followed by others.
 template <class E>

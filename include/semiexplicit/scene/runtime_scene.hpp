@@ -18,8 +18,9 @@ namespace semiexplicit {
 /// A scene whose effects are chosen at run time: a Hamiltonian that holds the effects that are on, and nothing of those that
 /// are off. One virtual call an effect and gradient; where the choice is known at compile time a Scene costs less.
 ///
-///     using namespace effects;
-///     RuntimeScene<double, 2> all{orbits::Kinetic<2>{}, orbits::Attraction<2>{}, orbits::RotatingFrame<2>{}};
+///     namespace orbits = effects::orbits;
+///     RuntimeScene<double, 2> all{orbits::Kinetic<double, 2>{}, orbits::Attraction<double, 2>{},
+///                                 orbits::RotatingFrame<double, 2>{}};
 ///     auto scene = all.with_only({"kinetic", "attraction"});
 ///     with_stepper_for(scene, [&](auto& stepper) { integrate(stepper, z, {.dt = 0.01, .steps = 1000}); });
 template <class ScalarType, int DofValue>

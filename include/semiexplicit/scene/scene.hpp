@@ -11,8 +11,9 @@ namespace semiexplicit {
 
 /// A Hamiltonian that is the sum of the effects that are named, and of no others:
 ///
-///     using namespace effects;
-///     Scene scene(orbits::Kinetic<2>{}, orbits::Attraction<2>{.gm = 1}, orbits::RotatingFrame<2>{.omega = 1});
+///     namespace orbits = effects::orbits;
+///     Scene scene(orbits::Kinetic<double, 2>{}, orbits::Attraction<double, 2>{.gm = 1},
+///                 orbits::RotatingFrame<double, 2>{.omega = 1});
 ///     auto stepper = stepper_for(scene);
 ///
 /// The effects are known at compile time and inlined into one gradient, which costs what the same sum written by hand
@@ -40,14 +41,15 @@ class Scene {
   /// Throws std::invalid_argument where effects of dynamic size have different sizes, or none.
   explicit Scene(Effects... effects) : effects_(std::move(effects)...) {
     if (dof() < 1)
-      throw std::invalid_argument("Scene: the effect " + effect_name(std::get<0>(effects_)) +
+      throw std::invalid_argument("Scene: the effect " + detail::effect_name(std::get<0>(effects_)) +
                                   " has no degree of freedom; give its size (sites, circulations)");
     for_each([&](const auto& effect) {
       if constexpr (Dof == Eigen::Dynamic)
         if (effect.dof() != dof())
-          throw std::invalid_argument("Scene: the effect " + effect_name(effect) + " has " +
+          throw std::invalid_argument("Scene: the effect " + detail::effect_name(effect) + " has " +
                                       std::to_string(effect.dof()) + " degrees of freedom, and " +
-                                      effect_name(std::get<0>(effects_)) + " has " + std::to_string(dof()));
+                                      detail::effect_name(std::get<0>(effects_)) + " has " +
+                                      std::to_string(dof()));
     });
   }
 

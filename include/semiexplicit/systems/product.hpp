@@ -18,8 +18,7 @@ struct Product {
   }
   void gradient(const In<Scalar, 1>& q, const In<Scalar, 1>& p, Out<Scalar, 1> dHdq,
                 Out<Scalar, 1> dHdp) const {
-    dHdq[0] = q[0] * (p[0] * p[0] + 1);
-    dHdp[0] = p[0] * (q[0] * q[0] + 1);
+    gradient(q.data(), p.data(), dHdq.data(), dHdp.data());
   }
   using PackGradientOf = Product;
   /// The same with any numbers in arrays, packs above all; see HasPackGradient.

@@ -24,7 +24,7 @@ extern "C" void two_by_hand(const Numbers& n, Read q, Read p, Write dHdq, Write 
   dHdp[1] = dp1;
 }
 extern "C" void two_in_scene(const Numbers& n, Read q, Read p, Write dHdq, Write dHdp) {
-  Scene(orbits::Kinetic<2>{}, orbits::Attraction<2>{.gm = n.gm}).gradient(q, p, dHdq, dHdp);
+  Scene(orbits::Kinetic<double, 2>{}, orbits::Attraction<double, 2>{.gm = n.gm}).gradient(q, p, dHdq, dHdp);
 }
 
 // Three: the same in a frame that turns.
@@ -39,7 +39,8 @@ extern "C" void three_by_hand(const Numbers& n, Read q, Read p, Write dHdq, Writ
   dHdp[1] = dp1;
 }
 extern "C" void three_in_scene(const Numbers& n, Read q, Read p, Write dHdq, Write dHdp) {
-  Scene(orbits::Kinetic<2>{}, orbits::Attraction<2>{.gm = n.gm}, orbits::RotatingFrame<2>{.omega = n.omega})
+  Scene(orbits::Kinetic<double, 2>{}, orbits::Attraction<double, 2>{.gm = n.gm},
+        orbits::RotatingFrame<double, 2>{.omega = n.omega})
       .gradient(q, p, dHdq, dHdp);
 }
 
@@ -52,5 +53,5 @@ extern "C" void half_by_hand(const Numbers& n, Read q, Read, Write dHdq, Write) 
   dHdq[1] = dq1;
 }
 extern "C" void half_in_scene(const Numbers& n, Read q, Read, Write dHdq, Write) {
-  Scene(orbits::Kinetic<2>{}, orbits::Attraction<2>{.gm = n.gm}).position_gradient(q, dHdq);
+  Scene(orbits::Kinetic<double, 2>{}, orbits::Attraction<double, 2>{.gm = n.gm}).position_gradient(q, dHdq);
 }

@@ -77,10 +77,11 @@ void orbit_effects_agree() {
   auto z = some_point<Dim>();
   z.q() *= 2;
   gradients_are_those_of_the_energies<Dim>(
-      {Kinetic<Dim>{}, Attraction<Dim>{.gm = 1.3}, TwoCentres<Dim>::restricted(0.2),
-       Oblateness<Dim>{.gm = 1.3, .j2 = 0.3, .radius = 0.7}, RotatingFrame<Dim>{.omega = -0.7},
-       PostNewtonian1<Dim>{.gm = 1.3, .c = 1.5, .nu = 0.2},
-       PostNewtonian2<Dim>{.gm = 1.3, .c = 1.5, .nu = 0.2}, SpinOrbit<Dim>{.gs = 0.4, .c = 1.2}},
+      {Kinetic<double, Dim>{}, Attraction<double, Dim>{.gm = 1.3}, TwoCentres<double, Dim>::restricted(0.2),
+       Oblateness<double, Dim>{.gm = 1.3, .j2 = 0.3, .radius = 0.7},
+       RotatingFrame<double, Dim>{.omega = -0.7}, PostNewtonian1<double, Dim>{.gm = 1.3, .c = 1.5, .nu = 0.2},
+       PostNewtonian2<double, Dim>{.gm = 1.3, .c = 1.5, .nu = 0.2},
+       SpinOrbit<double, Dim>{.gs = 0.4, .c = 1.2}},
       z);
 }
 
@@ -92,7 +93,7 @@ Eigen::VectorXd column(int n, double offset) {
 
 }  // namespace
 
-TEST_CASE("The gradient of every effect is that of its energy", "[scene]") {
+TEST_CASE("The gradient of every effect is that of its energy", "[systems]") {
   SECTION("orbits") {
     orbit_effects_agree<2>();
     orbit_effects_agree<3>();
@@ -120,7 +121,8 @@ TEST_CASE("The gradient of every effect is that of its energy", "[scene]") {
           some_point<Eigen::Dynamic>(n));
     }
     gradients_are_those_of_the_energies<4>(
-        {lattice::OnSite<4>{}, lattice::PairExchange<4>{}, lattice::Hopping<4>{}}, some_point<4>());
+        {lattice::OnSite<double, 4>{}, lattice::PairExchange<double, 4>{}, lattice::Hopping<double, 4>{}},
+        some_point<4>());
   }
   SECTION("vortices") {
     const vortices::Circulations gamma(Eigen::Vector4d(1.2, -0.7, 0.4, 2));
@@ -133,7 +135,7 @@ TEST_CASE("The gradient of every effect is that of its energy", "[scene]") {
   }
 }
 
-TEST_CASE("A scene of lattice effects is the NLS lattice", "[scene]") {
+TEST_CASE("A scene of lattice effects is the NLS lattice", "[systems]") {
   const auto same = []<int N>(const auto& scene, const systems::NlsLattice<double, N>& lattice) {
     const auto z = some_point<N>(scene.dof());
     PhasePoint<double, N> one(z.dof()), other(z.dof());
@@ -142,12 +144,13 @@ TEST_CASE("A scene of lattice effects is the NLS lattice", "[scene]") {
     CHECK((one.vector() - other.vector()).norm() <= 1e-14 * other.vector().norm());
     CHECK(scene.energy(z.q(), z.p()) == Approx(lattice.energy(z.q(), z.p())).epsilon(1e-14));
   };
-  same(Scene(lattice::OnSite<5>{}, lattice::PairExchange<5>{}), systems::NlsLattice<double, 5>());
+  same(Scene(lattice::OnSite<double, 5>{}, lattice::PairExchange<double, 5>{}),
+       systems::NlsLattice<double, 5>());
   same(Scene(lattice::OnSite<>{.sites = 33}, lattice::PairExchange<>{.sites = 33}),
        systems::NlsLattice<>(33));
 }
 
-TEST_CASE("A scene of vortex pairs is systems::PointVortices", "[scene]") {
+TEST_CASE("A scene of vortex pairs is systems::PointVortices", "[systems]") {
   const Eigen::Vector3d strengths(1.2, -0.7, 2);
   const systems::PointVortices<double, 3> known(strengths);
   const Scene scene(vortices::Pairs{vortices::Circulations(strengths)});
@@ -159,7 +162,7 @@ TEST_CASE("A scene of vortex pairs is systems::PointVortices", "[scene]") {
   CHECK(scene.energy(z.q(), z.p()) == Approx(known.energy(z.q(), z.p())).epsilon(1e-14));
 }
 
-TEST_CASE("A straining and a turning flow have the velocities that they say", "[scene]") {
+TEST_CASE("A straining and a turning flow have the velocities that they say", "[systems]") {
   const Eigen::Vector2d gamma(1.5, -0.4);
   const systems::PointVortices<double, 2> plane(gamma);
   const vortices::Circulations circulations(gamma);
@@ -183,7 +186,7 @@ TEST_CASE("A straining and a turning flow have the velocities that they say", "[
   }
 }
 
-TEST_CASE("The curl of the vector potentials is the field", "[scene]") {
+TEST_CASE("The curl of the vector potentials is the field", "[systems]") {
   const Eigen::Vector3d x(0.7, -0.4, 0.9);
   const auto curl = [&](const auto& field) {
     Eigen::Matrix3d slope;  // slope(i, k) = ∂A_k/∂x_i

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <type_traits>
 
-#include <semiexplicit/scene/effects/orbits.hpp>
+#include <semiexplicit/systems/orbits.hpp>
 
 /// Relativistic corrections to orbits::Kinetic + orbits::Attraction, for the relative motion of two bodies of total mass M
 /// and symmetric mass ratio ν = m₁m₂/M² (0 for a test particle, 1/4 for equal masses), in ADM coordinates of the centre of
@@ -46,7 +46,7 @@ auto radial_form(const Scalar& gm, const auto& q, const auto& p) {
 /// It turns the periapsis by 6πGM/(c²a(1 - e²)) an orbit: 42.98 arcseconds a century for Mercury.
 ///
 /// Source: Damour, Jaranowski, Schäfer, Phys. Rev. D 62 (2000) 044024, eq. (2.4b).
-template <int Dim = 2, class Scalar = double>
+template <class Scalar = double, int Dim = 2>
 struct PostNewtonian1 {
   using Acts = OnBoth<Scalar, Dim>;
   static constexpr const char* name = "1pn";
@@ -75,7 +75,7 @@ struct PostNewtonian1 {
 ///               + u²/2 ((5 + 8ν) p² + 3ν s²) - (1 + 3ν) u³/4).
 ///
 /// Without PostNewtonian1 it makes little sense. Source: Damour, Jaranowski, Schäfer (2000), eq. (2.4c).
-template <int Dim = 2, class Scalar = double>
+template <class Scalar = double, int Dim = 2>
 struct PostNewtonian2 {
   using Acts = OnBoth<Scalar, Dim>;
   static constexpr const char* name = "2pn";
@@ -119,7 +119,7 @@ struct PostNewtonian2 {
 /// 2G S·L/(c²r³), the dragging of frames. It turns the node of an orbit at 2GS/(c²a³(1 - e²)^(3/2)).
 ///
 /// Sources: J. Lense and H. Thirring, Phys. Z. 19 (1918) 156; Damour and Schäfer, Nuovo Cim. B 101 (1988) 127.
-template <int Dim = 3, class Scalar = double>
+template <class Scalar = double, int Dim = 3>
 struct SpinOrbit {
   using Acts = OnBoth<Scalar, Dim>;
   static constexpr const char* name = "spin_orbit";

@@ -38,7 +38,7 @@ Places run(const Chosen& scene, const Circulations& gamma, const VectorXd& x, co
 
 }  // namespace
 
-TEST_CASE("Two vortices turn at the known rate, a turning flow adds its own", "[scene]") {
+TEST_CASE("Two vortices turn at the known rate, a turning flow adds its own", "[systems]") {
   const Circulations gamma(list({1.5, 0.5}));
   const double rate = 0.2, distance = 0.9, t = 2;
   const double angle = (2 / (2 * pi * distance * distance) + rate) * t;
@@ -52,7 +52,7 @@ TEST_CASE("Two vortices turn at the known rate, a turning flow adds its own", "[
   }
 }
 
-TEST_CASE("Vortices along a wall: the image moves one, and two are half of a four", "[scene]") {
+TEST_CASE("Vortices along a wall: the image moves one, and two are half of a four", "[systems]") {
   const double height = 0.7;
   const Circulations one(list({-1.3}));
   const auto end = run(Chosen{vortices::HalfPlane{one}}, one, list({0.2}), list({height}), 0.05, 40);
@@ -71,7 +71,7 @@ TEST_CASE("Vortices along a wall: the image moves one, and two are half of a fou
   CHECK((walled.x - x).norm() > 0.1);
 }
 
-TEST_CASE("A vortex in a disk turns at the known rate, two feel each other's images", "[scene]") {
+TEST_CASE("A vortex in a disk turns at the known rate, two feel each other's images", "[systems]") {
   const double radius = 2, r = 0.8, strength = 1.7, t = 3;
   const Circulations one(list({strength}));
   const auto end = run(Chosen{vortices::Disk(one, radius)}, one, list({r}), list({0.0}), 0.03, 100);
@@ -89,19 +89,19 @@ TEST_CASE("A vortex in a disk turns at the known rate, two feel each other's ima
   CHECK(both.y[1] == Approx(-r * std::sin(rate * t)).margin(1e-10));
 }
 
-TEST_CASE("A strained vortex of strength one moves as the flow does", "[scene]") {
+TEST_CASE("A strained vortex of strength one moves as the flow does", "[systems]") {
   const Circulations one(list({2.0}));
   const auto end = run(Chosen{vortices::Strain(one, 0.5)}, one, list({0.3}), list({0.9}), 0.02, 100);
   CHECK(end.x[0] == Approx(0.3 * std::exp(1.0)).epsilon(1e-10));
   CHECK(end.y[0] == Approx(0.9 * std::exp(-1.0)).epsilon(1e-10));
 }
 
-TEST_CASE("Circulations refuse what makes no sense", "[scene]") {
+TEST_CASE("Circulations refuse what makes no sense", "[systems]") {
   CHECK(refuses([&] { Circulations{VectorXd()}; }, "no circulation given"));
   CHECK(refuses([&] { Circulations(list({1, 0})); }, "circulation 1 is zero"));
 }
 
-TEST_CASE("Linear waves on a lattice: hopping and disorder", "[scene]") {
+TEST_CASE("Linear waves on a lattice: hopping and disorder", "[systems]") {
   // A standing wave of the open chain, ψᵢ = sin(k(i + 1)), k = π/(n + 1), turns at -2J cos k; equal energies add theirs.
   const int n = 20;
   const double j = 0.7, energy = 0.4, k = pi / (n + 1), t = 5, angle = -(energy - 2 * j * std::cos(k)) * t;

@@ -1,8 +1,7 @@
 #pragma once
 
-#include <cmath>
-
 #include <semiexplicit/scene/effect.hpp>
+#include <semiexplicit/systems/orbits.hpp>
 
 /// Electrostatic fields on one charge e in space; see charges.hpp for units.
 namespace semiexplicit::effects::charges {
@@ -46,16 +45,11 @@ struct Coulomb {
   static constexpr const char* about = "a point charge at the origin, k/r";
   Scalar k = Scalar(-1);  ///< energy · length
 
-  Scalar energy(const auto& q) const {
-    using std::sqrt;
-    return k / sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2]);
-  }
-  void add_gradient(const auto& q, auto& dHdq) const {
-    using std::sqrt;
-    const auto r2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2];
-    const auto factor = k / (r2 * sqrt(r2));
-    for (int i = 0; i < 3; ++i) dHdq[i] -= factor * q[i];
-  }
+  Scalar energy(const auto& q) const { return attraction().energy(q); }
+  void add_gradient(const auto& q, auto& dHdq) const { attraction().add_gradient(q, dHdq); }
+
+ private:
+  orbits::Attraction<Scalar, 3> attraction() const { return {.gm = -k}; }
 };
 
 /// An electric quadrupole about the third axis, k(z² - ρ²/2)/2: bound along the axis, at the rate √(k/m), and driven away

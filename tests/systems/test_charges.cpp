@@ -19,7 +19,7 @@ const double pi = std::acos(-1.0);
 
 }  // namespace
 
-TEST_CASE("A charge turns at the gyrofrequency, and drifts at E × B/B²", "[scene]") {
+TEST_CASE("A charge turns at the gyrofrequency, and drifts at E × B/B²", "[systems]") {
   const double charge = -1.6, mass = 0.8, b = 0.9, ex = 0.05;
   const charges::MagneticKinetic motion(charge, mass, charges::UniformField(b));
   const Chosen scene{motion, charges::UniformElectric<>{.charge = charge, .x = ex}};
@@ -42,7 +42,7 @@ TEST_CASE("A charge turns at the gyrofrequency, and drifts at E × B/B²", "[sce
   CHECK(half.q()[1] - at[1] == Approx(-2 * v[0] / omega).epsilon(1e-7));
 }
 
-TEST_CASE("A charge in a Penning trap has the three known rates", "[scene]") {
+TEST_CASE("A charge in a Penning trap has the three known rates", "[systems]") {
   const double k = 0.6, b = 3, lower = b / 2 - std::sqrt(b * b / 4 - k / 2);
   const charges::MagneticKinetic motion(1.0, 1.0, charges::UniformField(b));
   const Chosen scene{motion, charges::Quadrupole<>{.k = k}};
@@ -57,7 +57,7 @@ TEST_CASE("A charge in a Penning trap has the three known rates", "[scene]") {
   CHECK(z.q()[2] == Approx(0.5 * std::cos(std::sqrt(k) * t)).margin(1e-8));
 }
 
-TEST_CASE("A magnetic bottle throws a charge back where its moment says", "[scene]") {
+TEST_CASE("A magnetic bottle throws a charge back where its moment says", "[systems]") {
   const double b = 200, length = 1, v_across = 0.8, v_along = 0.5;  // gyroradius 0.004
   const charges::MagneticKinetic motion(1.0, 1.0, charges::BottleField(b, length));
   const Chosen scene{motion};

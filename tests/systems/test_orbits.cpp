@@ -58,26 +58,28 @@ double periapsis_advance(const Chosen<2>& scene, const Eigen::Vector4d& start, d
 
 }  // namespace
 
-TEST_CASE("Mercury's perihelion turns by 42.98 arcseconds a century with 1PN and not without", "[scene]") {
+TEST_CASE("Mercury's perihelion turns by 42.98 arcseconds a century with 1PN and not without", "[systems]") {
   const double gm = 4 * pi * pi, a = 0.38709893, e = 0.20563069, c = 63241.077;  // au, years
   const double year_orbits = std::pow(a, -1.5), speed = std::sqrt(gm / a * (1 + e) / (1 - e));
   const Eigen::Vector4d start(a * (1 - e), 0, 0, speed);
   const int orbits = 100;
   const double arcseconds_a_century = 180 / pi * 3600 * 100 * year_orbits / orbits;
   const double dt = 1 / year_orbits / 100;
-  const Chosen<2> newton{Kinetic<2>{}, Attraction<2>{.gm = gm}};
-  const Chosen<2> einstein{Kinetic<2>{}, Attraction<2>{.gm = gm}, PostNewtonian1<2>{.gm = gm, .c = c}};
+  const Chosen<2> newton{Kinetic<double, 2>{}, Attraction<double, 2>{.gm = gm}};
+  const Chosen<2> einstein{Kinetic<double, 2>{}, Attraction<double, 2>{.gm = gm},
+                           PostNewtonian1<double, 2>{.gm = gm, .c = c}};
   CHECK(std::abs(periapsis_advance(newton, start, dt, orbits) * arcseconds_a_century) < 1e-3);
   CHECK(periapsis_advance(einstein, start, dt, orbits) * arcseconds_a_century == Approx(42.98).margin(0.005));
 }
 
-TEST_CASE("The periapsis turns as the second post-Newtonian order says, for any mass ratio", "[scene]") {
+TEST_CASE("The periapsis turns as the second post-Newtonian order says, for any mass ratio", "[systems]") {
   // Damour, Jaranowski, Schäfer (2000), eq. (5.6), in units of GM = 1.
   for (const double nu : {0.0, 0.25}) {
     CAPTURE(nu);
     const double c = 60, c2 = c * c, e0 = 0.4;
-    const Chosen<2> scene{Kinetic<2>{}, Attraction<2>{}, PostNewtonian1<2>{.c = c, .nu = nu},
-                          PostNewtonian2<2>{.c = c, .nu = nu}};
+    const Chosen<2> scene{Kinetic<double, 2>{}, Attraction<double, 2>{},
+                          PostNewtonian1<double, 2>{.c = c, .nu = nu},
+                          PostNewtonian2<double, 2>{.c = c, .nu = nu}};
     const PhasePoint<double, 2> start({1 - e0, 0}, {0, std::sqrt((1 + e0) / (1 - e0))});
     const double j = start.q()[0] * start.p()[1], j2 = j * j, energy = scene.energy(start.q(), start.p());
     const double first = 3 / (j2 * c2);
@@ -88,11 +90,11 @@ TEST_CASE("The periapsis turns as the second post-Newtonian order says, for any 
   }
 }
 
-TEST_CASE("A circular orbit of second post-Newtonian order has the energy of its frequency", "[scene]") {
+TEST_CASE("A circular orbit of second post-Newtonian order has the energy of its frequency", "[systems]") {
   // E = -x/2 (1 - (9 + ν)x/12 - (81 - 57ν + ν²)x²/24), x = Ω^(2/3). Blanchet, Living Rev. Relativ. 17 (2014) 2, eq. (232).
   const double nu = 0.25, r = 4000;
-  const Chosen<2> scene{Kinetic<2>{}, Attraction<2>{}, PostNewtonian1<2>{.nu = nu},
-                        PostNewtonian2<2>{.nu = nu}};
+  const Chosen<2> scene{Kinetic<double, 2>{}, Attraction<double, 2>{}, PostNewtonian1<double, 2>{.nu = nu},
+                        PostNewtonian2<double, 2>{.nu = nu}};
   PhasePoint<double, 2> z({r, 0}, {0, 1 / std::sqrt(r)}), g;
   for (int i = 0; i < 50; ++i) {  // the momentum of the circular orbit: p Ω = ∂H/∂r
     scene.gradient(z.q(), z.p(), g.q(), g.p());
@@ -104,10 +106,11 @@ TEST_CASE("A circular orbit of second post-Newtonian order has the energy of its
   CHECK(excess / (x * x) == Approx(-(81 - 57 * nu + nu * nu) / 24).epsilon(0.01));
 }
 
-TEST_CASE("Arenstorf's orbit closes and keeps Jacobi's constant", "[scene]") {
+TEST_CASE("Arenstorf's orbit closes and keeps Jacobi's constant", "[systems]") {
   const double mu = 0.012277471, period = 17.0652165601579625588917206249,
                speed = -2.00158510637908252240537862224;
-  const Chosen<2> scene{Kinetic<2>{}, TwoCentres<2>::restricted(mu), RotatingFrame<2>{}};
+  const Chosen<2> scene{Kinetic<double, 2>{}, TwoCentres<double, 2>::restricted(mu),
+                        RotatingFrame<double, 2>{}};
   const PhasePoint<double, 2> start({0.994, 0}, {0, speed + 0.994});  // p = v + ω × q
   PhasePoint<double, 2> z = start;
   auto stepper = stepper_for(scene, schemes::low_defect8_s20());
@@ -119,11 +122,11 @@ TEST_CASE("Arenstorf's orbit closes and keeps Jacobi's constant", "[scene]") {
   CHECK(invariants["energy"].worst < 1e-11);
 }
 
-TEST_CASE("The node of an orbit about an oblate centre turns at the known rate", "[scene]") {
+TEST_CASE("The node of an orbit about an oblate centre turns at the known rate", "[systems]") {
   // A GPS satellite, in km and s; Vallado, eq. (9-38): about -14 degrees a year.
   const double gm = 398600.4418, j2 = 1.08262668e-3, radius = 6378.137, a = 26559.7, tilt = 55 * pi / 180;
-  const Chosen<3> scene{Kinetic<3>{}, Attraction<3>{.gm = gm},
-                        Oblateness<3>{.gm = gm, .j2 = j2, .radius = radius}};
+  const Chosen<3> scene{Kinetic<double, 3>{}, Attraction<double, 3>{.gm = gm},
+                        Oblateness<double, 3>{.gm = gm, .j2 = j2, .radius = radius}};
   CHECK(scene.is_separable());
   const double n = std::sqrt(gm / (a * a * a)), speed = n * a;
   PhasePoint<double, 3> z({a, 0, 0}, {0, speed * std::cos(tilt), speed * std::sin(tilt)});
@@ -139,9 +142,10 @@ TEST_CASE("The node of an orbit about an oblate centre turns at the known rate",
   CHECK(known * 180 / pi * 86400 * 365.25 == Approx(-14.2).epsilon(0.01));
 }
 
-TEST_CASE("The spin of the centre drags the node along at the known rate", "[scene]") {
+TEST_CASE("The spin of the centre drags the node along at the known rate", "[systems]") {
   const double gs = 1e-4, c = 1, tilt = 1.0;
-  const Chosen<3> scene{Kinetic<3>{}, Attraction<3>{}, SpinOrbit<3>{.gs = gs, .c = c}};
+  const Chosen<3> scene{Kinetic<double, 3>{}, Attraction<double, 3>{},
+                        SpinOrbit<double, 3>{.gs = gs, .c = c}};
   PhasePoint<double, 3> z({1, 0, 0}, {0, std::cos(tilt), std::sin(tilt)});
   auto stepper = stepper_for(scene);
   const auto height = [](const auto& at) { return at.q()[2]; };

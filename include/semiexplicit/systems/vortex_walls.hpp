@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include <semiexplicit/scene/effects/vortices.hpp>
+#include <semiexplicit/systems/vortices.hpp>
 
 /// Walls that point vortices cannot cross, by the method of images: the Kirchhoff-Routh function without the pairs
 /// themselves, which are vortices::Pairs. All vortices must start on the wet side of the wall; it is not looked after.

@@ -4,7 +4,6 @@
 #include <type_traits>
 
 #include <semiexplicit/core/lanes.hpp>
-#include <semiexplicit/core/pack.hpp>
 
 /// The sums over all pairs of vortices, which are nearly all of the time that a vortex code takes: with rᵢ the positions,
 ///
@@ -28,8 +27,11 @@ inline Lanes reciprocal(const Lanes& s, __mmask8 wanted = 0xff) {
 #endif
 template <class T>
 T reciprocal(const T& s) {
-#if defined(SEMIEXPLICIT_HAS_LANES) && defined(SEMIEXPLICIT_HAS_PACKS)
-  if constexpr (std::is_same_v<T, Pack<double>>) {
+#ifdef SEMIEXPLICIT_HAS_LANES
+  if constexpr (requires {
+                  typename T::abi_type;
+                  static_cast<__m512d>(s);
+                }) {  // a Pack<double>
     const Lanes lanes = static_cast<__m512d>(s);
     return T(reciprocal(lanes));
   } else
@@ -37,7 +39,8 @@ T reciprocal(const T& s) {
     return T(1) / s;
 }
 
-/// Each pair once: half the divisions.
+/// Each pair once: half the divisions. vortices::Pairs, which adds to what is there, keeps its own loop over pairs: with one
+/// for both either packs take 1.25 times as long or scenes 1.5 times.
 template <class T, class Scalar>
 void add_each_pair(Eigen::Index n, const VortexScales<Scalar>& of, const T* __restrict q,
                    const T* __restrict p, T* __restrict sum_x, T* __restrict sum_y) {

@@ -22,7 +22,7 @@ auto dot(const X& x, const Y& y) {
 }  // namespace detail
 
 /// p²/2.
-template <int Dim = 2, class Scalar = double>
+template <class Scalar = double, int Dim = 2>
 struct Kinetic {
   using Acts = OnMomentum<Scalar, Dim>;
   static constexpr const char* name = "kinetic";
@@ -35,7 +35,7 @@ struct Kinetic {
 };
 
 /// Newton's attraction by a mass at the origin, -GM/r. For two bodies q is the relative position and GM the sum of both.
-template <int Dim = 2, class Scalar = double>
+template <class Scalar = double, int Dim = 2>
 struct Attraction {
   using Acts = OnPosition<Scalar, Dim>;
   static constexpr const char* name = "attraction";
@@ -59,7 +59,7 @@ struct Attraction {
 /// their period; Jacobi's constant is then -2H.
 ///
 /// Source: V. Szebehely, Theory of Orbits (1967), section 1.5.
-template <int Dim = 2, class Scalar = double>
+template <class Scalar = double, int Dim = 2>
 struct TwoCentres {
   using Acts = OnPosition<Scalar, Dim>;
   static constexpr const char* name = "two_centres";
@@ -94,7 +94,7 @@ struct TwoCentres {
 /// plane (Dim 2) the orbit is equatorial, z = 0. The node of an orbit turns at -(3/2) n J₂ (R/a)² cos i/(1 - e²)².
 ///
 /// Source: D. Vallado, Fundamentals of Astrodynamics and Applications, 4th ed., sections 8.6 and 9.4.
-template <int Dim = 3, class Scalar = double>
+template <class Scalar = double, int Dim = 3>
 struct Oblateness {
   using Acts = OnPosition<Scalar, Dim>;
   static constexpr const char* name = "j2";
@@ -130,7 +130,7 @@ struct Oblateness {
 /// force. p stays the inertial velocity: p = q' + ω × q.
 ///
 /// Source: V. Arnold, Mathematical Methods of Classical Mechanics, section 27.
-template <int Dim = 2, class Scalar = double>
+template <class Scalar = double, int Dim = 2>
 struct RotatingFrame {
   using Acts = OnBoth<Scalar, Dim>;
   static constexpr const char* name = "rotating_frame";

@@ -16,7 +16,7 @@ const double pi = std::acos(-1.0);
 
 }  // namespace
 
-TEST_CASE("A geodesic of Kerr keeps energy, angular momentum and Carter's constant", "[scene]") {
+TEST_CASE("A geodesic of Kerr keeps energy, angular momentum and Carter's constant", "[systems]") {
   const black_hole::Kerr<> hole{.spin = 0.9};
   const Scene scene(hole);
   auto z = hole.body(9, pi / 2, 0.05, 1.6, 2.4);
@@ -39,7 +39,7 @@ TEST_CASE("A geodesic of Kerr keeps energy, angular momentum and Carter's consta
   CHECK(z.p()[3] == start.p()[3]);
 }
 
-TEST_CASE("The innermost stable orbit of Kerr: its radius and its frequency", "[scene]") {
+TEST_CASE("The innermost stable orbit of Kerr: its radius and its frequency", "[systems]") {
   CHECK(black_hole::Kerr<>{}.innermost_stable_orbit() == Approx(6));
   CHECK(black_hole::Kerr<>{.spin = 0.9}.innermost_stable_orbit() == Approx(2.32088).epsilon(1e-5));
   CHECK(black_hole::Kerr<>{.spin = -0.9}.innermost_stable_orbit() == Approx(8.71735).epsilon(1e-5));
@@ -73,7 +73,7 @@ TEST_CASE("The innermost stable orbit of Kerr: its radius and its frequency", "[
   CHECK(pushed(5.7) < 2.6);
 }
 
-TEST_CASE("Kerr without spin is Schwarzschild", "[scene]") {
+TEST_CASE("Kerr without spin is Schwarzschild", "[systems]") {
   const PhasePoint<double, 4> z({0.3, 7.1, 1.2, 0.4}, {-0.96, 0.2, 1.4, 2.3});
   PhasePoint<double, 4> one, other;
   Scene(black_hole::Kerr<>{.mass = 1.2}).gradient(z.q(), z.p(), one.q(), one.p());

@@ -5,7 +5,9 @@
 #include <string>
 #include <utility>
 
+#include <semiexplicit/core/phase_point.hpp>
 #include <semiexplicit/scene/effect.hpp>
+#include <semiexplicit/systems/detail/vortex_pairs.hpp>
 
 /// Effects on N point vortices in the plane, of circulations Γᵢ (length²/time), in the canonical coordinates of
 /// systems::PointVortices: qᵢ = √|Γᵢ| xᵢ, pᵢ = √|Γᵢ| sgn(Γᵢ) yᵢ. A background flow of stream function ψ, with velocity
@@ -55,6 +57,20 @@ Scalar pi() {
   return acos(Scalar(-1));
 }
 
+/// -1/(2π) Σ_{i<j} ΓᵢΓⱼ log‖zᵢ - zⱼ‖.
+template <class Scalar, int N>
+Scalar pair_energy(const Circulations<Scalar, N>& of, const auto& q, const auto& p) {
+  using std::log;
+  Scalar sum(0);
+  for (Eigen::Index j = 0; j < of.size(); ++j)
+    for (Eigen::Index i = 0; i < j; ++i) {
+      const Scalar dx = q[i] * of.x_per_q[i] - q[j] * of.x_per_q[j],
+                   dy = p[i] * of.y_per_p[i] - p[j] * of.y_per_p[j];
+      sum -= of.gamma[i] * of.gamma[j] * log(dx * dx + dy * dy);
+    }
+  return sum / (4 * pi<Scalar>());
+}
+
 }  // namespace detail
 
 /// Each vortex moves in the velocities of all others: -1/(2π) Σ_{i<j} ΓᵢΓⱼ log‖zᵢ - zⱼ‖. Vortices that coincide have no
@@ -71,17 +87,7 @@ class Pairs {
   }
   Eigen::Index dof() const { return c_.size(); }
 
-  Scalar energy(const auto& q, const auto& p) const {
-    using std::log;
-    Scalar sum(0);
-    for (Eigen::Index j = 0; j < dof(); ++j)
-      for (Eigen::Index i = 0; i < j; ++i) {
-        const Scalar dx = q[i] * c_.x_per_q[i] - q[j] * c_.x_per_q[j],
-                     dy = p[i] * c_.y_per_p[i] - p[j] * c_.y_per_p[j];
-        sum += weight_[i] * c_.gamma[j] * log(dx * dx + dy * dy) / 2;
-      }
-    return sum;
-  }
+  Scalar energy(const auto& q, const auto& p) const { return detail::pair_energy(c_, q, p); }
 
   void add_gradient(const auto& q, const auto& p, auto& dHdq, auto& dHdp) const {
     const auto &sx = c_.x_per_q, &sy = c_.y_per_p;
@@ -181,3 +187,114 @@ template <class Scalar, int N, class Number>
 Rotation(Circulations<Scalar, N>, Number) -> Rotation<Scalar, N>;
 
 }  // namespace semiexplicit::effects::vortices
+
+namespace semiexplicit::systems {
+
+/// N point vortices in the plane with circulations Γᵢ of either sign,
+///
+///     H = -1/(4π) Σ_{i≠j} Γᵢ Γⱼ log‖zᵢ - zⱼ‖,
+///
+/// in canonical coordinates qᵢ = √|Γᵢ| xᵢ, pᵢ = √|Γᵢ| sgn(Γᵢ) yᵢ. It keeps H, the linear impulse (Σ Γᵢxᵢ, Σ Γᵢyᵢ) and the
+/// angular impulse Σ Γᵢ‖zᵢ‖². Two vortices at distance D turn about each other at (Γ₁ + Γ₂)/(2πD²). Where two vortices
+/// coincide the gradient is NaN. N is the number, or Eigen::Dynamic.
+///
+/// Sources: P. Newton, The N-Vortex Problem (2001), section 2.1; Jayawardana and Ohsawa (2023), eq. (Hamil-Vortices).
+template <class ScalarType = double, int N = Eigen::Dynamic>
+class PointVortices {
+  /// Few, but enough to gain by it.
+  static constexpr bool in_lanes = N >= 4 && N <= 16 && std::is_same_v<ScalarType, double>;
+
+ public:
+  using Scalar = ScalarType;
+  static constexpr int Dof = N;
+  using Column = Vector<Scalar, N>;
+  using Read = In<Scalar, N>;
+
+  /// Throws std::invalid_argument unless every circulation is finite and not zero, and there is one at least.
+  explicit PointVortices(Column circulations) : c_(std::move(circulations)) {
+    const Column factor = c_.gamma / (-2 * effects::vortices::detail::pi<Scalar>());
+    factor_q_ = factor.cwiseProduct(c_.x_per_q);
+    factor_p_ = factor.cwiseProduct(c_.y_per_p);
+  }
+
+  Eigen::Index dof() const { return c_.size(); }
+  const Column& circulations() const { return c_.gamma; }
+
+  /// The phase point of vortices at (xᵢ, yᵢ).
+  PhasePoint<Scalar, N> phase_point(const Column& x, const Column& y) const {
+    if (x.size() != dof() || y.size() != dof())
+      throw std::invalid_argument("PointVortices: " + std::to_string(dof()) + " circulations, but " +
+                                  std::to_string(x.size()) + " x and " + std::to_string(y.size()) + " y");
+    return {x.cwiseQuotient(c_.x_per_q), y.cwiseQuotient(c_.y_per_p)};
+  }
+  Column x(const Read& q) const { return q.cwiseProduct(c_.x_per_q); }
+  Column y(const Read& p) const { return p.cwiseProduct(c_.y_per_p); }
+
+  Scalar energy(const Read& q, const Read& p) const {
+    return effects::vortices::detail::pair_energy(c_, q, p);
+  }
+  /// Σ Γx, linear in q: an invariant.
+  Scalar linear_impulse_x(const Read& q, const Read&) const {
+    return semiexplicit::detail::dot(c_.gamma, x(q));
+  }
+  /// Σ Γy, linear in p: an invariant.
+  Scalar linear_impulse_y(const Read&, const Read& p) const {
+    return semiexplicit::detail::dot(c_.gamma, y(p));
+  }
+  /// Σ Γ(x² + y²) = Σ sgn(Γ)(q² + p²): a quadratic invariant.
+  Scalar angular_impulse(const Read& q, const Read& p) const {
+    return semiexplicit::detail::dot(c_.gamma.cwiseSign(), q.cwiseAbs2() + p.cwiseAbs2());
+  }
+
+  void gradient(const Read& q, const Read& p, Out<Scalar, N> dHdq, Out<Scalar, N> dHdp) const {
+    gradient(q.data(), p.data(), dHdq.data(), dHdp.data());
+  }
+  using PackGradientOf = PointVortices;
+  /// The same with any numbers in arrays, packs above all; see HasPackGradient.
+  template <class T>
+  void gradient(const T* q, const T* p, T* dHdq, T* dHdp) const {
+#ifdef SEMIEXPLICIT_HAS_LANES
+    if constexpr (in_lanes && std::is_same_v<T, double>) {
+      constexpr int size = registers_for(N);
+      Lanes at_q[std::size_t(size)], at_p[std::size_t(size)], to_q[std::size_t(size)],
+          to_p[std::size_t(size)];
+      semiexplicit::detail::load_lanes<N>(q, at_q);
+      semiexplicit::detail::load_lanes<N>(p, at_p);
+      lane_gradient(at_q, at_p, to_q, to_p);
+      semiexplicit::detail::store_lanes<N>(to_q, dHdq);
+      semiexplicit::detail::store_lanes<N>(to_p, dHdp);
+      return;
+    }
+#endif
+    detail::sum_vortex_pairs(dof(), scales(), q, p, dHdq, dHdp);
+    for (Eigen::Index i = 0; i < dof(); ++i) {
+      dHdq[i] *= factor_q_[i];
+      dHdp[i] *= factor_p_[i];
+    }
+  }
+
+#ifdef SEMIEXPLICIT_HAS_LANES
+  using LaneGradientOf = PointVortices;
+  /// The same for few vortices in registers; see HasLaneGradient.
+  void lane_gradient(const Lanes* q, const Lanes* p, Lanes* dHdq, Lanes* dHdp) const requires(in_lanes) {
+    Lanes factor_q[std::size_t(registers_for(N))], factor_p[std::size_t(registers_for(N))];
+    semiexplicit::detail::load_lanes<N>(factor_q_.data(), factor_q);
+    semiexplicit::detail::load_lanes<N>(factor_p_.data(), factor_p);
+    detail::sum_vortex_pairs<N>(scales(), q, p, dHdq, dHdp);
+    for (int k = 0; k < registers_for(N); ++k) {
+      dHdq[k] *= factor_q[k];
+      dHdp[k] *= factor_p[k];
+    }
+  }
+#endif
+
+ private:
+  detail::VortexScales<Scalar> scales() const {
+    return {c_.gamma.data(), c_.x_per_q.data(), c_.y_per_p.data()};
+  }
+
+  effects::vortices::Circulations<Scalar, N> c_;
+  Column factor_q_, factor_p_;  ///< what makes ∂H/∂q and ∂H/∂p of the pairs' sums
+};
+
+}  // namespace semiexplicit::systems

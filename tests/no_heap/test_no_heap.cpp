@@ -6,11 +6,6 @@
 #include <stdexcept>
 #include <string>
 
-#include <semiexplicit/chaos.hpp>
-#include <semiexplicit/ensemble.hpp>
-#include <semiexplicit/scene.hpp>
-#include <semiexplicit/systems.hpp>
-
 // Eigen's own allocations are reported by an assertion, which is made to throw, in release builds, too.
 #define EIGEN_RUNTIME_NO_MALLOC
 #define eigen_assert(condition)                                     \
@@ -19,6 +14,11 @@
   } while (false)
 
 #include "catch.hpp"
+
+#include <semiexplicit/chaos.hpp>
+#include <semiexplicit/ensemble.hpp>
+#include <semiexplicit/scene.hpp>
+#include <semiexplicit/systems.hpp>
 
 #include "../properties/methods.hpp"
 

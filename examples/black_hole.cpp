@@ -15,7 +15,7 @@
 #include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
-#include "common/geodesic_measurements.hpp"
+#include "black_hole/measurements.hpp"
 #include "common/scene_program.hpp"
 
 namespace {

@@ -10,8 +10,8 @@
 #include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
-#include "common/charge_measurements.hpp"
-#include "common/magnetic_fields.hpp"
+#include "charges/magnetic_fields.hpp"
+#include "charges/measurements.hpp"
 #include "common/scene_program.hpp"
 
 namespace {

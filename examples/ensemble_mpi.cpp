@@ -12,15 +12,16 @@
 #include <vector>
 
 #include <mpi.h>
+#include <unistd.h>
 #include <CLI/CLI.hpp>
 #include <semiexplicit/ensemble.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 #include <semiexplicit/systems.hpp>
 
 #include "common/arguments.hpp"
-#include "common/finished_blocks.hpp"
-#include "common/sweep.hpp"
-#include "common/sweep_results.hpp"
+#include "ensemble_mpi/finished_blocks.hpp"
+#include "ensemble_mpi/results.hpp"
+#include "ensemble_mpi/sweep.hpp"
 
 namespace {
 
@@ -91,7 +92,7 @@ int run(const World& world, const Job& job) {
   // Every block costs nearly the same, so they are dealt out like cards.
   const auto start = Clock::now();
   const std::clock_t processor_start = std::clock();
-  const bool shows = world.first() && (job.progress || detail::is_terminal(stderr));
+  const bool shows = world.first() && (job.progress || isatty(STDERR_FILENO) != 0);
   for (auto i = static_cast<std::size_t>(world.rank); i < missing.size();
        i += static_cast<std::size_t>(world.size)) {
     const std::int64_t b = missing[i];

@@ -8,8 +8,8 @@
 #include <semiexplicit/semiexplicit.hpp>
 #include <semiexplicit/systems.hpp>
 
-#include "common/lattice_chain.hpp"
 #include "common/scene_program.hpp"
+#include "lattice/chain.hpp"
 
 namespace {
 

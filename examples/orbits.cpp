@@ -11,8 +11,8 @@
 #include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
-#include "common/orbit_measurements.hpp"
 #include "common/scene_program.hpp"
+#include "orbits/measurements.hpp"
 
 namespace {
 

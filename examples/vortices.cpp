@@ -19,9 +19,9 @@
 #include "common/scene_program.hpp"
 #include "common/series_csv.hpp"
 #include "common/table.hpp"
-#include "common/vortex_file.hpp"
-#include "common/vortex_measurements.hpp"
-#include "common/vortex_picture.hpp"
+#include "vortices/file.hpp"
+#include "vortices/measurements.hpp"
+#include "vortices/picture.hpp"
 
 namespace {
 

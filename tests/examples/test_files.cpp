@@ -1,4 +1,4 @@
-#include "../../examples/common/finished_blocks.hpp"
+#include "../../examples/ensemble_mpi/finished_blocks.hpp"
 #include "../../examples/common/gnuplot.hpp"
 #include "../../examples/common/whole_file.hpp"
 

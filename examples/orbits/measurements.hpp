@@ -13,9 +13,9 @@
 #include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
-#include "motions.hpp"
-#include "scene_choice.hpp"
-#include "table.hpp"
+#include "../common/measurement.hpp"
+#include "../common/scene_choice.hpp"
+#include "../common/table.hpp"
 
 namespace examples {
 

@@ -13,12 +13,12 @@
 #include <semiexplicit/semiexplicit.hpp>
 #include <semiexplicit/systems.hpp>
 
-#include "error_panels.hpp"
-#include "gnuplot.hpp"
-#include "run.hpp"
-#include "scene_program.hpp"
-#include "table.hpp"
-#include "vortex_file.hpp"
+#include "../common/error_panels.hpp"
+#include "../common/gnuplot.hpp"
+#include "../common/run.hpp"
+#include "../common/scene_program.hpp"
+#include "../common/table.hpp"
+#include "file.hpp"
 
 namespace examples {
 

@@ -10,8 +10,8 @@
 #include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
-#include "motions.hpp"
-#include "scene_choice.hpp"
+#include "../common/measurement.hpp"
+#include "../common/scene_choice.hpp"
 
 namespace examples {
 

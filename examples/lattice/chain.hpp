@@ -12,9 +12,9 @@
 #include <semiexplicit/checkpoint.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
-#include "motions.hpp"
-#include "scene_choice.hpp"
-#include "table.hpp"
+#include "../common/measurement.hpp"
+#include "../common/scene_choice.hpp"
+#include "../common/table.hpp"
 
 namespace examples {
 

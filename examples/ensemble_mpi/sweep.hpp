@@ -13,7 +13,7 @@
 #include <semiexplicit/systems.hpp>
 
 #include "../common/arguments.hpp"
-#include "../common/table.hpp"
+#include "../common/output.hpp"
 
 namespace examples {
 

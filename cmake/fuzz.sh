@@ -15,7 +15,7 @@ if ! [[ $seconds =~ ^[1-9][0-9]*$ ]]; then
 fi
 shift || true
 harnesses=("$@")
-[ ${#harnesses[@]} -gt 0 ] || harnesses=(vortex_file arguments config checkpoint)
+[ ${#harnesses[@]} -gt 0 ] || harnesses=(vortex_file arguments checkpoint)
 
 stage "Dependencies"
 bash cmake/install-dependencies.sh run check

@@ -1,8 +1,6 @@
 // A body on a bound geodesic about a black hole, Schwarzschild's or Kerr's, in units of its mass (c = G = 1).
 #include <cmath>
-#include <filesystem>
 #include <map>
-#include <memory>
 #include <numbers>
 #include <optional>
 #include <stdexcept>
@@ -11,18 +9,17 @@
 #include <vector>
 
 #include <CLI/CLI.hpp>
-#include <semiexplicit/checkpoint.hpp>
 #include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
-#include "common/geodesic_measurements.hpp"
+#include "black_hole/measurements.hpp"
 #include "common/scene_program.hpp"
 
 namespace {
 
 using namespace examples;
 using State = PhasePoint<double, 4>;
-using Half = HalfRef<4>;
+using Half = In<double, 4>;
 using black_hole::Kerr;
 using black_hole::Schwarzschild;
 
@@ -118,26 +115,20 @@ int main(int argc, char** argv) {
   program.view = [](const Choice& c) {
     const double spin2 = std::pow(hole(c).spin, 2);
     const double horizon = std::sqrt(2 * hole(c).mass * outer_horizon(c));
-    const auto square = std::make_shared<Square>();
-    const auto chords = std::make_shared<Chords>();
     View<4> view;
-    view.columns = {"coordinate_t", "r", "theta", "phi", "p_t", "p_r", "p_theta", "p_phi", "x", "y", "z"};
-    view.append = [=](const Half& q, const Half& p, std::vector<double>& row) {
+    view.columns = {"t",   "coordinate_t", "r",     "theta", "phi", "p_t",
+                    "p_r", "p_theta",      "p_phi", "x",     "y",   "z"};
+    view.append = [=](const Half& q, const Half& p, auto& row, auto& paths) {
       row.insert(row.end(), q.begin(), q.end());
       row.insert(row.end(), p.begin(), p.end());
       const double rho = std::sqrt(q[1] * q[1] + spin2) * std::sin(q[2]);
       row.insert(row.end(), {rho * std::cos(q[3]), rho * std::sin(q[3]), q[1] * std::cos(q[2])});
-      square->hold(row[9], row[10]);
-      chords->see(row[9], row[10]);
+      paths[0].see(row[9], row[10]);
     };
-    view.memory = [=](CheckpointMemory& visit) {
-      square->visit_memory(visit);
-      chords->visit_memory(visit);
-    };
-    view.plot = [=](const std::filesystem::path& csv) {
-      return square->ranges() + "set object 1 circle at 0,0 size " + formatted("%.9g", horizon) +
+    view.plot = [=](const auto& csv, const auto& paths) {
+      return "set object 1 circle at 0,0 size " + formatted("%.9g", horizon) +
              " fillcolor rgb 'black' fillstyle solid\n" +
-             path_plot(csv, 10, 11, in("x", c.units.name(0)), in("y", c.units.name(0)), *chords);
+             path_plot(csv, 10, 11, in("x", c.units.name(0)), in("y", c.units.name(0)), paths[0]);
     };
     return view;
   };

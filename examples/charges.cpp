@@ -1,86 +1,21 @@
 // A charge in magnetic and electric fields: gyration, a magnetic bottle, a proton in the Earth's dipole field.
 #include <cmath>
-#include <memory>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include <CLI/CLI.hpp>
-#include <semiexplicit/checkpoint.hpp>
 #include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
-#include "common/charge_measurements.hpp"
-#include "common/magnetic_fields.hpp"
+#include "charges/effects.hpp"
+#include "charges/measurements.hpp"
 #include "common/scene_program.hpp"
 
 namespace {
 
 using namespace examples;
 using State = PhasePoint<double, 3>;
-
-// The fields, and the effects that they are. A field counts those before it in this order as there already.
-const std::vector<std::string> field_names{"uniform_field", "dipole_field", "magnetic_bottle"};
-
-FieldSum fields_before(const Choice& c, const std::string& end) {
-  FieldSum sum;
-  for (const std::string& name : field_names) {
-    if (name == end) break;
-    if (!c.on(name)) continue;
-    if (name == "uniform_field") sum.fields.emplace_back(charges::UniformField(c["b"]));
-    if (name == "dipole_field") sum.fields.emplace_back(charges::DipoleField(c["moment"]));
-    if (name == "magnetic_bottle") sum.fields.emplace_back(charges::BottleField(c["b0"], c["length"]));
-  }
-  return sum;
-}
-
-template <class Field>
-auto field_effect(const Choice& c, const std::string& name, const Field& field) {
-  const FieldSum others = fields_before(c, name);
-  return FieldEffect<Field>(name, c["charge"], c["mass"], field, others,
-                            !c.on("kinetic") && others.fields.empty());
-}
-
-/// Not a charge's own, but of the same form as Coulomb's.
-struct Gravity : charges::Coulomb<> {
-  static constexpr const char* name = "gravity";
-  static constexpr const char* about = "a point mass at the origin, -GMm/r";
-};
-
-std::vector<EffectEntry<3>> all_effects() {
-  const char* const jackson = "Jackson, Classical Electrodynamics (1999), sections 5.6, 12.1 to 12.5";
-  return {
-      {{"mass"}, jackson, [](const Choice& c) { return charges::Kinetic<>{.mass = c["mass"]}; }},
-      {"uniform_field",
-       "uniform magnetic field along z, A = B/2 (-y, x, 0)",
-       {"b", "charge", "mass"},
-       jackson,
-       [](const Choice& c) { return field_effect(c, "uniform_field", charges::UniformField(c["b"])); }},
-      {"dipole_field",
-       "magnetic dipole along z at the origin, A = M (-y, x, 0)/r³",
-       {"moment", "charge", "mass"},
-       jackson,
-       [](const Choice& c) { return field_effect(c, "dipole_field", charges::DipoleField(c["moment"])); }},
-      {"magnetic_bottle",
-       "magnetic bottle along z, B_z = B0 (1 + (z² - ρ²/2)/L²)",
-       {"b0", "length", "charge", "mass"},
-       jackson,
-       [](const Choice& c) {
-         return field_effect(c, "magnetic_bottle", charges::BottleField(c["b0"], c["length"]));
-       }},
-      {{"ex", "ey", "ez", "charge"},
-       jackson,
-       [](const Choice& c) {
-         return charges::UniformElectric<>{.charge = c["charge"], .x = c["ex"], .y = c["ey"], .z = c["ez"]};
-       }},
-      {{"centre", "charge"},
-       jackson,
-       [](const Choice& c) { return charges::Coulomb<>{.k = c["charge"] * c["centre"]}; }},
-      {{"quadrupole", "charge"},
-       "Brown and Gabrielse, Rev. Mod. Phys. 58 (1986) 233",
-       [](const Choice& c) { return charges::Quadrupole<>{.k = c["charge"] * c["quadrupole"]}; }},
-      {{"gm", "mass"}, "", [](const Choice& c) { return Gravity{{.k = -c["gm"] * c["mass"]}}; }}};
-}
 
 State at(const Choice& c, const Eigen::Vector3d& q, const Eigen::Vector3d& v) {
   const FieldSum fields = fields_before(c, "");
@@ -168,30 +103,26 @@ std::vector<ScenePreset<3>> presets() {
 /// From above, and along the axis.
 View<3> view(const Choice& c) {
   const std::string unit = c.units.name(0);
-  View<3> view = path_view<3>({"x", "y", "z", "px", "py", "pz"}, "x", "y", unit);
-  const auto chords = std::make_shared<Chords>();  // of the second picture
-  view.append = [=, append = view.append](const auto& q, const auto& p, std::vector<double>& row) {
-    append(q, p, row);
-    chords->see(std::hypot(q[0], q[1]), q[2]);
-  };
-  view.memory = [=, memory = view.memory](CheckpointMemory& visit) {
-    memory(visit);
-    chords->visit_memory(visit);
+  View<3> view = path_view<3>({"t", "x", "y", "z", "px", "py", "pz"}, "x", "y", unit);
+  view.paths = 2;
+  view.append = [append = view.append](const auto& q, const auto& p, auto& row, auto& paths) {
+    append(q, p, row, paths);
+    paths[1].see(std::hypot(q[0], q[1]), q[2]);
   };
   const std::string earth =
       c.preset == "dipole" ? "set object 1 circle at 0,0 size 1 fillstyle solid fillcolor rgb '#999999'\n"
                            : "";
-  view.plot = [=, from_above = view.plot](const std::filesystem::path& csv) {
+  view.plot = [=, from_above = view.plot](const auto& csv, const auto& paths) {
     return earth +
            "set xtics rotate by -40\nset rmargin at screen 0.6\nset bmargin at screen 0.47\n"
            "set tmargin at screen 0.85\n" +
-           from_above(csv) +
+           from_above(csv, paths) +
            "unset object\nset size noratio\nset lmargin at screen 0.72\nset rmargin at screen 0.95\n"
            "set xtics rotate by -90\nset xrange [0:*]\nset yrange [*:*]\nset offsets 0, graph 0.1, 0, 0\nset "
            "xlabel " +
            quoted(in("distance from the axis", unit)) + "\nset ylabel " + quoted(in("z", unit)) + "\n" +
-           chords->label() + "plot " + quoted(csv.string()) + " skip 1 using (sqrt($2**2 + $3**2)):4" +
-           chords->style("rgb '#0072B2'") + "\nset xtics norotate\nset offsets 0, 0, 0, 0\n";
+           paths[1].label() + "plot " + quoted(csv.string()) + " skip 1 using (sqrt($2**2 + $3**2)):4" +
+           paths[1].style("rgb '#0072B2'") + "\nset xtics norotate\nset offsets 0, 0, 0, 0\n";
   };
   return view;
 }
@@ -216,7 +147,7 @@ int main(int argc, char** argv) {
       {"centre", "V m", "the point charge, Q/(4πε₀); 1.44e-9 V m for a proton"},
       {"quadrupole", "V/m2", "strength of the electric quadrupole"},
       {"gm", "m3/s2", "GM of the point mass", above_zero}};
-  program.effects = all_effects();
+  program.effects = charge_effects();
   program.presets = presets();
   program.view = view;
   return run_scene_program(program, argc, argv);

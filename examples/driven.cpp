@@ -14,8 +14,7 @@
 #include <semiexplicit/time.hpp>
 
 #include "common/arguments.hpp"
-#include "common/gnuplot.hpp"
-#include "common/table.hpp"
+#include "common/output.hpp"
 
 namespace {
 
@@ -96,18 +95,14 @@ int main(int argc, char** argv) {
   double amplitude = 0.2, frequency = 10;
   std::int64_t orbits = 40, periods = 1000, steps = 40;
   Settings settings;
-  const auto add = [&](const char* name, auto& value, const CLI::Validator& check, const char* about) {
-    app.add_option(name, value, about)->check(check)->capture_default_str();
-  };
-  add("--amplitude", amplitude, positive(), "of the shaking, in lengths of the pendulum");
-  add("--frequency", frequency, positive(), "of the shaking, in units of that of small swings at rest");
-  add("--orbits", orbits, whole_number(1, 10'000), "which start at rest, all around");
-  add("--periods", periods, whole_number(1, 1'000'000'000), "of the shaking, for each of them");
-  add("--steps", steps, whole_number(4, 1'000'000), "in a period");
-  app.add_option("--output", settings.output, "folder for the CSV file and the picture")
-      ->type_name("DIR")
-      ->capture_default_str();
-  app.add_flag("--no-plot", settings.no_plot, "leave the picture out");
+  add_value(app, "--amplitude", amplitude, "of the shaking, in lengths of the pendulum", positive());
+  add_value(app, "--frequency", frequency, "of the shaking, in units of that of small swings at rest",
+            positive());
+  add_value(app, "--orbits", orbits, "which start at rest, all around", whole_number(1, 10'000), "N");
+  add_value(app, "--periods", periods, "of the shaking, for each of them", whole_number(1, 1'000'000'000),
+            "N");
+  add_value(app, "--steps", steps, "in a period", whole_number(4, 1'000'000), "N");
+  add_output(app, settings, false);
 
   return run_program(app, argc, argv, [&] {
     const auto K = pendulum(amplitude, frequency);

@@ -12,15 +12,16 @@
 #include <vector>
 
 #include <mpi.h>
+#include <unistd.h>
 #include <CLI/CLI.hpp>
 #include <semiexplicit/ensemble.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 #include <semiexplicit/systems.hpp>
 
 #include "common/arguments.hpp"
-#include "common/finished_blocks.hpp"
-#include "common/sweep.hpp"
-#include "common/sweep_results.hpp"
+#include "ensemble_mpi/finished_blocks.hpp"
+#include "ensemble_mpi/results.hpp"
+#include "ensemble_mpi/sweep.hpp"
 
 namespace {
 
@@ -40,8 +41,8 @@ struct Job {
   Sweep sweep;
   std::int64_t block = 512;  ///< members
   int threads = 1;
-  std::filesystem::path output = "out";
-  bool no_plot = false, progress = false;
+  bool progress = false;
+  Settings settings;  ///< of which the output counts
 
   std::int64_t last_of(std::int64_t b) const { return std::min((b + 1) * block, sweep.members); }
   std::int64_t blocks() const { return (sweep.members + block - 1) / block; }
@@ -77,7 +78,7 @@ void show_progress(const Job& job, const FinishedBlocks& checkpoints, std::int64
 }
 
 int run(const World& world, const Job& job) {
-  const FinishedBlocks checkpoints(job.output / "sweep",
+  const FinishedBlocks checkpoints(job.settings.output / "sweep",
                                    job.sweep.in_words() + ", block " + std::to_string(job.block));
   if (world.first()) {
     Settings{.output = checkpoints.folder()}.make_output_folder();
@@ -91,7 +92,7 @@ int run(const World& world, const Job& job) {
   // Every block costs nearly the same, so they are dealt out like cards.
   const auto start = Clock::now();
   const std::clock_t processor_start = std::clock();
-  const bool shows = world.first() && (job.progress || detail::is_terminal(stderr));
+  const bool shows = world.first() && (job.progress || isatty(STDERR_FILENO) != 0);
   for (auto i = static_cast<std::size_t>(world.rank); i < missing.size();
        i += static_cast<std::size_t>(world.size)) {
     const std::int64_t b = missing[i];
@@ -123,14 +124,14 @@ int run(const World& world, const Job& job) {
               << " s, " << formatted("%.2e", steps / seconds) << " member-steps a second, "
               << formatted("%.2e", steps / processor_seconds) << " a second of a processor\n";
   }
-  std::cout << "data: " << results.write(job.output).string() << std::endl;
+  std::cout << "data: " << results.write(job.settings.output).string() << std::endl;
   std::filesystem::remove_all(checkpoints.folder());
   if (results.sorted(3).empty()) {
     std::cerr << "ensemble_mpi: no member came to its end; give a smaller --dt\n";
     return 1;
   }
-  const std::filesystem::path png = job.output / "sweep.png";
-  if (!job.no_plot) draw(png, results.script(png));
+  const std::filesystem::path png = job.settings.output / "sweep.png";
+  if (!job.settings.no_plot) draw(png, results.script(png));
   return 0;
 }
 
@@ -144,25 +145,20 @@ int run_job(int argc, char** argv) {
       "Four point vortices: three on a triangle, the fourth at random; which places make them chaotic? By "
       "many processes: mpirun -n 4 ensemble_mpi."};
   Job job;
-  const auto add = [&](const char* name, auto& value, const char* about, const CLI::Validator& check,
-                       const char* type) {
-    app.add_option(name, value, about)->check(check)->type_name(type)->capture_default_str();
-  };
   constexpr std::int64_t most = 1'000'000'000;
-  add("--members", job.sweep.members, "initial conditions", whole_number(1, most), "N");
-  add("--seed", job.sweep.seed, "of their places; member i depends on nothing else", whole_number(0, most),
-      "N");
-  add("--dt", job.sweep.dt, "step size; made a little smaller where the time is no multiple", positive(),
-      "X");
-  add("--time", job.sweep.time, "time to integrate to, and back", positive(), "X");
-  add("--strength", job.sweep.strength, "circulation of the fourth vortex; that of the others is 1",
-      positive(), "X");
-  add("--extent", job.sweep.extent, "half the side of the square of its places", positive(), "X");
-  add("--block", job.block, "members between two checkpoints", whole_number(1, most), "N");
-  add("--threads", job.threads, "of each process, where the program is built with OpenMP",
-      whole_number(1, 4096), "N");
-  add("--output", job.output, "folder for the results and the checkpoints", CLI::Validator(), "DIR");
-  app.add_flag("--no-plot", job.no_plot, "leave the picture out");
+  add_value(app, "--members", job.sweep.members, "initial conditions", whole_number(1, most), "N");
+  add_value(app, "--seed", job.sweep.seed, "of their places; member i depends on nothing else",
+            whole_number(0, most), "N");
+  add_value(app, "--dt", job.sweep.dt, "step size; made a little smaller where the time is no multiple",
+            positive(), "X");
+  add_value(app, "--time", job.sweep.time, "time to integrate to, and back", positive(), "X");
+  add_value(app, "--strength", job.sweep.strength,
+            "circulation of the fourth vortex; that of the others is 1", positive(), "X");
+  add_value(app, "--extent", job.sweep.extent, "half the side of the square of its places", positive(), "X");
+  add_value(app, "--block", job.block, "members between two checkpoints", whole_number(1, most), "N");
+  add_value(app, "--threads", job.threads, "of each process, where the program is built with OpenMP",
+            whole_number(1, 4096), "N");
+  add_output(app, job.settings, false);
   app.add_flag("--progress", job.progress,
                "show the progress on stderr though it is no terminal, as under mpirun");
   return run_program(app, argc, argv, [&] {

@@ -8,15 +8,15 @@
 #include <semiexplicit/semiexplicit.hpp>
 #include <semiexplicit/systems.hpp>
 
-#include "common/lattice_chain.hpp"
 #include "common/scene_program.hpp"
+#include "lattice/chain.hpp"
 
 namespace {
 
 using namespace examples;
 constexpr int any = Eigen::Dynamic;
 using State = PhasePoint<double, any>;
-using Half = HalfRef<any>;
+using Half = In<double, any>;
 
 std::vector<EffectEntry<any>> all_effects() {
   const char* const resonant = "Colliander, Keel, Staffilani, Takaoka, Tao, Invent. Math. 181 (2010) 39";
@@ -82,11 +82,12 @@ std::vector<ScenePreset<any>> presets() {
 /// |ψ|² of each site over time.
 View<any> view(const Choice& c) {
   View<any> view;
+  view.paths = 0;
   for (Eigen::Index i = 0; i < sites(c); ++i) view.columns.push_back("density" + std::to_string(i));
-  view.append = [](const Half& q, const Half& p, std::vector<double>& row) {
+  view.append = [](const Half& q, const Half& p, auto& row, auto&) {
     for (Eigen::Index i = 0; i < q.size(); ++i) row.push_back(q[i] * q[i] + p[i] * p[i]);
   };
-  view.plot = [n = sites(c), unit = c.units.name(1)](const std::filesystem::path& csv) {
+  view.plot = [n = sites(c), unit = c.units.name(1)](const auto& csv, const auto&) {
     // Rows are evenly spaced, but for the last one.
     return "stats " + quoted(csv.string()) + " skip 1 using 1 every ::::1 nooutput\nspacing = STATS_max\n" +
            "set key off\nset xlabel " + quoted(in("time", unit)) +

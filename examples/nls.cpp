@@ -1,7 +1,8 @@
 // The lattice of the nonlinear Schrödinger equation, by any method, or by four of them side by side (--compare).
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <iostream>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -12,11 +13,9 @@
 
 #include "common/arguments.hpp"
 #include "common/cost.hpp"
-#include "common/error_panels.hpp"
-#include "common/gnuplot.hpp"
+#include "common/results.hpp"
 #include "common/run.hpp"
-#include "common/series_csv.hpp"
-#include "common/table.hpp"
+#include "nls/picture.hpp"
 
 namespace {
 
@@ -58,59 +57,15 @@ std::vector<Method> contestants(const Method& semiexplicit) {
           semiexplicit};
 }
 
-std::string style(const std::string& method) {
-  if (method == "pihajoki") return "linecolor rgb '#D55E00' linewidth 2";
-  if (method == "tao") return "linecolor rgb '#CC79A7' linewidth 2";
-  if (method == "midpoint") return "linecolor rgb '#009E73' linewidth 2";
-  return "linecolor rgb '#0072B2' linewidth 3";
-}
-
-std::string title(const Run& run) {
-  const Method& method = run.method;
-  const std::string what = method.name == "pihajoki"   ? "Pihajoki"
-                           : method.name == "tao"      ? "Tao, ω = " + formatted("%g", method.omega)
-                           : method.name == "midpoint" ? "midpoint projection"
-                           : method.name == "gauss"    ? "Gauss-Legendre"
-                                                       : "semiexplicit";
-  const std::string end = run.failure.empty() ? "" : ", fails at t = " + formatted("%.3g", run.report.t);
-  return what + " (" + method.coefficients() + ")" + end;
-}
-
-/// Energy, mass and defect in three panels.
-std::string script(const std::filesystem::path& png, const std::filesystem::path& csv,
-                   const std::vector<Run>& runs, const std::string& headline, double time, double dt,
-                   bool logarithmic_time) {
-  const std::vector<std::string> labels{
-      "relative energy error", "relative mass error",
-      "distance of the copies\\n{/*0.8 (projected: before they are joined)}"};
-  std::vector<std::vector<Curve>> panels(labels.size());
-  std::size_t csv_column = 2;
-  for (const Run& run : runs)
-    for (std::size_t i = 0; i < run.series.columns.size(); ++i)
-      panels[i].push_back({&run, i, csv_column++, title(run), style(run.method.name)});
-  if (panels.back().empty()) panels.pop_back();
-
-  std::ostringstream out;
-  out << gnuplot_prologue(png, 1200, 1400) << "set multiplot layout " << panels.size()
-      << ",1 margins 0.13,0.97,0.065,0.885 spacing 0,0.03 title " << quoted(headline)
-      << " noenhanced font ',20'\n"
-      << "set key at screen 0.55,0.945 center top vertical maxrows 2 Left reverse samplen 3 width -6 "
-         "noenhanced\n"
-      << "set logscale y\nset format y '10^{%T}'\nset grid linetype 1 linewidth 0.5 linecolor rgb "
-         "'#d8d8d8'\n";
-  if (logarithmic_time)
-    out << "set logscale x\nset xrange [" << dt << ':' << time << "]\n";
-  else
-    out << "set xrange [0:" << time << "]\n";
-  for (std::size_t i = 0; i < panels.size(); ++i) {
-    if (i + 1 < panels.size())
-      out << "set format x ''\n";
-    else
-      out << "set format x " << (logarithmic_time ? "'10^{%T}'" : "'%g'") << "\nset xlabel 'time'\n";
-    out << panel(csv, labels[i], panels[i]) << "set key off\n";
+/// For a logarithmic time axis.
+Rows geometrically_spaced(std::int64_t steps, std::int64_t samples) {
+  Rows rows{0};
+  for (std::int64_t k = 0; k < samples - 1 && rows.back() < steps; ++k) {
+    const double exponent = static_cast<double>(k + 1) / static_cast<double>(samples - 1);
+    const auto n = static_cast<std::int64_t>(std::round(std::pow(static_cast<double>(steps), exponent)));
+    if (n > rows.back()) rows.push_back(std::min(n, steps));
   }
-  out << "unset multiplot\n";
-  return out.str();
+  return rows;
 }
 
 }  // namespace
@@ -122,37 +77,31 @@ int main(int argc, char** argv) {
   Method method;
   Eigen::Index sites = 5;
   bool compare = false;
-  app.add_option("--sites", sites, "size of the lattice")
-      ->check(whole_number(1, 100'000'000))
-      ->type_name("N")
-      ->capture_default_str();
+  add_value(app, "--sites", sites, "size of the lattice", whole_number(1, 100'000'000), "N");
   add_method(app, method);
-  add_settings(app, settings);
+  add_value(app, "--dt", settings.dt, "step size; made a little smaller where the time is no multiple",
+            positive());
+  add_value(app, "--time", settings.time, "time to integrate to", positive());
+  add_output(app, settings);
   auto* const comparison = app.add_flag(
       "--compare", compare,
       "run pihajoki, tao, midpoint and semiexplicit side by side (the schemes of the first three are set)");
   app.get_option("--method")->excludes(comparison);
   CostRequest request;
-  add_cost(app, request);
+  request.add_to(app);
   CheckpointRequest checkpoint;
-  add_checkpoint(app, checkpoint);
+  checkpoint.add_to(app);
   comparison->excludes("--cost")->excludes("--accuracy")->excludes("--checkpoint");
   app.footer(
       app.get_footer() +
       "\n\n--compare gives every method the same dt, and schemes with which a step costs nearly the same.");
 
   return run_program(app, argc, argv, [&] {
-    if (request.wanted(app)) {
-      settings.make_output_folder();
-      const CostOfAccuracy cost = with_lattice(sites, [&](const auto& lattice, const auto& z) {
-        return cost_of_accuracy(lattice, z, settings.time, request.options());
-      });
-      if (request.curve) {
-        show_cost(cost, settings, "nls_cost", "NLS lattice, N = " + std::to_string(sites));
-        return 0;
-      }
-      request.choose(cost, method, settings);
-    }
+    if (request.wanted(app) && with_lattice(sites, [&](const auto& lattice, const auto& z) {
+          return request.answer(lattice, z, method, settings, "nls_cost",
+                                "NLS lattice, N = " + std::to_string(sites));
+        }))
+      return 0;
     const std::vector<Method> methods = compare ? contestants(method) : std::vector<Method>{method};
     std::vector<std::string> listening;
     for (const Method& m : methods) listening.push_back(m.name);
@@ -181,7 +130,7 @@ int main(int argc, char** argv) {
 
     // A rival that fails is a result; the method that was asked for must not.
     bool failed = false;
-    for (const Run& run : runs) failed = tell_failure(run);
+    for (const Run& run : runs) failed = run.tell_failure();
     return failed ? 1 : 0;
   });
 }

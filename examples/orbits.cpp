@@ -11,8 +11,8 @@
 #include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
-#include "common/orbit_measurements.hpp"
 #include "common/scene_program.hpp"
+#include "orbits/measurements.hpp"
 
 namespace {
 
@@ -143,7 +143,7 @@ int main(int argc, char** argv) {
   program.view = [](const Choice& c) {
     std::vector<std::pair<double, double>> centres{{0, 0}};
     if (c.on("two_centres")) centres = {{-c["mu"], 0}, {1 - c["mu"], 0}};
-    return path_view<3>({"x", "y", "z", "px", "py", "pz"}, "x", "y", c.units.name(0), centres);
+    return path_view<3>({"t", "x", "y", "z", "px", "py", "pz"}, "x", "y", c.units.name(0), centres);
   };
   return run_scene_program(program, argc, argv);
 }

@@ -15,7 +15,7 @@
 
 #include <semiexplicit/accuracy.hpp>
 
-#include "common/whole_file.hpp"
+#include "common/output.hpp"
 #include "systems.hpp"
 
 namespace {

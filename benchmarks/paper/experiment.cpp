@@ -7,7 +7,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "common/whole_file.hpp"
+#include "common/output.hpp"
 #include "methods.hpp"
 #include "problems.hpp"
 

@@ -5,9 +5,7 @@
 #include <limits>
 #include <sstream>
 
-#include "common/gnuplot.hpp"
-#include "common/table.hpp"
-#include "common/whole_file.hpp"
+#include "common/output.hpp"
 #include "methods.hpp"
 #include "problems.hpp"
 

@@ -5,8 +5,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "common/table.hpp"
-#include "common/whole_file.hpp"
+#include "common/output.hpp"
 #include "methods.hpp"
 
 namespace paper {

@@ -13,8 +13,7 @@
 #include <semiexplicit/systems.hpp>
 
 #include "../batches.hpp"
-#include "common/gnuplot.hpp"
-#include "common/whole_file.hpp"
+#include "common/output.hpp"
 
 namespace stability {
 

@@ -5,7 +5,7 @@
 #include <iostream>
 #include <string>
 
-#include "common/whole_file.hpp"
+#include "common/output.hpp"
 #include "long_runs.hpp"
 #include "stiff_lattice.hpp"
 

@@ -8,7 +8,7 @@
 #include <CLI/CLI.hpp>
 
 #include "battery.hpp"
-#include "common/whole_file.hpp"
+#include "common/output.hpp"
 #include "long_runs.hpp"
 
 namespace {

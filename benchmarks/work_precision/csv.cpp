@@ -1,7 +1,7 @@
 #include <charconv>
 #include <ostream>
 
-#include "common/whole_file.hpp"
+#include "common/output.hpp"
 #include "report.hpp"
 
 namespace work_precision {

@@ -1,6 +1,6 @@
 #include <sstream>
 
-#include "common/gnuplot.hpp"
+#include "common/output.hpp"
 #include "report.hpp"
 
 namespace work_precision {

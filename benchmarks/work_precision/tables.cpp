@@ -5,8 +5,7 @@
 #include <limits>
 #include <ostream>
 
-#include "common/table.hpp"
-#include "common/whole_file.hpp"
+#include "common/output.hpp"
 #include "report.hpp"
 
 namespace work_precision {

@@ -13,10 +13,8 @@
 #include <semiexplicit/accuracy.hpp>
 
 #include "arguments.hpp"
-#include "gnuplot.hpp"
+#include "output.hpp"
 #include "run.hpp"
-#include "table.hpp"
-#include "whole_file.hpp"
 
 namespace examples {
 
@@ -27,9 +25,20 @@ struct CostRequest {
   std::string by = "seconds";
   std::optional<CostRow> chosen{};
 
+  void add_to(CLI::App& app) {
+    auto* const flag =
+        app.add_flag("--cost", curve, "print what accuracy costs here, and draw it, instead of a long run");
+    app.add_option("--accuracy", accuracy,
+                   "largest relative energy error: choose the cheapest method and step for it, and run")
+        ->check(CLI::Range(1e-300, 0.1))
+        ->type_name("X")
+        ->excludes(flag);
+    add_value(app, "--cost-by", by, "what cheap means: seconds, gradients", one_of({"seconds", "gradients"}),
+              "NAME");
+  }
+
   /// Whether one of them is there. Throws std::invalid_argument where the user has chosen a method or a step as well.
   bool wanted(const CLI::App& app) const {
-    const char* const option = curve ? "--cost" : "--accuracy";
     if (!curve && app.count("--accuracy") == 0) {
       if (app.count("--cost-by") > 0)
         throw std::invalid_argument("--cost-by goes with --cost or --accuracy; give one of them");
@@ -38,19 +47,36 @@ struct CostRequest {
     for (const char* other :
          {"--dt", "--method", "--scheme", "--solver", "--rule", "--tolerance", "--omega", "--stages"})
       if (app.count(other) > 0)
-        throw std::invalid_argument(std::string(other) + " is what " + option +
+        throw std::invalid_argument(std::string(other) + " is what " + (curve ? "--cost" : "--accuracy") +
                                     " is to find out; leave one of them out");
     return true;
   }
 
-  CostOptions options() const {
+  /// Finds the costs of a run from z0. Shows them, and gives true: there is nothing else to do; or takes the cheapest
+  /// setting for the accuracy, says why, and puts it into method and settings. Throws std::runtime_error where the accuracy
+  /// is out of reach.
+  template <class H, class State>
+  bool answer(const H& hamiltonian, const State& z0, Method& method, Settings& settings,
+              const std::string& file, const std::string& title) {
     CostOptions options{.by = by == "seconds" ? CostBy::seconds : CostBy::gradients};
     if (!curve) options.targets = {accuracy};
-    return options;
+    settings.make_output_folder();
+    const CostOfAccuracy cost = cost_of_accuracy(hamiltonian, z0, settings.time, options);
+    if (curve)
+      show(cost, settings, file, title);
+    else
+      choose(cost, method, settings);
+    return curve;
   }
 
-  /// Takes the cheapest setting, says why, and puts it into method and settings. Throws std::runtime_error where the
-  /// accuracy is out of reach.
+  /// What came of the choice.
+  void compare_with(const Run& run) const {
+    if (chosen && run.is_result())
+      std::cout << formatted("energy error: %.1e asked for, %.1e expected, %.1e reached\n", accuracy,
+                             chosen->error, run.quantities.front().worst);
+  }
+
+ private:
   void choose(const CostOfAccuracy& cost, Method& method, Settings& settings) {
     chosen = cost.cheapest(accuracy);
     if (!chosen) {
@@ -62,84 +88,55 @@ struct CostRequest {
                                      : std::string("; no setting works")) +
                                "; " + cost.why(accuracy));
     }
-    std::cout << cost << '\n';
     const Setting& setting = chosen->setting;
     method.name = setting.method == Setting::Method::semiexplicit ? "semiexplicit" : "gauss";
-    if (setting.method == Setting::Method::semiexplicit) method.scheme = setting.scheme;
+    if (method.name == "semiexplicit") method.scheme = setting.scheme;
     method.tolerance = setting.rule.tolerance;
     method.stages = std::max(1, setting.stages);
     method.lanes = setting.method == Setting::Method::gauss_lanes;
     settings.dt = settings.time / std::ceil(settings.time / setting.dt);
-    std::cout << "chosen: " << setting.name() << ", dt = " << formatted("%.4g", settings.dt)
+    std::cout << cost << "\nchosen: " << setting.name() << ", dt = " << formatted("%.4g", settings.dt)
               << ", the cheapest in " << (by == "seconds" ? "processor time" : "gradient calls") << " of "
               << cost.rows.size() << " settings tried\n\n";
   }
 
-  /// What came of the choice.
-  void compare_with(const Run& run) const {
-    if (chosen && run.is_result())
-      std::cout << "energy error: "
-                << formatted("%.1e asked for, %.1e expected, %.1e reached\n", accuracy, chosen->error,
-                             run.quantities.front().worst);
+  /// The table on the screen, the rows in <file>.csv, and error against cost in <file>.png, a curve a method.
+  static void show(const CostOfAccuracy& cost, const Settings& settings, const std::string& file,
+                   const std::string& title) {
+    const std::filesystem::path csv = settings.output / (file + ".csv"),
+                                png = settings.output / (file + ".png");
+    write_whole(csv, [&](std::ostream& out) {
+      out.precision(9);
+      out << "method,solver,dt,error,gradients,seconds,drifts,works\n";
+      for (const CostRow& row : cost.rows)
+        out << row.setting.name() << ',' << row.setting.solver() << ',' << row.setting.dt << ',' << row.error
+            << ',' << row.gradients << ',' << row.seconds << ',' << row.drifts << ',' << row.works() << '\n';
+    });
+    std::cout << cost << "data: " << csv.string() << '\n';
+    if (settings.no_plot) return;
+
+    const bool seconds = cost.by == CostBy::seconds;
+    std::ostringstream out;
+    out << gnuplot_prologue(png, 1200, 800) << "set title "
+        << quoted(title + ": what accuracy costs over T = " + formatted("%g", cost.time)) << " noenhanced\n"
+        << "set logscale xy\nset format '10^{%T}'\nset xrange [*:*] reverse\n"
+        << "set xlabel 'largest relative energy error, expected'\nset ylabel '"
+        << (seconds ? "seconds of processor time" : "gradient calls") << "'\n"
+        << "set key outside right noenhanced\nset grid linetype 1 linewidth 0.5 linecolor rgb '#d8d8d8'\n"
+        << "plot NaN notitle";
+    std::vector<std::string> drawn;
+    for (const CostRow& row : cost.rows) {
+      const std::string method = row.setting.name();
+      if (!row.works() || std::find(drawn.begin(), drawn.end(), method) != drawn.end()) continue;
+      drawn.push_back(method);
+      out << ", \\\n  " << quoted(csv.string()) << " skip 1 using (stringcolumn(1) eq " << quoted(method)
+          << " && $8 == 1 ? $4 : NaN):" << (seconds ? 6 : 5) << " with linespoints linewidth 2 pointtype "
+          << 4 + drawn.size() << (row.setting.method == Setting::Method::semiexplicit ? "" : " dashtype 2")
+          << " title " << quoted(method);
+    }
+    out << '\n';
+    draw(png, out.str());
   }
 };
-
-inline void add_cost(CLI::App& app, CostRequest& request) {
-  auto* const curve = app.add_flag("--cost", request.curve,
-                                   "print what accuracy costs here, and draw it, instead of a long run");
-  app.add_option("--accuracy", request.accuracy,
-                 "largest relative energy error: choose the cheapest method and step for it, and run")
-      ->check(CLI::Range(1e-300, 0.1))
-      ->type_name("X")
-      ->excludes(curve);
-  app.add_option("--cost-by", request.by, "what cheap means: seconds, gradients")
-      ->check(one_of({"seconds", "gradients"}))
-      ->type_name("NAME")
-      ->capture_default_str();
-}
-
-/// The rows as a file.
-inline void write_cost(const std::filesystem::path& path, const CostOfAccuracy& cost) {
-  write_whole(path, [&](std::ostream& out) {
-    out.precision(9);
-    out << "method,solver,dt,error,gradients,seconds,drifts,works\n";
-    for (const CostRow& row : cost.rows)
-      out << row.setting.name() << ',' << row.setting.solver() << ',' << row.setting.dt << ',' << row.error
-          << ',' << row.gradients << ',' << row.seconds << ',' << row.drifts << ',' << row.works() << '\n';
-  });
-}
-
-/// The table on the screen, the rows in <name>.csv, and error against cost in <name>.png, a curve a method.
-inline void show_cost(const CostOfAccuracy& cost, const Settings& settings, const std::string& name,
-                      const std::string& what) {
-  std::cout << cost;
-  const std::filesystem::path csv = settings.output / (name + ".csv"),
-                              png = settings.output / (name + ".png");
-  write_cost(csv, cost);
-  std::cout << "data: " << csv.string() << '\n';
-  if (settings.no_plot) return;
-
-  const bool seconds = cost.by == CostBy::seconds;
-  std::ostringstream out;
-  out << gnuplot_prologue(png, 1200, 800) << "set title "
-      << quoted(what + ": what accuracy costs over T = " + formatted("%g", cost.time)) << " noenhanced\n"
-      << "set logscale xy\nset format '10^{%T}'\nset xrange [*:*] reverse\n"
-      << "set xlabel 'largest relative energy error, expected'\nset ylabel '"
-      << (seconds ? "seconds of processor time" : "gradient calls") << "'\n"
-      << "set key outside right noenhanced\nset grid linetype 1 linewidth 0.5 linecolor rgb '#d8d8d8'\n"
-      << "plot NaN notitle";
-  std::vector<std::string> drawn;
-  for (const CostRow& row : cost.rows) {
-    const std::string method = row.setting.name();
-    if (!row.works() || std::find(drawn.begin(), drawn.end(), method) != drawn.end()) continue;
-    drawn.push_back(method);
-    out << ", \\\n  " << quoted(csv.string()) << " skip 1 using (stringcolumn(1) eq " << quoted(method)
-        << " && $8 == 1 ? $4 : NaN):" << (seconds ? 6 : 5) << " with linespoints linewidth 2 pointtype "
-        << 4 + drawn.size() << (row.setting.method == Setting::Method::semiexplicit ? "" : " dashtype 2")
-        << " title " << quoted(method);
-  }
-  out << '\n';
-  draw(png, out.str());
-}
 
 }  // namespace examples

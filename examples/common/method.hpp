@@ -1,16 +1,22 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <optional>
+#include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include <semiexplicit/ensemble.hpp>
+#include <CLI/CLI.hpp>
+#include <semiexplicit/accuracy.hpp>
 #include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
+#include "arguments.hpp"
+
 namespace examples {
 
-using namespace semiexplicit;
 using namespace semiexplicit::effects;
 
 /// A method chosen by name, and its settings.
@@ -48,51 +54,69 @@ struct Method {
   }
 };
 
-/// with_stepper() for a Hamiltonian that is not known to be separable.
-template <class H, class Use>
-void with_general_stepper(const Method& method, const H& hamiltonian, const Use& use) {
-#ifdef SEMIEXPLICIT_HAS_PACKS
-  if constexpr (HasPackGradient<H>) {
-    if (method.name == "gauss" && method.lanes) {
-      GaussLegendreLanes stepper(hamiltonian, {.stages = method.stages});
-      return use(stepper);
-    }
-  }
-#endif
-  if (method.name == "gauss") {
-    GaussLegendre stepper(hamiltonian, {.stages = method.stages});
-    return use(stepper);
-  }
-  const auto scheme = schemes::by_name<typename H::Scalar>(method.scheme_name());
-  if (method.name == "pihajoki") {
-    Pihajoki stepper(hamiltonian, scheme);
-    use(stepper);
-  } else if (method.name == "tao") {
-    Tao stepper(hamiltonian, scheme, method.omega);
-    use(stepper);
-  } else if (method.name == "midpoint") {
-    MidpointProjection stepper(hamiltonian, scheme);
-    use(stepper);
-  } else if (method.solver == "broyden") {
-    Semiexplicit stepper(hamiltonian, scheme, Broyden{.stop = method.stopping_rule()});
-    use(stepper);
-  } else {
-    Semiexplicit stepper(hamiltonian, scheme, SimplifiedNewton{.stop = method.stopping_rule()});
-    use(stepper);
-  }
-}
-
 /// Makes the stepper that `method` names and hands it to `use`. Throws std::invalid_argument where the settings do
 /// not fit together.
 template <class H, class Use>
 void with_stepper(const Method& method, const H& hamiltonian, const Use& use) {
+  const auto hand = [&](auto stepper) { use(stepper); };
+  const auto scheme = [&] { return schemes::by_name<typename H::Scalar>(method.scheme_name()); };
   // What is separable by its type gets the plain splitting, which no other Hamiltonian can have.
   if constexpr (SeparableHamiltonian<H>) {
-    ExplicitSplitting stepper(hamiltonian, schemes::by_name<typename H::Scalar>(method.scheme_name()));
-    return use(stepper);
+    hand(ExplicitSplitting(hamiltonian, scheme()));
+  } else if (method.name == "gauss") {
+    const auto kind = method.lanes ? Setting::Method::gauss_lanes : Setting::Method::gauss;
+    semiexplicit::with_stepper(hamiltonian, {.method = kind, .stages = method.stages}, use);
+  } else if (method.name == "pihajoki") {
+    hand(Pihajoki(hamiltonian, scheme()));
+  } else if (method.name == "tao") {
+    hand(Tao(hamiltonian, scheme(), method.omega));
+  } else if (method.name == "midpoint") {
+    hand(MidpointProjection(hamiltonian, scheme()));
+  } else if (method.solver == "broyden") {
+    hand(Semiexplicit(hamiltonian, scheme(), Broyden{.stop = method.stopping_rule()}));
   } else {
-    with_general_stepper(method, hamiltonian, use);
+    hand(Semiexplicit(hamiltonian, scheme(), SimplifiedNewton{.stop = method.stopping_rule()}));
   }
+}
+
+inline void add_method(CLI::App& app, Method& method,
+                       const std::vector<std::string>& methods = Method::names()) {
+  const auto choice = [&](const char* name, std::string& value, const std::vector<std::string>& words,
+                          const std::string& about) {
+    add_value(app, name, value, about + ": " + joined(words), one_of(words), "NAME");
+  };
+  choice("--method", method.name, methods, "the integrator");
+  app.add_option("--scheme", method.scheme, "its coefficients (not of gauss), by a name from the list below")
+      ->check(one_of(schemes::names()))
+      ->type_name("NAME")
+      ->default_str("low_defect6_s13; tao: yoshida6");
+  choice("--solver", method.solver, {"newton", "broyden"}, "of the semiexplicit projection");
+  choice("--rule", method.rule, {"product", "paper"}, "when the solver may stop");
+  app.add_option("--tolerance", method.tolerance,
+                 "of that rule: drift in a step relative to the state, or size of the next correction")
+      ->check(positive())
+      ->type_name("X")
+      ->default_str("product: 1e-16, paper: 1e-13");
+  add_value(app, "--omega", method.omega, "coupling of the copies in tao",
+            number<double>("a finite number", [](double x) { return std::isfinite(x); }));
+  add_value(app, "--stages", method.stages, "of gauss, 1 to 8", whole_number(1, 8), "N");
+  app.footer("Schemes: " + joined(schemes::names()) + ".");
+}
+
+/// Refuses options that none of the methods that run listens to.
+inline void refuse_idle_options(const CLI::App& app, const std::vector<std::string>& methods) {
+  const std::vector<std::pair<const char*, std::vector<std::string>>> all{
+      {"--scheme", {"semiexplicit", "midpoint", "pihajoki", "tao", "splitting"}},
+      {"--solver", {"semiexplicit"}},
+      {"--rule", {"semiexplicit"}},
+      {"--tolerance", {"semiexplicit"}},
+      {"--omega", {"tao"}},
+      {"--stages", {"gauss"}}};
+  for (const auto& [option, listeners] : all)
+    if (app.count(option) > 0 && std::find_first_of(methods.begin(), methods.end(), listeners.begin(),
+                                                    listeners.end()) == methods.end())
+      throw std::invalid_argument(option + std::string(" means nothing to ") + joined(methods) +
+                                  "; it is for " + joined(listeners));
 }
 
 }  // namespace examples

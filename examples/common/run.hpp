@@ -1,18 +1,57 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
+#include <filesystem>
 #include <iostream>
+#include <sstream>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
+#include <CLI/CLI.hpp>
 #include <semiexplicit/checkpoint.hpp>
 
-#include "checkpoint_request.hpp"
+#include "arguments.hpp"
 #include "method.hpp"
 
 namespace examples {
+
+/// The options --checkpoint, save the run there and go on from there, and --checkpoint-every.
+struct CheckpointRequest {
+  std::filesystem::path file{};
+  std::int64_t every = 0;
+  std::ostringstream run{};  ///< what makes this run this run; whoever starts it writes it here
+
+  void add_to(CLI::App& app) {
+    const auto in_a_folder = [](const std::string& text) -> std::string {
+      const std::filesystem::path path(text), folder = path.parent_path();
+      if (std::filesystem::is_directory(path) || !path.has_filename())
+        return "'" + text + "' is a folder; give the name of a file in it";
+      if (!folder.empty() && !std::filesystem::is_directory(folder))
+        return "the folder " + folder.string() + " is not there; make it first";
+      return "";
+    };
+    auto* const option = app.add_option("--checkpoint", file,
+                                        "file to save the run in from time to time; where it is there and "
+                                        "fits, the run goes on from it")
+                             ->type_name("FILE")
+                             ->check(CLI::Validator(in_a_folder, "", "file"))
+                             ->excludes("--cost")
+                             ->excludes("--accuracy");
+    app.add_option("--checkpoint-every", every, "steps from one to the next; without it, a minute")
+        ->check(whole_number(1, 1'000'000'000'000'000))
+        ->type_name("N")
+        ->needs(option);
+  }
+
+  bool wanted() const { return !file.empty(); }
+  /// The run is done and its files are there.
+  void finish() const {
+    if (wanted()) DurableFile::remove(file);
+  }
+};
 
 /// The numbers of the steps after which a row is kept: the start, the end, and `samples` in all at most.
 using Rows = std::vector<std::int64_t>;
@@ -29,44 +68,40 @@ inline Rows evenly_spaced(std::int64_t steps, std::int64_t samples) {
   return rows;
 }
 
-/// For a logarithmic time axis.
-inline Rows geometrically_spaced(std::int64_t steps, std::int64_t samples) {
-  Rows rows{0};
-  for (std::int64_t k = 0; k < samples - 1 && rows.back() < steps; ++k) {
-    const double exponent = static_cast<double>(k + 1) / static_cast<double>(samples - 1);
-    const auto n = static_cast<std::int64_t>(std::round(std::pow(static_cast<double>(steps), exponent)));
-    if (n > rows.back()) rows.push_back(std::min(n, steps));
-  }
-  return rows;
-}
-
-/// Errors over time, a column each. A row holds the largest values since the row before it, so that no peak falls
-/// between two rows.
-struct Series {
-  std::vector<std::string> names;
-  std::vector<double> t;
-  std::vector<std::vector<double>> columns;
-};
-
 /// What came of one method.
 struct Run {
+  /// The relative error of an invariant, or the defect, as it grows. A row holds the largest value since the row before it,
+  /// so that no peak falls between two rows.
   struct Quantity {
     std::string name;
-    double worst, final;
+    double worst = 0, final = 0, peak = 0;  ///< of the run, at its end, since the last row
+    std::vector<double> rows{};
+
+    std::string column() const { return name == "defect" ? name : name + "_error"; }
+    void see(double value) {
+      final = value;
+      for (double* largest : {&worst, &peak})
+        if (!(value <= *largest)) *largest = value;  // a NaN is the worst
+    }
   };
 
   Method method{};
-  std::vector<Quantity> quantities{};  ///< relative errors of the invariants, then the defect
-  Series series{};
+  std::vector<Quantity> quantities{};  ///< the invariants, then the defect
+  std::vector<double> t{};             ///< of the rows
   IntegrationReport report{};
   std::string failure{};  ///< empty if the run came to its end
   std::string doubt{};    ///< not empty if the result means nothing although it did
 
   bool is_result() const { return failure.empty() && doubt.empty(); }
+  /// Says on stderr why this is no result; false: it is one.
+  bool tell_failure() const {
+    if (!is_result()) std::cerr << method.name << ": " << (failure.empty() ? doubt : failure) << '\n';
+    return !is_result();
+  }
 };
 
-/// An observer that fills a Run's series, and follows the defect of methods that work with copies. Comes after the
-/// invariants that it reads.
+/// An observer that fills a Run's quantities, the defect for methods that work with copies. Comes after the invariants that
+/// it reads.
 template <class Watched>
 class Watch {
  public:
@@ -74,29 +109,21 @@ class Watch {
 
   Watch(const Watched& invariants, const Rows& rows, Run& run)
       : invariants_(invariants), rows_(rows), run_(run) {
-    for (const auto& row : invariants.rows()) run.quantities.push_back({row.name, 0, 0});
-    if (run.method.doubles()) run.quantities.push_back({"defect", 0, 0});
-    for (const auto& quantity : run.quantities)
-      run.series.names.push_back(quantity.name == "defect" ? "defect" : quantity.name + "_error");
-    run.series.columns.resize(run.quantities.size());
-    largest_.assign(run.quantities.size(), 0.0);
+    for (const auto& row : invariants.rows()) run.quantities.push_back({.name = row.name});
+    if (run.method.doubles()) run.quantities.push_back({.name = "defect"});
   }
 
   template <class State>
   void operator()(double t, const State& state, const StepReport& report) {
-    for (std::size_t i = 0; i < run_.quantities.size(); ++i) {
-      auto& [quantity, worst, final] = run_.quantities[i];
-      final = i < invariants_.rows().size() ? invariants_.rows()[i].final : defect(state, report);
-      keep_larger(worst, final);
-      keep_larger(largest_[i], final);
-    }
+    const auto& rows = invariants_.rows();
+    for (std::size_t i = 0; i < run_.quantities.size(); ++i)
+      run_.quantities[i].see(i < rows.size() ? rows[i].final : defect(state, report));
     t_ = t;
     pending_ = true;
-    if (next_ < rows_.size() && step_ == rows_[next_]) {
+    if (next_ < rows_.size() && step_++ == rows_[next_]) {
       ++next_;
       write_row();
     }
-    ++step_;
   }
 
   template <class List>
@@ -107,12 +134,10 @@ class Watch {
   template <class Visitor>
   void visit_memory(Visitor&& visit) {
     for (auto& quantity : run_.quantities) {
-      visit(quantity.worst);
-      visit(quantity.final);
+      for (double* number : {&quantity.worst, &quantity.final, &quantity.peak}) visit(*number);
+      visit(quantity.rows);
     }
-    visit(run_.series.t);
-    for (auto& column : run_.series.columns) visit(column);
-    visit(largest_);
+    visit(run_.t);
     visit(t_);
     visit(pending_);
     visit(next_);
@@ -125,10 +150,6 @@ class Watch {
   }
 
  private:
-  static void keep_larger(double& largest, double value) {
-    if (!(value <= largest)) largest = value;  // a NaN is the worst
-  }
-
   /// How far the copies are apart at the end of a step; where they are then joined, just before that.
   template <class State>
   static double defect(const State& state, const StepReport& report) {
@@ -139,16 +160,14 @@ class Watch {
   }
 
   void write_row() {
-    run_.series.t.push_back(t_);
-    for (std::size_t i = 0; i < largest_.size(); ++i) run_.series.columns[i].push_back(largest_[i]);
-    largest_.assign(largest_.size(), 0.0);
+    run_.t.push_back(t_);
+    for (auto& quantity : run_.quantities) quantity.rows.push_back(std::exchange(quantity.peak, 0));
     pending_ = false;
   }
 
   const Watched& invariants_;
   const Rows& rows_;
   Run& run_;
-  std::vector<double> largest_;
   double t_ = 0;
   bool pending_ = false;
   std::size_t next_ = 0;
@@ -165,8 +184,8 @@ Run run_method(const Method& method, const H& hamiltonian, const PhasePoint<doub
     typename std::decay_t<decltype(stepper)>::State state(z0);
     Watch watch(invariants, rows, run);
     IntegrationOptions<double> options{.dt = dt, .steps = steps};
-    Checkpoints checkpoints(request.file, request.options(), stepper, options, invariants, watch,
-                            observers...);
+    Checkpoints checkpoints(request.file, {.every = request.every, .run = request.run.str()}, stepper,
+                            options, invariants, watch, observers...);
     if (request.wanted()) options.done = checkpoints.resume(state);
     if (options.done.steps > 0)
       std::cout << "goes on from " << request.file.string() << ", step " << options.done.steps

@@ -6,7 +6,6 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <ostream>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -15,10 +14,10 @@
 #include <vector>
 
 #include <CLI/CLI.hpp>
-#include <semiexplicit/checkpoint.hpp>
 #include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
+#include "measurement.hpp"
 #include "scene_picture.hpp"
 #include "units.hpp"
 
@@ -73,95 +72,27 @@ class Choice {
 };
 
 /// An effect that can be chosen: the parameters that it takes, where it comes from, and how it is made. Name and description
-/// are those of the effect, unless given. An entry that makes nothing (an empty function, with name and about) only tells
-/// others by Choice::on().
+/// are those of the effect, unless given.
 template <int Dof>
 struct EffectEntry {
   std::vector<std::string> parameters;
   std::string source;
   std::function<AnyEffect<double, Dof>(const Choice&)> make;
-  std::string name, about;
-  std::string acts;
+  std::string name, about, acts;
 
-  template <class Make>
-  EffectEntry(std::vector<std::string> takes, std::string from, Make maker)
-      : parameters(std::move(takes)), source(std::move(from)), make(maker) {
-    using E = std::invoke_result_t<Make, const Choice&>;
-    name = E::name;
-    about = E::about;
-    acts = acts_of<E>();
-  }
-  template <class Make>
-  EffectEntry(std::string called, std::string does, std::vector<std::string> takes, std::string from,
-              Make maker)
+  template <class Make, class E = std::invoke_result_t<Make, const Choice&>>
+  EffectEntry(std::vector<std::string> takes, std::string from, Make maker, std::string called = E::name,
+              std::string does = E::about)
       : parameters(std::move(takes)),
         source(std::move(from)),
         make(maker),
         name(std::move(called)),
-        about(std::move(does)) {
-    using E = std::invoke_result_t<Make, const Choice&>;
-    acts = acts_of<E>();
-  }
-  /// A modifier.
-  EffectEntry(std::string called, std::string does, std::vector<std::string> takes, std::string from)
-      : parameters(std::move(takes)),
-        source(std::move(from)),
-        name(std::move(called)),
-        about(std::move(does)) {}
-
- private:
-  template <class E>
-  static std::string acts_of() {
-    if constexpr (CoupledEffect<E>) return "couples q and p";
-    if constexpr (PositionEffect<E>) return "acts on q";
-    if constexpr (MomentumEffect<E>) return "acts on p";
-    return "acts on q and on p";
-  }
+        about(std::move(does)),
+        acts(CoupledEffect<E>    ? "couples q and p"
+             : PositionEffect<E> ? "acts on q"
+             : MomentumEffect<E> ? "acts on p"
+                                 : "acts on q and on p") {}
 };
-
-template <int Dof>
-using HalfRef = In<double, Dof>;
-
-/// Looks on at a run and says something about it at the end.
-template <int Dof>
-struct Measurement {
-  std::function<void(double t, const HalfRef<Dof>& q, const HalfRef<Dof>& p)> observe;
-  std::function<void(std::ostream&, const Run&)> report;
-  std::function<void(CheckpointMemory&)>
-      memory;  ///< of what it has seen, for checkpoints; see CheckpointMemory
-
-  /// Nothing is said of a run that is no result.
-  void print(std::ostream& out, const Run& run) const {
-    if (!report) return;
-    if (run.is_result())
-      report(out, run);
-    else
-      out << "nothing else is measured, as the run is no result; see the end of it\n";
-  }
-};
-
-/// A measurement as an observer.
-template <int Dof>
-struct Measuring {
-  static constexpr const char* name = "Measuring";
-  const Measurement<Dof>& measurement;
-
-  template <class State>
-  void operator()(double t, const State& z) const {
-    if (measurement.observe) measurement.observe(t, z.q(), z.p());
-  }
-  template <class List>
-  void describe(List&) const {}
-  void visit_memory(CheckpointMemory& visit) const {
-    if (measurement.memory) measurement.memory(visit);
-  }
-};
-
-/// The memory of a measurement that has it in `seen`.
-template <class Seen>
-auto memory_of(const std::shared_ptr<Seen>& seen) {
-  return [seen](CheckpointMemory& visit) { seen->visit_memory(visit); };
-}
 
 /// A set-up ready made. Numbers may have units behind them, as on the command line: "1 GMsun", "2 day", "0.1".
 template <int Dof>
@@ -187,6 +118,8 @@ struct SceneProgram {
   /// Adds what is kept beside the energy.
   std::function<void(Invariants<double, Dof>&, const Choice&)> add_invariants{};
   std::function<void(CLI::App&)> add_options{};
+  /// Called once the arguments are read, with the preset's name, before anything is made of them; gives the name to take.
+  std::function<std::string(const std::string& preset)> prepare{};
   Compare compare = Compare::positions;  ///< orbits in an audit
 };
 

@@ -15,34 +15,27 @@
 
 #include "arguments.hpp"
 #include "cost.hpp"
+#include "results.hpp"
 #include "run.hpp"
 #include "scene_choice.hpp"
 #include "scene_picture.hpp"
 #include "scene_request.hpp"
-#include "series_csv.hpp"
-#include "table.hpp"
 
 // A program whose user chooses the effects. It says what there is, as data, and the rest is done here:
 //
-//     int main(int argc, char** argv) {
-//       SceneProgram<3> program{.name = "orbits", .about = "An orbit."};
-//       program.parameters = {{"gm", "m3/s2", "GM of the centre"}, {"a", "m", "semi-major axis"}};
-//       program.effects = {
-//           {{}, "", [](const Choice&) { return orbits::Kinetic<double, 3>{}; }},
-//           {{"gm"}, "Newton (1687)", [](const Choice& c) { return orbits::Attraction<double, 3>{.gm = c["gm"]}; }}};
-//       program.presets = {{.name = "earth", .about = "the Earth about the Sun",
-//                           .units = {"AU, year", 149597870700.0, 31557600.0},
-//                           .effects = {"kinetic", "attraction"},
-//                           .values = {{"gm", "1 GMsun"}, {"a", "1"}},
-//                           .dt = "2 day", .time = "1 century",
-//                           .start = [](const Choice& c) { return PhasePoint<double, 3>(...); }}};
-//       program.view = [](const Choice&) { return path_view<3>({"x", "y", "z", "px", "py", "pz"}, "x", "y", "AU"); };
-//       return run_scene_program(program, argc, argv);
-//     }
+//     SceneProgram<3> program{.name = "orbits", .about = "An orbit."};
+//     program.parameters = {{"gm", "m3/s2", "GM of the centre"}, {"a", "m", "semi-major axis"}};
+//     program.effects = {{{}, "", [](const Choice&) { return orbits::Kinetic<double, 3>{}; }},
+//                        {{"gm"}, "Newton", [](const Choice& c) { return orbits::Attraction<double, 3>{.gm = c["gm"]}; }}};
+//     program.presets = {{.name = "earth", .about = "the Earth about the Sun",
+//                         .units = {"AU, year", 149597870700.0, 31557600.0}, .effects = {"kinetic", "attraction"},
+//                         .values = {{"gm", "1 GMsun"}, {"a", "1"}}, .dt = "2 day", .time = "1 century",
+//                         .start = [](const Choice& c) { return PhasePoint<double, 3>(...); }}};
+//     program.view = [](const Choice&) { return path_view<3>({"t", "x", "y", "z", "px", "py", "pz"}, "x", "y", "AU"); };
+//     return run_scene_program(program, argc, argv);
 //
-// Options of its own (a file to read, say) a program adds by `program.add_options = [&](CLI::App& app) {...}`; the functions
-// above are all called after the arguments are read, and may refer to what these options wrote. Parameters must not have
-// the names of the common options (dt, time, omega, ...).
+// Options of its own (a file to read, say) it adds by `program.add_options`; the functions above are called after the arguments
+// are read, and may refer to what these wrote. No parameter has the name of a common option (dt, time, omega, ...).
 namespace examples {
 
 /// The table of the audit, and what it means at some accuracies.
@@ -79,50 +72,52 @@ void refuse_start(const RuntimeScene<double, Dof>& scene, const PhasePoint<doubl
 /// Says which effects are on and what they make of the method; chooses it where the user has not.
 template <int Dof>
 void settle_method(const RuntimeScene<double, Dof>& scene, Method& method) {
-  std::vector<std::string> coupled;
+  std::vector<std::string> names;
   for (const auto& effect : scene.effects())
-    if (effect.coupled()) coupled.push_back(effect.name());
-  if (method.name == "splitting" && !coupled.empty())
+    if (effect.coupled()) names.push_back(effect.name());
+  const std::string coupled = joined(names);
+  if (method.name == "splitting" && !names.empty())
     throw std::invalid_argument("--method splitting is for separable effects, and q and p are coupled by " +
-                                joined(coupled));
-  if (method.name.empty()) method.name = coupled.empty() ? "splitting" : "semiexplicit";
-  std::cout << "effects: " << joined(scene.names()) << '\n';
-  if (!coupled.empty())
-    std::cout << "coupled by " << joined(coupled) << ": not separable\n";
-  else if (method.name == "splitting")
-    std::cout << "separable: plain explicit splitting, no doubling\n";
-  else
-    std::cout << "separable, and taken as any other by " << method.name << '\n';
+                                coupled);
+  if (method.name.empty()) method.name = names.empty() ? "splitting" : "semiexplicit";
+  std::cout << "effects: " << joined(scene.names()) << '\n'
+            << (!names.empty()               ? "coupled by " + coupled + ": not separable"
+                : method.name == "splitting" ? "separable: plain explicit splitting, no doubling"
+                                             : "separable, and taken as any other by " + method.name)
+            << '\n';
 }
 
-/// Reads the arguments, does what they ask for, and gives the exit code.
-template <int Dof>
-int run_scene_program(const SceneProgram<Dof>& program, int argc, char** argv) {
+/// No Hamiltonian of a program's own.
+struct NoKernel {
+  NoKernel operator()(const Choice&) const { return {}; }
+};
+
+/// Reads the arguments, does what they ask for, and gives the exit code. A program may know a faster Hamiltonian than its scene
+/// for some choices: kernel(choice) gives it, as a std::optional, and is taken where there is one.
+template <int Dof, class Kernel = NoKernel>
+int run_scene_program(const SceneProgram<Dof>& program, int argc, char** argv, const Kernel& kernel = {}) {
   CLI::App app{program.about};
   SceneRequest<Dof> request(program);
   Settings settings;
   Method method{.name = ""};
   CostRequest cost;
+  CheckpointRequest checkpoint;
   request.add_to(app);
   if (program.add_options) program.add_options(app);
   std::vector<std::string> methods = Method::names();
-  methods.insert(methods.begin(), "splitting");
+  methods.push_back("splitting");
   add_method(app, method, methods);
   app.get_option("--method")->default_str("splitting where the effects are separable, else semiexplicit");
   app.get_option("--scheme")->default_str("splitting: blanes_moan6, tao: yoshida6, else low_defect6_s13");
   add_output(app, settings);
   app.get_option("--samples")->default_str("the preset's");
-  add_cost(app, cost);
-  CheckpointRequest checkpoint;
-  add_checkpoint(app, checkpoint);
-  app.get_option("--audit")->excludes("--checkpoint");
-  app.get_option("--audit")->excludes("--cost")->excludes("--accuracy");
+  cost.add_to(app);
+  checkpoint.add_to(app);
+  app.get_option("--audit")->excludes("--checkpoint")->excludes("--cost")->excludes("--accuracy");
 
   return run_program(app, argc, argv, [&] {
-    if (request.list_presets) request.print_presets(std::cout);
-    if (request.list_effects) request.print_effects(std::cout);
-    if (request.list_presets || request.list_effects) return 0;
-
+    if (request.list(std::cout)) return 0;
+    if (program.prepare) request.preset_name = program.prepare(request.preset_name);
     const bool cost_wanted = cost.wanted(app);
     const auto& preset = request.preset();
     const Choice choice = request.choice();
@@ -130,34 +125,35 @@ int run_scene_program(const SceneProgram<Dof>& program, int argc, char** argv) {
     if (app.count("--samples") == 0) settings.samples = preset.samples;
     const RuntimeScene<double, Dof> scene = request.scene(choice);
     const PhasePoint<double, Dof> z0 = preset.start(choice);
+    const auto own = kernel(choice);
+    const auto with_hamiltonian = [&](const auto& use) {
+      if constexpr (requires { *own; })
+        if (own) return use(*own);
+      return use(scene);
+    };
+    Invariants<double, Dof> invariants =
+        with_hamiltonian([](const auto& h) { return Invariants<double, Dof>(h); });
+    if (program.add_invariants) program.add_invariants(invariants, choice);
     request.refuse_idle_parameters(choice);
     refuse_start(scene, z0);
-    Invariants<double, Dof> invariants(scene);
-    if (program.add_invariants) program.add_invariants(invariants, choice);
 
     if (request.audit)
       refuse_options(app, "--audit",
                      {"--method", "--solver", "--rule", "--tolerance", "--omega", "--stages"});
-    if (!cost_wanted) {
-      const std::string usual = scene.is_separable() ? "splitting" : "semiexplicit";
-      refuse_idle_options(app, {method.name.empty() ? usual : method.name});
-    }
+    const std::string usual = scene.is_separable() ? "splitting" : "semiexplicit";
+    if (!cost_wanted) refuse_idle_options(app, {method.name.empty() ? usual : method.name});
     std::cout << preset.name << ": " << preset.about << " (units: " << preset.units.about << ")\n";
     if (request.audit) {
       show_audit(scene, z0, invariants, settings, method, program.compare);
       return 0;
     }
-    if (cost_wanted) {
-      settings.make_output_folder();
-      if (scene.is_separable())
-        std::cout << "separable: plain splitting, which costs less still, is not among what --cost tries\n";
-      const CostOfAccuracy found = cost_of_accuracy(scene, z0, settings.time, cost.options());
-      if (cost.curve) {
-        show_cost(found, settings, program.name + "_cost", program.name + ", " + preset.name);
-        return 0;
-      }
-      cost.choose(found, method, settings);
-    }
+    if (cost_wanted && scene.is_separable())
+      std::cout << "separable: plain splitting, which costs less still, is not among what --cost tries\n";
+    if (cost_wanted && with_hamiltonian([&](const auto& h) {
+          return cost.answer(h, z0, method, settings, program.name + "_cost",
+                             program.name + ", " + preset.name);
+        }))
+      return 0;
     settle_method(scene, method);
     const std::int64_t steps = settings.fit_steps();
     settings.make_output_folder();
@@ -168,17 +164,18 @@ int run_scene_program(const SceneProgram<Dof>& program, int argc, char** argv) {
     const View<Dof> view = program.view(choice);
     ViewCsv<Dof> path(path_csv, view);
     auto some_of_path = every(stride(steps, settings.samples), path);
-    const Measurement<Dof> measurement = preset.measure ? preset.measure(choice) : Measurement<Dof>{};
-    Measuring<Dof> observe{measurement};
+    Measurement<Dof> measurement;
+    if (preset.measure) measurement = preset.measure(choice);
     checkpoint.run << program.name << ' ' << preset.name << ": " << joined(scene.names());
     checkpoint.run.precision(17);
     for (const auto& [parameter, value] : choice.values) checkpoint.run << ", " << parameter << ' ' << value;
     checkpoint.run << "; " << steps << " steps, samples " << settings.samples;
     const auto go = [&](const auto& hamiltonian) {
       return run_method(method, hamiltonian, z0, invariants, settings.dt,
-                        evenly_spaced(steps, settings.samples), steps, checkpoint, some_of_path, observe);
+                        evenly_spaced(steps, settings.samples), steps, checkpoint, some_of_path, measurement);
     };
-    const Run run = method.name == "splitting" ? go(SeparableRuntimeScene<double, Dof>(scene)) : go(scene);
+    const Run run =
+        method.name == "splitting" ? go(SeparableRuntimeScene<double, Dof>(scene)) : with_hamiltonian(go);
 
     print_table(std::cout, {run}, settings.dt);
     cost.compare_with(run);
@@ -192,8 +189,9 @@ int run_scene_program(const SceneProgram<Dof>& program, int argc, char** argv) {
                                  "), dt = " + formatted("%.4g", settings.dt) +
                                  "; units: " + preset.units.about + (run.is_result() ? "" : "; NO RESULT");
     if (!settings.no_plot)
-      draw(png, scene_script(png, path_csv, csv, view, run, headline, settings.time, preset.units.name(1)));
-    return tell_failure(run) ? 1 : 0;
+      draw(png, scene_script(png, view.plot(path_csv, path.paths()), csv, run, headline, settings.time,
+                             preset.units.name(1)));
+    return run.tell_failure() ? 1 : 0;
   });
 }
 

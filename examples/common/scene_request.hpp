@@ -30,31 +30,33 @@ class SceneRequest {
   bool list_presets = false, list_effects = false, audit = false;
 
   void add_to(CLI::App& app) {
+    const auto add = [&](const std::string& name, auto& value, const std::string& what, const char* type) {
+      return app.add_option("--" + name, value, what)->type_name(type)->default_str("the preset's");
+    };
     preset_name = program_.presets.front().name;
-    app.add_option("--preset", preset_name, "a set-up ready made; see --list-presets")
-        ->type_name("NAME")
-        ->capture_default_str();
-    app.add_option("--effects", effects, "the effects that are on, as a,b,c; see --list-effects")
-        ->delimiter(',')
-        ->type_name("NAMES")
-        ->default_str("the preset's");
+    add_value(app, "--preset", preset_name, "a set-up ready made; see --list-presets", CLI::Validator(),
+              "NAME");
+    add("effects", effects, "the effects that are on, as a,b,c; see --list-effects", "NAMES")->delimiter(',');
     app.add_flag("--list-presets", list_presets, "list them, with their effects, and stop");
     app.add_flag("--list-effects", list_effects, "list them, with their parameters, and stop");
     app.add_flag("--audit", audit,
                  "print what each effect is worth and which are called for, instead of a long run");
-    app.add_option("--dt", dt, "step size; made a little smaller where the time is no multiple")
-        ->type_name("X[ UNIT]")
-        ->default_str("the preset's");
-    app.add_option("--time", time, "time to integrate to")
-        ->type_name("X[ UNIT]")
-        ->default_str("the preset's");
+    add("dt", dt, "step size; made a little smaller where the time is no multiple", "X[ UNIT]");
+    add("time", time, "time to integrate to", "X[ UNIT]");
     for (const Parameter& parameter : program_.parameters)
-      app.add_option("--" + parameter.name, texts_[parameter.name], about(parameter))
-          ->type_name(parameter.unit.empty() ? "X" : "X[ UNIT]")
+      add(parameter.name, texts_[parameter.name], about(parameter), parameter.unit.empty() ? "X" : "X[ UNIT]")
+          ->default_str("")
           ->group(
               "Parameters; the defaults are the preset's, and a number without a unit is in the preset's "
               "units (--list-presets)");
     add_config(app);
+  }
+
+  /// Lists what is asked for; false: nothing.
+  bool list(std::ostream& out) const {
+    if (list_presets) print_presets(out);
+    if (list_effects) print_effects(out);
+    return list_presets || list_effects;
   }
 
   const ScenePreset<Dof>& preset() const {
@@ -113,6 +115,23 @@ class SceneRequest {
     return RuntimeScene<double, Dof>(std::move(list));
   }
 
+  /// To be called when the effects and the start are made. Throws std::invalid_argument where one of the parameters that the
+  /// user gave has not been asked for.
+  void refuse_idle_parameters(const Choice& choice) const {
+    for (const auto& [name, text] : texts_) {
+      if (text.empty() || choice.used->count(name) > 0) continue;
+      std::vector<std::string> listeners;
+      for (const auto& entry : program_.effects)
+        if (std::find(entry.parameters.begin(), entry.parameters.end(), name) != entry.parameters.end())
+          listeners.push_back(entry.name);
+      throw std::invalid_argument("--" + name + " means nothing to the preset " + preset().name +
+                                  (listeners.empty()
+                                       ? std::string("; leave it out")
+                                       : " with these effects; it goes with " + joined(listeners)));
+    }
+  }
+
+ private:
   void print_presets(std::ostream& out) const {
     for (const auto& preset : program_.presets) {
       out << preset.name << ": " << preset.about << "\n  effects: " << joined(preset.effects);
@@ -140,23 +159,6 @@ class SceneRequest {
         << joined(units) << ".\n";
   }
 
-  /// To be called when the effects and the start are made. Throws std::invalid_argument where one of the parameters that the
-  /// user gave has not been asked for.
-  void refuse_idle_parameters(const Choice& choice) const {
-    for (const auto& [name, text] : texts_) {
-      if (text.empty() || choice.used->count(name) > 0) continue;
-      std::vector<std::string> listeners;
-      for (const auto& entry : program_.effects)
-        if (std::find(entry.parameters.begin(), entry.parameters.end(), name) != entry.parameters.end())
-          listeners.push_back(entry.name);
-      throw std::invalid_argument("--" + name + " means nothing to the preset " + preset().name +
-                                  (listeners.empty()
-                                       ? std::string("; leave it out")
-                                       : " with these effects; it goes with " + joined(listeners)));
-    }
-  }
-
- private:
   /// What a parameter is. Angles are in radians in all presets.
   static std::string about(const Parameter& parameter) {
     return parameter.about + (parameter.unit == "rad" ? "; in radians, or as \"90 deg\"" : "");

@@ -6,10 +6,12 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdlib>
+#include <initializer_list>
 #include <map>
 #include <stdexcept>
 #include <string>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include <semiexplicit/scene/nearest_names.hpp>
@@ -25,52 +27,28 @@ struct Unit {
 /// The units that users may write behind a number. Angles are numbers, in radians. The masses of celestial bodies come as
 /// GM, which is what is known of them.
 inline const std::map<std::string, Unit>& known_units() {
-  static const double degree = std::acos(-1.0) / 180;
-  static const std::map<std::string, Unit> units{
-      {"m", {1, {1}}},
-      {"mm", {1e-3, {1}}},
-      {"cm", {1e-2, {1}}},
-      {"km", {1e3, {1}}},
-      {"AU", {149597870700.0, {1}}},
-      {"Rearth", {6378137, {1}}},
-      {"Rsun", {6.957e8, {1}}},
-      {"s", {1, {0, 1}}},
-      {"ns", {1e-9, {0, 1}}},
-      {"us", {1e-6, {0, 1}}},
-      {"ms", {1e-3, {0, 1}}},
-      {"min", {60, {0, 1}}},
-      {"h", {3600, {0, 1}}},
-      {"day", {86400, {0, 1}}},
-      {"year", {365.25 * 86400, {0, 1}}},
-      {"century", {36525.0 * 86400, {0, 1}}},
-      {"kg", {1, {0, 0, 1}}},
-      {"me", {9.1093837015e-31, {0, 0, 1}}},
-      {"mp", {1.67262192369e-27, {0, 0, 1}}},
-      {"C", {1, {0, 0, 0, 1}}},
-      {"e", {1.602176634e-19, {0, 0, 0, 1}}},
-      {"c", {299792458, {1, -1}}},
-      {"GMsun", {1.32712440041e20, {3, -2}}},
-      {"GMearth", {3.986004418e14, {3, -2}}},
-      {"GMmoon", {4.9028e12, {3, -2}}},
-      {"T", {1, {0, -1, 1, -1}}},
-      {"mT", {1e-3, {0, -1, 1, -1}}},
-      {"uT", {1e-6, {0, -1, 1, -1}}},
-      {"nT", {1e-9, {0, -1, 1, -1}}},
-      {"G", {1e-4, {0, -1, 1, -1}}},
-      {"V", {1, {2, -2, 1, -1}}},
-      {"mV", {1e-3, {2, -2, 1, -1}}},
-      {"kV", {1e3, {2, -2, 1, -1}}},
-      {"J", {1, {2, -2, 1}}},
-      {"eV", {1.602176634e-19, {2, -2, 1}}},
-      {"keV", {1.602176634e-16, {2, -2, 1}}},
-      {"MeV", {1.602176634e-13, {2, -2, 1}}},
-      {"Hz", {1, {0, -1}}},
-      {"kHz", {1e3, {0, -1}}},
-      {"MHz", {1e6, {0, -1}}},
-      {"rad", {1, {}}},
-      {"deg", {degree, {}}},
-      {"arcsec", {degree / 3600, {}}},
-  };
+  static const std::map<std::string, Unit> units = [] {
+    std::map<std::string, Unit> all;
+    const auto add = [&](std::array<int, 4> powers,
+                         std::initializer_list<std::pair<const char*, double>> list) {
+      for (const auto& [name, size] : list) all[name] = {size, powers};
+    };
+    const double degree = std::acos(-1.0) / 180, e = 1.602176634e-19;
+    add({1}, {{"m", 1}, {"mm", 1e-3}, {"cm", 1e-2}, {"km", 1e3}, {"AU", 149597870700.0}});
+    add({1}, {{"Rearth", 6378137}, {"Rsun", 6.957e8}});
+    add({0, 1}, {{"s", 1}, {"ns", 1e-9}, {"us", 1e-6}, {"ms", 1e-3}, {"min", 60}, {"h", 3600}});
+    add({0, 1}, {{"day", 86400}, {"year", 365.25 * 86400}, {"century", 36525.0 * 86400}});
+    add({0, 0, 1}, {{"kg", 1}, {"me", 9.1093837015e-31}, {"mp", 1.67262192369e-27}});
+    add({0, 0, 0, 1}, {{"C", 1}, {"e", e}});
+    add({1, -1}, {{"c", 299792458}});
+    add({3, -2}, {{"GMsun", 1.32712440041e20}, {"GMearth", 3.986004418e14}, {"GMmoon", 4.9028e12}});
+    add({0, -1, 1, -1}, {{"T", 1}, {"mT", 1e-3}, {"uT", 1e-6}, {"nT", 1e-9}, {"G", 1e-4}});
+    add({2, -2, 1, -1}, {{"V", 1}, {"mV", 1e-3}, {"kV", 1e3}});
+    add({2, -2, 1}, {{"J", 1}, {"eV", e}, {"keV", 1e3 * e}, {"MeV", 1e6 * e}});
+    add({0, -1}, {{"Hz", 1}, {"kHz", 1e3}, {"MHz", 1e6}});
+    add({}, {{"rad", 1}, {"deg", degree}, {"arcsec", degree / 3600}});
+    return all;
+  }();
   return units;
 }
 
@@ -80,16 +58,18 @@ inline Unit read_unit(const std::string& text) {
   Unit product;
   int sign = 1;
   for (std::size_t i = 0; i < text.size();) {
-    const auto is = [&](auto what) { return i < text.size() && what(static_cast<unsigned char>(text[i])); };
-    if (text[i] == '/' || text[i] == '*' || is([](int c) { return std::isspace(c); })) {
-      if (text[i] == '/') sign = -1;
-      ++i;
+    const auto take = [&](auto what) {
+      std::string part;
+      while (i < text.size() && what(static_cast<unsigned char>(text[i]))) part += text[i++];
+      return part;
+    };
+    if (text[i] == '/' || text[i] == '*' || std::isspace(static_cast<unsigned char>(text[i]))) {
+      if (text[i++] == '/') sign = -1;
       continue;
     }
-    std::string name, power;
-    while (is([](int c) { return std::isalpha(c) != 0; })) name += text[i++];
-    if (is([](int c) { return c == '^'; })) ++i;
-    while (is([](int c) { return c == '-' || std::isdigit(c); })) power += text[i++];
+    const std::string name = take([](int c) { return std::isalpha(c) != 0; });
+    if (i < text.size() && text[i] == '^') ++i;
+    const std::string power = take([](int c) { return c == '-' || std::isdigit(c); });
     if (name.empty() && power == "1") continue;  // 1/s
     if (name.empty())
       throw std::invalid_argument("'" + text + "' is no unit; write one as km, km/s or AU^3/year^2");
@@ -100,17 +80,17 @@ inline Unit read_unit(const std::string& text) {
       throw std::invalid_argument(semiexplicit::unknown_name("unit", name, valid));
     }
     int exponent = 1;
+    const char* const end = power.data() + power.size();
     if (!power.empty()) {
-      const auto [rest, failure] = std::from_chars(power.data(), power.data() + power.size(), exponent);
-      if (failure != std::errc() || rest != power.data() + power.size() || std::abs(exponent) > 9)
+      const auto [rest, failure] = std::from_chars(power.data(), end, exponent);
+      if (failure != std::errc() || rest != end || std::abs(exponent) > 9)
         throw std::invalid_argument("'" + power + "' is no power of a unit; give -9 to 9");
     }
-    exponent *= sign;
+    exponent *= std::exchange(sign, 1);
     product.size *= std::pow(found->second.size, exponent);
     for (std::size_t k = 0; k < 4; ++k) product.powers[k] += exponent * found->second.powers[k];
     if (!std::isnormal(product.size))
       throw std::invalid_argument("'" + text + "' is too large or too small a unit; write fewer factors");
-    sign = 1;
   }
   return product;
 }
@@ -118,16 +98,16 @@ inline Unit read_unit(const std::string& text) {
 /// "length^3/time^2", "number".
 inline std::string dimension(const Unit& unit) {
   static const char* const names[] = {"length", "time", "mass", "charge"};
-  std::string above, below;
+  std::string sides[2];  // above and below the stroke
   for (std::size_t k = 0; k < 4; ++k) {
     const int power = unit.powers[k];
+    std::string& side = sides[power < 0];
     if (power == 0) continue;
-    std::string& side = power > 0 ? above : below;
     side += (side.empty() ? "" : " ") + std::string(names[k]);
     if (std::abs(power) > 1) side += "^" + std::to_string(std::abs(power));
   }
-  if (above.empty() && below.empty()) return "number";
-  return (above.empty() ? "1" : above) + (below.empty() ? "" : "/" + below);
+  if (sides[1].empty()) return sides[0].empty() ? "number" : sides[0];
+  return (sides[0].empty() ? "1" : sides[0]) + "/" + sides[1];
 }
 
 /// The units that a preset counts in, by what they are in SI units. One that is NaN is not fixed: numbers only.
@@ -158,23 +138,22 @@ struct UnitSystem {
 /// that is meant. Throws std::invalid_argument for anything else, and for zero and less where it has to be positive.
 inline double read_quantity(const std::string& text, const std::string& wanted, const UnitSystem& system,
                             bool positive = false) {
+  const auto refuse = [&](const std::string& why) { throw std::invalid_argument("'" + text + "' " + why); };
   double value = 0;
   const char *const begin = text.data(), *const end = begin + text.size();
   const auto [rest, failure] = std::from_chars(begin, end, value);
   if (failure != std::errc() || !std::isfinite(value) || (positive && !(value > 0)))
-    throw std::invalid_argument("'" + text + "' is not a " + (positive ? "positive" : "finite") + " number");
+    refuse(std::string("is not a ") + (positive ? "positive" : "finite") + " number");
   const std::string behind(rest, end);
   if (behind.find_first_not_of(" \t") == std::string::npos) return value;
   const Unit unit = read_unit(behind), meant = read_unit(wanted);
   if (unit.powers != meant.powers)
-    throw std::invalid_argument("'" + text + "' is a " + dimension(unit) + ", and a " + dimension(meant) +
-                                " is wanted");
+    refuse("is a " + dimension(unit) + ", and a " + dimension(meant) + " is wanted");
   const double size = system.size_of(unit), converted = value * size;
   if (!std::isfinite(size))
-    throw std::invalid_argument("'" + text + "' has a unit, and this preset counts in " + system.about +
-                                "; give a plain number");
+    refuse("has a unit, and this preset counts in " + system.about + "; give a plain number");
   if (!std::isfinite(converted) || (positive && !(converted > 0)))
-    throw std::invalid_argument("'" + text + "' is out of range in the units of the preset, " + system.about);
+    refuse("is out of range in the units of the preset, " + system.about);
   return converted;
 }
 

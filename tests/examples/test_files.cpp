@@ -1,6 +1,5 @@
-#include "../../examples/common/finished_blocks.hpp"
-#include "../../examples/common/gnuplot.hpp"
-#include "../../examples/common/whole_file.hpp"
+#include "../../examples/common/output.hpp"
+#include "../../examples/ensemble_mpi/finished_blocks.hpp"
 
 #include "catch.hpp"
 

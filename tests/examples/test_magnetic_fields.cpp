@@ -1,4 +1,4 @@
-#include "../../examples/common/magnetic_fields.hpp"
+#include "../../examples/charges/magnetic_fields.hpp"
 
 #include "catch.hpp"
 

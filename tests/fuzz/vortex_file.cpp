@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "common/vortex_file.hpp"
+#include "vortices/file.hpp"
 
 // A file of vortices: refused with file, line and reason, or read into vortices that can be.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

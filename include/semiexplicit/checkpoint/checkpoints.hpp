@@ -228,7 +228,7 @@ class Checkpoints {
   static std::uint64_t checksum_of(State z) {
     CheckpointMemory memory;
     visit_state(memory, z);
-    return detail::checksum(memory.bytes());
+    return semiexplicit::checksum(memory.bytes());
   }
 
   void visit_all(CheckpointMemory& memory) {

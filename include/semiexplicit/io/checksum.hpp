@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string_view>
 
-namespace semiexplicit::detail {
+namespace semiexplicit {
 
 /// The checksum FNV-1a with 64 bits, of `bytes` after those that gave `so_far`. A single changed byte always changes it.
 /// Source: G. Fowler, L. C. Noll, K.-P. Vo, D. Eastlake, The FNV Non-Cryptographic Hash Algorithm (IETF draft-eastlake-fnv).
@@ -12,4 +12,4 @@ inline std::uint64_t checksum(std::string_view bytes, std::uint64_t so_far = 0xc
   return so_far;
 }
 
-}  // namespace semiexplicit::detail
+}  // namespace semiexplicit

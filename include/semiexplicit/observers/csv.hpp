@@ -86,7 +86,7 @@ class CsvWriter {
  private:
   /// The first bytes of a file, by their number and checksum.
   struct Beginning {
-    std::uint64_t length = 0, sum = detail::checksum("");
+    std::uint64_t length = 0, sum = semiexplicit::checksum("");
     bool operator==(const Beginning&) const = default;
   };
 
@@ -97,7 +97,7 @@ class CsvWriter {
     while (known.length < length) {
       piece.resize(static_cast<std::size_t>(std::min<std::uint64_t>(length - known.length, 1 << 20)));
       if (!file_.read(known.length, piece.data(), piece.size())) break;
-      known = {.length = known.length + piece.size(), .sum = detail::checksum(piece, known.sum)};
+      known = {.length = known.length + piece.size(), .sum = semiexplicit::checksum(piece, known.sum)};
     }
     return known;
   }
@@ -105,7 +105,7 @@ class CsvWriter {
   void go_on_from(const Beginning& wanted) {
     if (beginning(wanted.length, {}) == wanted) {
       file_.go_on_after(wanted.length);
-    } else if (const std::string rows = committed(wanted.length); detail::checksum(rows) == wanted.sum) {
+    } else if (const std::string rows = committed(wanted.length); semiexplicit::checksum(rows) == wanted.sum) {
       file_.write(rows);  // a run that was killed between commit() and the end of its checkpoints
     } else {
       throw std::invalid_argument(

@@ -12,8 +12,8 @@
 #include <semiexplicit/semiexplicit.hpp>
 #include <semiexplicit/systems.hpp>
 
-#include "arguments.hpp"
-#include "table.hpp"
+#include "../common/arguments.hpp"
+#include "../common/output.hpp"
 
 namespace examples {
 

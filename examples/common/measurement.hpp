@@ -3,14 +3,50 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <functional>
+#include <memory>
 #include <ostream>
 #include <string>
 
 #include <semiexplicit/checkpoint.hpp>
 
-#include "table.hpp"
+#include "output.hpp"
+#include "run.hpp"
 
 namespace examples {
+
+/// Looks on at a run and says something about it at the end.
+template <int Dof>
+struct Measurement {
+  static constexpr const char* name = "Measurement";
+
+  std::function<void(double t, const In<double, Dof>& q, const In<double, Dof>& p)> observe{};
+  std::function<void(std::ostream&, const Run&)> report{};
+  std::function<void(CheckpointMemory&)> memory{};  ///< of what it has seen; see CheckpointMemory
+
+  template <class State>
+  void operator()(double t, const State& z) const {
+    if (observe) observe(t, z.q(), z.p());
+  }
+  template <class List>
+  void describe(List&) const {}
+  void visit_memory(CheckpointMemory& visit) const {
+    if (memory) memory(visit);
+  }
+
+  /// Nothing is said of a run that is no result.
+  void print(std::ostream& out, const Run& run) const {
+    if (report && run.is_result()) report(out, run);
+    if (report && !run.is_result())
+      out << "nothing else is measured, as the run is no result; see the end of it\n";
+  }
+};
+
+/// The memory of a measurement that has it in `seen`.
+template <class Seen>
+auto memory_of(const std::shared_ptr<Seen>& seen) {
+  return [seen](CheckpointMemory& visit) { seen->visit_memory(visit); };
+}
 
 /// Why nothing is measured of a motion that is sampled too coarsely; empty where it is not. `angle`: the largest from one step
 /// to the next.
@@ -60,59 +96,11 @@ class Turning {
   double start_ = 0, now_ = 0, last_ = 0, turned_ = 0, radii_ = 0, largest_ = 0;
 };
 
-/// Follows a coordinate that goes up and down: how long that takes, and how far it gets.
-class Bouncing {
- public:
-  void see(double t, double z) {
-    ++samples_;
-    if (seen_ && last_ < 0 && z >= 0) {
-      const double at = last_t_ - last_ * (t - last_t_) / (z - last_);
-      if (passages_++ == 0)
-        first_ = at;
-      else
-        fewest_ = std::min(fewest_, samples_);
-      latest_ = at;
-      samples_ = 0;
-    }
-    seen_ = true;
-    last_ = z;
-    last_t_ = t;
-    highest_ = std::max(highest_, std::abs(z));
-  }
-  /// Why there is no figure; empty where there is one.
-  std::string missing() const {
-    if (passages_ < 2) return "the run has no whole bounce; give more --time";
-    if (fewest_ < 16) return "a bounce has " + std::to_string(fewest_) + " steps; give a smaller --dt";
-    return "";
-  }
-  double period() const { return (latest_ - first_) / static_cast<double>(passages_ - 1); }
-  double highest() const { return highest_; }
-
-  void visit_memory(CheckpointMemory& visit) {
-    visit(seen_);
-    visit(passages_);
-    visit(samples_);
-    visit(fewest_);
-    for (double* number : {&last_, &last_t_, &first_, &latest_, &highest_}) visit(*number);
-  }
-
- private:
-  bool seen_ = false;
-  double last_ = 0, last_t_ = 0, first_ = 0, latest_ = 0, highest_ = 0;
-  std::int64_t passages_ = 0, samples_ = 0, fewest_ = std::int64_t{1} << 62;
-};
-
 /// A line "what: measured; reference: expected (difference)".
 inline void print_comparison(std::ostream& out, const std::string& what, double measured,
                              const std::string& reference, double expected) {
   out << what << ": " << formatted("%.8g", measured) << "; " << reference << ": "
       << formatted("%.8g (relative difference %.1e)\n", expected, std::abs(measured / expected - 1));
-}
-
-/// The same without a reference.
-inline void print_figure(std::ostream& out, const std::string& what, double measured,
-                         const std::string& why) {
-  out << what << ": " << formatted("%.8g", measured) << "; no closed form, " << why << '\n';
 }
 
 }  // namespace examples

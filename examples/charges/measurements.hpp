@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <memory>
 #include <numbers>
 #include <ostream>
@@ -10,10 +12,58 @@
 #include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
-#include "motions.hpp"
-#include "scene_choice.hpp"
+#include "../common/measurement.hpp"
+#include "../common/scene_choice.hpp"
 
 namespace examples {
+
+/// Follows a coordinate that goes up and down: how long that takes, and how far it gets.
+class Bouncing {
+ public:
+  void see(double t, double z) {
+    ++samples_;
+    if (seen_ && last_ < 0 && z >= 0) {
+      const double at = last_t_ - last_ * (t - last_t_) / (z - last_);
+      if (passages_++ == 0)
+        first_ = at;
+      else
+        fewest_ = std::min(fewest_, samples_);
+      latest_ = at;
+      samples_ = 0;
+    }
+    seen_ = true;
+    last_ = z;
+    last_t_ = t;
+    highest_ = std::max(highest_, std::abs(z));
+  }
+  /// Why there is no figure; empty where there is one.
+  std::string missing() const {
+    if (passages_ < 2) return "the run has no whole bounce; give more --time";
+    if (fewest_ < 16) return "a bounce has " + std::to_string(fewest_) + " steps; give a smaller --dt";
+    return "";
+  }
+  double period() const { return (latest_ - first_) / static_cast<double>(passages_ - 1); }
+  double highest() const { return highest_; }
+
+  void visit_memory(CheckpointMemory& visit) {
+    visit(seen_);
+    visit(passages_);
+    visit(samples_);
+    visit(fewest_);
+    for (double* number : {&last_, &last_t_, &first_, &latest_, &highest_}) visit(*number);
+  }
+
+ private:
+  bool seen_ = false;
+  double last_ = 0, last_t_ = 0, first_ = 0, latest_ = 0, highest_ = 0;
+  std::int64_t passages_ = 0, samples_ = 0, fewest_ = std::int64_t{1} << 62;
+};
+
+/// print_comparison() without a reference.
+inline void print_figure(std::ostream& out, const std::string& what, double measured,
+                         const std::string& why) {
+  out << what << ": " << formatted("%.8g", measured) << "; no closed form, " << why << '\n';
+}
 
 /// The velocity at the start, from the energy and the angle to the field.
 struct Velocity {
@@ -30,7 +80,7 @@ inline Measurement<3> gyration(const Choice& c) {
   const bool alone = c.only({"uniform_field"}) || c.only({"kinetic", "uniform_field"});
   const double rate = c["charge"] * (alone ? c["b"] : 0) / c["mass"],
                radius = std::abs(Velocity(c).across / rate);
-  return {[=](double t, const HalfRef<3>& q, const HalfRef<3>&) { turning->see(t, q[0], q[1]); },
+  return {[=](double t, const In<double, 3>& q, const In<double, 3>&) { turning->see(t, q[0], q[1]); },
           [=](std::ostream& out, const Run&) {
             const std::string coarse = too_coarse(turning->largest());
             const std::string why = !alone ? "the formula holds for uniform_field alone"
@@ -57,7 +107,7 @@ inline Measurement<3> mirrors(const Choice& c) {
                                       ? "other effects than the field are on"
                                   : gyroradius > 0.05 * length ? "the gyroradius is not small beside --length"
                                                                : "";
-  return {[=](double t, const HalfRef<3>& q, const HalfRef<3>&) { bouncing->see(t, q[2]); },
+  return {[=](double t, const In<double, 3>& q, const In<double, 3>&) { bouncing->see(t, q[2]); },
           [=](std::ostream& out, const Run&) {
             std::string why = bouncing->missing();
             if (bouncing->highest() < 1e-6 * gyroradius)
@@ -98,7 +148,7 @@ inline Measurement<3> bounce_and_drift(const Choice& c) {
       : !(gyroradius < 0.1) || !(y > 0.01)
           ? "the gyroradius is not small beside --r, or --pitch is too near to the field"
           : "";
-  return {[=](double t, const HalfRef<3>& q, const HalfRef<3>&) {
+  return {[=](double t, const In<double, 3>& q, const In<double, 3>&) {
             bouncing->see(t, q[2]);
             drifting->see(t, q[0], q[1]);
           },

@@ -13,7 +13,7 @@
 #include <H5Cpp.h>
 #endif
 
-#include "gnuplot.hpp"
+#include "../common/output.hpp"
 #include "sweep.hpp"
 
 namespace examples {

@@ -14,9 +14,9 @@
 #include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
-#include "motions.hpp"
-#include "scene_choice.hpp"
-#include "table.hpp"
+#include "../common/measurement.hpp"
+#include "../common/output.hpp"
+#include "../common/scene_choice.hpp"
 
 namespace examples {
 
@@ -43,7 +43,7 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
   };
   using std::numbers::pi;
   const auto seen = std::make_shared<Seen>();
-  const auto observe = [=](double, const HalfRef<4>& q, const HalfRef<4>& p) {
+  const auto observe = [=](double, const In<double, 4>& q, const In<double, 4>& p) {
     Seen& s = *seen;
     const auto apoapsis = [&](double phi) {
       if (s.apoapsides++ == 0) s.first = phi;

@@ -12,9 +12,9 @@
 #include <semiexplicit/checkpoint.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
-#include "motions.hpp"
-#include "scene_choice.hpp"
-#include "table.hpp"
+#include "../common/measurement.hpp"
+#include "../common/output.hpp"
+#include "../common/scene_choice.hpp"
 
 namespace examples {
 
@@ -36,7 +36,7 @@ inline PhasePoint<double, Eigen::Dynamic> one_site(const Choice& c) {
   return z;
 }
 
-inline Eigen::VectorXd density(const HalfRef<Eigen::Dynamic>& q, const HalfRef<Eigen::Dynamic>& p) {
+inline Eigen::VectorXd density(const In<double, Eigen::Dynamic>& q, const In<double, Eigen::Dynamic>& p) {
   return q.cwiseAbs2() + p.cwiseAbs2();
 }
 
@@ -68,7 +68,7 @@ inline Measurement<Eigen::Dynamic> localisation(const Choice& c) {
   };
   const auto seen = std::make_shared<Seen>();
   seen->last.setZero(sites(c));
-  return {[=](double t, const HalfRef<Eigen::Dynamic>& q, const HalfRef<Eigen::Dynamic>& p) {
+  return {[=](double t, const In<double, Eigen::Dynamic>& q, const In<double, Eigen::Dynamic>& p) {
             seen->t = t;
             seen->last = density(q, p);
           },
@@ -98,7 +98,7 @@ inline Measurement<Eigen::Dynamic> trapping(const Choice& c) {
   const double mass = c["mass"];
   // Both references are for on_site and hopping alone.
   const double strength = c.only({"on_site", "hopping"}) ? c["g"] * mass / c["j"] : NAN;
-  return {[=](double, const HalfRef<Eigen::Dynamic>& q, const HalfRef<Eigen::Dynamic>& p) {
+  return {[=](double, const In<double, Eigen::Dynamic>& q, const In<double, Eigen::Dynamic>& p) {
             const double share = (q[middle] * q[middle] + p[middle] * p[middle]) / mass;
             seen->least = std::min(seen->least, share);
             seen->sum += share;

@@ -9,8 +9,8 @@
 #include <semiexplicit/checkpoint.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
-#include "motions.hpp"
-#include "scene_choice.hpp"
+#include "../common/measurement.hpp"
+#include "../common/scene_choice.hpp"
 
 namespace examples {
 

@@ -13,9 +13,9 @@
 #include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
-#include "motions.hpp"
-#include "scene_choice.hpp"
-#include "table.hpp"
+#include "../common/measurement.hpp"
+#include "../common/output.hpp"
+#include "../common/scene_choice.hpp"
 
 namespace examples {
 
@@ -111,7 +111,7 @@ inline Measurement<3> turning_orbit(const Choice& c, const std::string& unit, do
   };
   const auto seen = std::make_shared<Seen>();
   const double gm = c["gm"], e = c["e"];
-  const auto observe = [=](double t, const HalfRef<3>& q, const HalfRef<3>& p) {
+  const auto observe = [=](double t, const In<double, 3>& q, const In<double, 3>& p) {
     const Eigen::Vector3d x = q, v = p, momentum = x.cross(v), axis(0, 0, 1), node = axis.cross(momentum);
     const Eigen::Vector3d laplace = v.cross(momentum) / gm - x.normalized();  // it points to the periapsis
     const double omega = Passages::angle_about(momentum, node, laplace);
@@ -200,7 +200,7 @@ inline Measurement<3> closure(const Choice& c) {
     }
   };
   const auto seen = std::make_shared<Seen>();
-  const auto observe = [=](double, const HalfRef<3>& q, const HalfRef<3>& p) {
+  const auto observe = [=](double, const In<double, 3>& q, const In<double, 3>& p) {
     seen->last = PhasePoint<double, 3>(q, p);
     if (!std::exchange(seen->begun, true)) seen->first = seen->last;
   };

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <locale>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <semiexplicit/io/durable_file.hpp>
+
+#include <sys/wait.h>
+
+namespace examples {
+
+template <class... Numbers>
+std::string formatted(const char* format, Numbers... numbers) {
+  char text[200];
+  std::snprintf(text, sizeof text, format, numbers...);
+  return text;
+}
+
+inline std::string joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
+}
+
+/// Writes what write(out) puts out to a file, which gets its name when it is whole; numbers have a decimal point in any
+/// locale. Throws std::runtime_error where that fails.
+template <class Write>
+void write_whole(const std::filesystem::path& path, const Write& write) {
+  std::ostringstream out;
+  out.imbue(std::locale::classic());
+  write(out);
+  semiexplicit::write_durably(path, out.view());
+}
+
+/// A text between single quotes, where each of its own is replaced: gnuplot reads '' as one, a shell '\''.
+inline std::string quoted(const std::string& text, const char* quote = "''") {
+  std::string result = "'";
+  for (const char c : text) result += c == '\'' ? quote : std::string(1, c);
+  return result + "'";
+}
+
+/// Lines every script begins with. `output` may be given from outside.
+inline std::string gnuplot_prologue(const std::filesystem::path& png, int width, int height) {
+  const std::string size = " size " + std::to_string(width) + "," + std::to_string(height);
+  return "# Draws the picture again: gnuplot " + std::filesystem::path(png).replace_extension("gp").string() +
+         "\nif (!exists('output')) output = " + quoted(png.string()) +
+         "\nif (strstrt(GPVAL_TERMINALS, 'pngcairo')) {\n  set terminal pngcairo font 'sans,15'" + size +
+         "\n} else {\n  set terminal png font 'arial,15'" + size +
+         "\n}\nset output output\nset datafile separator ','\nset encoding utf8\n";
+}
+
+/// Leaves the script beside the picture `png`, and draws it. The picture gets its name when it is whole; it comes through a
+/// pipe, since gnuplot does not notice a full disk. Without gnuplot there is a hint and no picture.
+inline void draw(const std::filesystem::path& png, const std::string& script) {
+  const std::filesystem::path file = std::filesystem::path(png).replace_extension("gp");
+  semiexplicit::DurableFile::remove(png);  // an older one would belong to other data
+  semiexplicit::write_durably(file, script);
+
+  constexpr int none = 127;
+  const std::string command = "command -v gnuplot >/dev/null || exit " + std::to_string(none) +
+                              "; exec gnuplot -e \"output = '/dev/stdout'\" " +
+                              quoted(file.string(), "'\\''");
+  std::FILE* const pipe = popen(command.c_str(), "r");
+  if (pipe == nullptr) throw std::runtime_error("gnuplot: no pipe can be opened to it");
+  std::string picture;
+  char piece[1 << 16];
+  for (std::size_t size = 1; size > 0;) {
+    size = std::fread(piece, 1, sizeof piece, pipe);
+    picture.append(piece, size);
+  }
+  const int status = pclose(pipe);
+  if (WIFEXITED(status) && WEXITSTATUS(status) == none) {
+    std::cerr << "No picture: gnuplot is not installed (Debian, Ubuntu: apt-get install gnuplot-nox). "
+                 "Then: gnuplot "
+              << file.string() << '\n';
+    return;
+  }
+  if (status != 0) throw std::runtime_error("gnuplot failed on " + file.string());
+  semiexplicit::write_durably(png, picture);
+  std::cout << "picture: " << png.string() << '\n';
+}
+
+}  // namespace examples

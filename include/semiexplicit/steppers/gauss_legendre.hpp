@@ -7,10 +7,11 @@
 #include <stdexcept>
 #include <utility>
 
-#include <Eigen/LU>
+#include <Eigen/Core>
 
 #include <semiexplicit/core/extended_phase_space.hpp>
 #include <semiexplicit/steppers/detail/compensated_update.hpp>
+#include <semiexplicit/steppers/detail/dense_lu.hpp>
 #include <semiexplicit/steppers/detail/gauss_tableau.hpp>
 #include <semiexplicit/steppers/pihajoki.hpp>
 
@@ -290,7 +291,7 @@ class GaussLegendre {
     Eigen::Matrix<Scalar, twice(Dof), twice(Dof)> hessian;
     Dense matrix;
     Vector<Scalar, Eigen::Dynamic> residual;
-    Eigen::PartialPivLU<Dense> lu;
+    detail::DenseLu<Scalar> lu;
     Vec ahead, behind;
   };
 

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include <semiexplicit/core/pack.hpp>
+#include <semiexplicit/core/simd.hpp>
 #include <semiexplicit/steppers/gauss_legendre.hpp>
 
 #ifdef SEMIEXPLICIT_HAS_PACKS
@@ -24,7 +24,7 @@ namespace semiexplicit {
 template <class H>
 class GaussLegendreLanes {
   static_assert(HasPackGradient<H>,
-                "GaussLegendreLanes needs a gradient that takes packs; see HasPackGradient in core/pack.hpp");
+                "GaussLegendreLanes needs a gradient that takes packs; see HasPackGradient in core/simd.hpp");
 
  public:
   using Scalar = typename H::Scalar;

@@ -4,7 +4,7 @@
 #include <type_traits>
 
 #include <semiexplicit/core/lanes.hpp>
-#include <semiexplicit/core/pack.hpp>
+#include <semiexplicit/core/simd.hpp>
 
 /// The sums over all pairs of vortices, which are nearly all of the time that a vortex code takes: with rᵢ the positions,
 ///

@@ -121,7 +121,9 @@ int main(int argc, char** argv) {
        [](const Choice& c) { return TwoCentres<double, 3>::restricted(c["mu"]); }},
       {{"gm", "j2", "radius"},
        "Vallado, Fundamentals of Astrodynamics, 4th ed.",
-       [](const Choice& c) { return Oblateness<double, 3>{.gm = c["gm"], .j2 = c["j2"], .radius = c["radius"]}; }},
+       [](const Choice& c) {
+         return Oblateness<double, 3>{.gm = c["gm"], .j2 = c["j2"], .radius = c["radius"]};
+       }},
       {{"frame-rate"},
        "Arnold, Mathematical Methods of Classical Mechanics",
        [](const Choice& c) { return RotatingFrame<double, 3>{.omega = c["frame-rate"]}; }},

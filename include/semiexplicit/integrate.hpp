@@ -10,6 +10,7 @@
 #include <type_traits>
 
 #include <semiexplicit/core/checkpointable.hpp>
+#include <semiexplicit/core/cold.hpp>
 #include <semiexplicit/core/observer.hpp>
 #include <semiexplicit/core/stepper.hpp>
 
@@ -53,8 +54,9 @@ void require_restored(const Observer& observer, std::int64_t steps) {
 
 /// The failed step from `state` as 2, 4, ... equal ones, the first number that succeeds; adds to the report what they cost.
 template <class S>
-bool step_in_parts(S& stepper, typename S::State& state,
-                   const IntegrationOptions<typename S::Scalar>& options, IntegrationReport& report) {
+SEMIEXPLICIT_COLD bool step_in_parts(S& stepper, typename S::State& state,
+                                     const IntegrationOptions<typename S::Scalar>& options,
+                                     IntegrationReport& report) {
   using Scalar = typename S::Scalar;
   const StepReport whole = report.last;
   Scalar part = options.dt;
@@ -90,7 +92,7 @@ bool step_in_parts(S& stepper, typename S::State& state,
 /// The options with t_end turned into steps and the dt that they take. A quotient that is a whole number but for rounding is
 /// one.
 template <class Scalar>
-IntegrationOptions<Scalar> with_steps(IntegrationOptions<Scalar> options) {
+SEMIEXPLICIT_COLD IntegrationOptions<Scalar> with_steps(IntegrationOptions<Scalar> options) {
   using std::abs;
   using std::ceil;
   using std::isfinite;
@@ -116,18 +118,9 @@ IntegrationOptions<Scalar> with_steps(IntegrationOptions<Scalar> options) {
   return options;
 }
 
-/// integrate(), whose arguments are what they should be.
-template <class S, class... Observers>
-IntegrationReport integrate_checked(S& stepper, typename S::State& state,
-                                    const IntegrationOptions<typename S::Scalar>& asked,
-                                    Observers&... observers) {
-  using Scalar = typename S::Scalar;
-  using std::isnan;
-  const IntegrationOptions<Scalar> options = with_steps(asked);
-  const auto time_after = [&](std::int64_t n) {
-    return n == options.steps && !isnan(options.t_end) ? options.t_end
-                                                       : Scalar(options.t0 + Scalar(n) * options.dt);
-  };
+/// Throws std::invalid_argument for options that make no sense.
+template <class Scalar>
+SEMIEXPLICIT_COLD void check_options(const IntegrationOptions<Scalar>& options) {
   if (!(options.subdivide >= 0 && options.subdivide <= 30))
     throw std::invalid_argument(
         "integrate: subdivide is not between 0 and 30; 10 makes a thousandth of a step");
@@ -141,6 +134,21 @@ IntegrationReport integrate_checked(S& stepper, typename S::State& state,
     throw std::invalid_argument("integrate: the earlier part took steps of " + in_words(options.done.dt, 17) +
                                 ", and dt is " + in_words(static_cast<double>(options.dt), 17) +
                                 " now; give the same dt, or begin a new run with t0 = the time reached");
+}
+
+/// integrate(), whose arguments are what they should be.
+template <class S, class... Observers>
+IntegrationReport integrate_checked(S& stepper, typename S::State& state,
+                                    const IntegrationOptions<typename S::Scalar>& asked,
+                                    Observers&... observers) {
+  using Scalar = typename S::Scalar;
+  using std::isnan;
+  const IntegrationOptions<Scalar> options = with_steps(asked);
+  const auto time_after = [&](std::int64_t n) {
+    return n == options.steps && !isnan(options.t_end) ? options.t_end
+                                                       : Scalar(options.t0 + Scalar(n) * options.dt);
+  };
+  check_options(options);
   const auto start = std::chrono::steady_clock::now();
   if (options.done.steps > 0) (require_restored(observers, options.done.steps), ...);
   IntegrationReport report = options.done;

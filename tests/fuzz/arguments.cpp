@@ -23,8 +23,9 @@ const SceneProgram<1>& program() {
                        {"v", "m/s", "a velocity"},
                        {"b", "T", "a magnetic field"},
                        {"gm", "m3/s2", "a GM"}};
-    made.effects = {{{"k"}, "", [](const Choice&) { return orbits::Kinetic<double, 1>{}; }},
-                    {{"gm"}, "", [](const Choice& c) { return orbits::Attraction<double, 1>{.gm = c["gm"]}; }}};
+    made.effects = {
+        {{"k"}, "", [](const Choice&) { return orbits::Kinetic<double, 1>{}; }},
+        {{"gm"}, "", [](const Choice& c) { return orbits::Attraction<double, 1>{.gm = c["gm"]}; }}};
     ScenePreset<1> first{.name = "first",
                          .about = "in units",
                          .units = {"AU, year", 149597870700.0, 31557600.0},

@@ -43,7 +43,8 @@ CostOfAccuracy cost_of_accuracy(
                                   std::to_string(dof_of(hamiltonian)) + "; give both the same size");
     if (!z0.vector().allFinite())
       throw std::invalid_argument("cost_of_accuracy: z0 holds NaN or Inf; give a finite initial state");
-    return detail::Scan<H>(hamiltonian, z0, T, options).result();
+    using Any = detail::AnyHamiltonian<typename H::Scalar, H::Dof>;
+    return detail::Scan<typename H::Scalar, H::Dof>(Any(hamiltonian), z0, T, options).result();
   }
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <semiexplicit/accuracy/cost_table.hpp>
+#include <semiexplicit/core/cold.hpp>
 
 namespace semiexplicit {
 
@@ -29,7 +30,7 @@ struct CostOptions {
 
 namespace detail {
 
-inline void check(const CostOptions& options) {
+SEMIEXPLICIT_COLD inline void check(const CostOptions& options) {
   const auto refuse = [](const std::string& what) {
     throw std::invalid_argument("cost_of_accuracy: " + what);
   };

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include <semiexplicit/accuracy/setting.hpp>
+#include <semiexplicit/core/cold.hpp>
 
 namespace semiexplicit {
 
@@ -70,14 +71,14 @@ struct CostOfAccuracy {
   double unfinished = 0;  ///< the loosest target whose search ended with the calls; 0: none
 
   /// Why a target is out of reach.
-  Reach reach(double target) const {
+  SEMIEXPLICIT_COLD Reach reach(double target) const {
     if (cheapest(target)) return Reach::met;
     if (orbit_end < time) return Reach::orbit_ends;
     if (target < rounding) return Reach::rounding;
     return target <= unfinished ? Reach::budget : Reach::no_step;
   }
   /// The same in words, with what to do about it; empty where the target is met.
-  std::string why(double target) const {
+  SEMIEXPLICIT_COLD std::string why(double target) const {
     switch (reach(target)) {
       case Reach::met:
         return "";
@@ -97,7 +98,7 @@ struct CostOfAccuracy {
 
   /// The cheapest setting whose error is expected to stay below `target`, or nothing where none was found: `best()` says
   /// how near one comes. Between two trials of a scheme the step is interpolated.
-  std::optional<CostRow> cheapest(double target) const {
+  SEMIEXPLICIT_COLD std::optional<CostRow> cheapest(double target) const {
     if (!(target > 0))
       throw std::invalid_argument("CostOfAccuracy::cheapest: target is not a positive error; give one");
     std::optional<CostRow> found;
@@ -114,7 +115,7 @@ struct CostOfAccuracy {
   }
 
   /// The row of the smallest error, whatever it costs; nothing where no setting works.
-  std::optional<CostRow> best() const {
+  SEMIEXPLICIT_COLD std::optional<CostRow> best() const {
     std::optional<CostRow> found;
     for (const CostRow& row : rows)
       if (row.works() && (!found || row.error < found->error)) found = row;
@@ -127,7 +128,7 @@ struct CostOfAccuracy {
  private:
   /// The setting between two of the same scheme, a with the larger step, whose error is `target`: errors and costs follow
   /// powers of the step.
-  static CostRow between(const CostRow& a, const CostRow& b, double target) {
+  SEMIEXPLICIT_COLD static CostRow between(const CostRow& a, const CostRow& b, double target) {
     const double w = std::log(a.error / target) / std::log(a.error / b.error);
     const auto mean = [w](double x, double y) { return std::pow(x, 1 - w) * std::pow(y, w); };
     CostRow row = b;
@@ -145,14 +146,14 @@ struct CostOfAccuracy {
 namespace detail {
 
 /// A number in a column, in the classic locale.
-inline std::string figure(double x, int digits, int width, bool scientific = false) {
+SEMIEXPLICIT_COLD inline std::string figure(double x, int digits, int width, bool scientific = false) {
   std::ostringstream out;
   out.imbue(std::locale::classic());
   if (scientific) out << std::scientific;
   out << std::setprecision(digits) << std::setw(width) << x;
   return out.str();
 }
-inline std::string column(const std::string& text, std::size_t width, bool right = false) {
+SEMIEXPLICIT_COLD inline std::string column(const std::string& text, std::size_t width, bool right = false) {
   const std::string space(width > text.size() ? width - text.size() : 0, ' ');
   return right ? space + text : text + space;
 }
@@ -160,7 +161,7 @@ inline std::string column(const std::string& text, std::size_t width, bool right
 }  // namespace detail
 
 /// One line: what to run, what it should give, what it costs.
-inline std::ostream& operator<<(std::ostream& out, const CostRow& row) {
+SEMIEXPLICIT_COLD inline std::ostream& operator<<(std::ostream& out, const CostRow& row) {
   using detail::column, detail::figure;
   return out << column(row.setting.name(), 24) + ' ' + column(row.setting.solver(), 14) + ' ' +
                     figure(row.setting.dt, 4, 10) + ' ' + figure(row.error, 1, 10, true) + ' ' +
@@ -169,7 +170,7 @@ inline std::ostream& operator<<(std::ostream& out, const CostRow& row) {
 }
 
 /// The advice for every target or why there is none, all that was tried, and what the figures rest on.
-inline std::ostream& operator<<(std::ostream& out, const CostOfAccuracy& cost) {
+SEMIEXPLICIT_COLD inline std::ostream& operator<<(std::ostream& out, const CostOfAccuracy& cost) {
   using detail::column, detail::figure, detail::in_words;
   const std::string header = column("method", 24) + ' ' + column("solver", 14) + ' ' +
                              column("dt", 10, true) + ' ' + column("error", 10, true) + ' ' +

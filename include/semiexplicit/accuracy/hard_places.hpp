@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include <semiexplicit/core/cold.hpp>
+
 namespace semiexplicit::detail {
 
 /// Where along a coarse run of the fourth order its energy varied most, and how much worse a longer run may get.
@@ -19,7 +21,7 @@ class HardPlaces {
   };
 
   /// In the order of time.
-  void add(Segment segment) { segments_.push_back(std::move(segment)); }
+  SEMIEXPLICIT_COLD void add(Segment segment) { segments_.push_back(std::move(segment)); }
   const std::vector<Segment>& all() const { return segments_; }
 
   /// The i-th hardest that is no neighbour of a harder one; there are count() of them.
@@ -27,7 +29,7 @@ class HardPlaces {
   std::size_t count() const { return hardest_.size(); }
 
   /// To be called after the last add(): sorts by hardness, and fits the tail.
-  void rank() {
+  SEMIEXPLICIT_COLD void rank() {
     std::vector<std::size_t> order(segments_.size());
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
     std::sort(order.begin(), order.end(),
@@ -59,7 +61,7 @@ class HardPlaces {
 
   /// How much larger than in the hardest segment of the pilot run the error of a method of that order gets in a run
   /// `stretch` times as long. Errors go with the power `order` of the local time scale, those of the pilot with its fourth power.
-  double growth(int order, double stretch) const {
+  SEMIEXPLICIT_COLD double growth(int order, double stretch) const {
     if (tail_count_ == 0 || !(tail_square_ > 0)) return 1;
     const double power = order / 4.0, mean = power * tail_mean_;
     const double ratio = std::min(tail_mean_ * tail_mean_ / tail_square_, 0.95);

@@ -6,7 +6,8 @@
 #include <limits>
 #include <vector>
 
-#include <semiexplicit/accuracy/setting.hpp>
+#include <semiexplicit/accuracy/any_hamiltonian.hpp>
+#include <semiexplicit/core/cold.hpp>
 
 namespace semiexplicit::detail {
 
@@ -35,19 +36,15 @@ struct Probe {
 };
 
 /// Follows the energy along steps.
-template <class H>
+template <class Scalar, int Dof>
 class EnergyRange {
  public:
-  using Scalar = typename H::Scalar;
-  EnergyRange(const H& hamiltonian, const Scalar& unit) : hamiltonian_(hamiltonian), unit_(unit) {}
+  EnergyRange(const AnyHamiltonian<Scalar, Dof>& hamiltonian, const Scalar& unit)
+      : hamiltonian_(hamiltonian), unit_(unit) {}
 
-  template <class State>
-  void start(const State& z) {
-    low_ = high_ = hamiltonian_.energy(z.q(), z.p());
-  }
+  void start(const PhasePoint<Scalar, Dof>& z) { low_ = high_ = hamiltonian_.energy(z.q(), z.p()); }
   /// NaN makes the range NaN for good.
-  template <class State>
-  void add(const State& z) {
+  void add(const PhasePoint<Scalar, Dof>& z) {
     const Scalar now = hamiltonian_.energy(z.q(), z.p());
     if (!(now >= low_) && low_ == low_) low_ = now;
     if (!(now <= high_) && high_ == high_) high_ = now;
@@ -55,7 +52,7 @@ class EnergyRange {
   double range() const { return static_cast<double>((high_ - low_) / unit_); }
 
  private:
-  const H& hamiltonian_;
+  const AnyHamiltonian<Scalar, Dof>& hamiltonian_;
   Scalar unit_, low_{}, high_{};
 };
 
@@ -69,62 +66,61 @@ double unfinished(const StepReport& report, const State& z) {
 
 /// Tries a setting on windows. Gives up at the first step that fails, or when the error exceeds `hopeless`, and before the first
 /// one that may take it beyond `affordable` gradient calls.
-template <class H, class State>
-Probe probe(const H& hamiltonian, const Setting& setting, const std::vector<Window<State>>& windows,
-            const typename H::Scalar& energy_unit, double hopeless, double affordable) {
-  using Scalar = typename H::Scalar;
+template <class Scalar, int Dof>
+SEMIEXPLICIT_COLD Probe probe(const AnyHamiltonian<Scalar, Dof>& hamiltonian, const Setting& setting,
+                              const std::vector<Window<PhasePoint<Scalar, Dof>>>& windows,
+                              const Scalar& energy_unit, double hopeless, double affordable) {
   Probe result;
-  with_stepper(hamiltonian, setting, [&](auto& stepper) {
-    EnergyRange<H> energies(hamiltonian, energy_unit);
-    const double worst = static_cast<double>(stepper.max_gradients());
-    double time = 0, steps_counted = 0;
-    std::int64_t calls = 0, evaluations = 0;
-    std::vector<double> hard;
-    for (const auto& window : windows) {
-      State z = window.start;
-      energies.start(z);
-      // Gauss's first step has nothing to extrapolate from: it is not counted.
-      const auto steps = std::max<std::int64_t>(4, static_cast<std::int64_t>(window.length / setting.dt) + 1);
-      double drift = 0;
-      for (std::int64_t n = 0; n < steps; ++n) {
-        if (static_cast<double>(result.gradients) + worst > affordable) {
-          result.cut = true;
-          return;
-        }
-        const StepReport report = stepper.step(z, Scalar(setting.dt));
-        result.gradients += report.gradients;
-        if (!report.ok()) {
-          result.status = report.status;
-          return;
-        }
-        energies.add(z);
-        result.max_evaluations = std::max(result.max_evaluations, static_cast<double>(report.evaluations));
-        if (setting.method == Setting::Method::semiexplicit) drift += unfinished(report, z);
-        if (n > 0 && window.typical) {
-          calls += report.gradients;
-          evaluations += report.evaluations;
-          time += setting.dt;
-          ++steps_counted;
-        }
+  AnyStepper<Scalar, Dof> stepper = hamiltonian.stepper(setting);
+  EnergyRange<Scalar, Dof> energies(hamiltonian, energy_unit);
+  const double worst = static_cast<double>(stepper.max_gradients());
+  double time = 0, steps_counted = 0;
+  std::int64_t calls = 0, evaluations = 0;
+  std::vector<double> hard;
+  for (const auto& window : windows) {
+    auto z = window.start;
+    energies.start(z);
+    // Gauss's first step has nothing to extrapolate from: it is not counted.
+    const auto steps = std::max<std::int64_t>(4, static_cast<std::int64_t>(window.length / setting.dt) + 1);
+    double drift = 0;
+    for (std::int64_t n = 0; n < steps; ++n) {
+      if (static_cast<double>(result.gradients) + worst > affordable) {
+        result.cut = true;
+        return result;
       }
-      result.drift = std::max(result.drift, drift / (static_cast<double>(steps) * setting.dt));
-      if (!window.typical) hard.push_back(energies.range());
-      if (!(energies.range() <= result.range)) result.range = energies.range();
-      if (!(result.range <= hopeless)) {
-        result.status = Status::not_finite;
-        return;
+      const StepReport report = stepper.step(z, Scalar(setting.dt));
+      result.gradients += report.gradients;
+      if (!report.ok()) {
+        result.status = report.status;
+        return result;
+      }
+      energies.add(z);
+      result.max_evaluations = std::max(result.max_evaluations, static_cast<double>(report.evaluations));
+      if (setting.method == Setting::Method::semiexplicit) drift += unfinished(report, z);
+      if (n > 0 && window.typical) {
+        calls += report.gradients;
+        evaluations += report.evaluations;
+        time += setting.dt;
+        ++steps_counted;
       }
     }
-    if (!hard.empty()) {
-      std::nth_element(hard.begin(), hard.begin() + static_cast<std::ptrdiff_t>(hard.size() / 2), hard.end());
-      const double median = hard[hard.size() / 2];
-      if (median > 0) result.spread = std::clamp(std::sqrt(result.range / median), 1.0, 3.0);
+    result.drift = std::max(result.drift, drift / (static_cast<double>(steps) * setting.dt));
+    if (!window.typical) hard.push_back(energies.range());
+    if (!(energies.range() <= result.range)) result.range = energies.range();
+    if (!(result.range <= hopeless)) {
+      result.status = Status::not_finite;
+      return result;
     }
-    if (time > 0) {
-      result.rate = static_cast<double>(calls) / time;
-      result.evaluations = static_cast<double>(evaluations) / steps_counted;
-    }
-  });
+  }
+  if (!hard.empty()) {
+    std::nth_element(hard.begin(), hard.begin() + static_cast<std::ptrdiff_t>(hard.size() / 2), hard.end());
+    const double median = hard[hard.size() / 2];
+    if (median > 0) result.spread = std::clamp(std::sqrt(result.range / median), 1.0, 3.0);
+  }
+  if (time > 0) {
+    result.rate = static_cast<double>(calls) / time;
+    result.evaluations = static_cast<double>(evaluations) / steps_counted;
+  }
   return result;
 }
 

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include <semiexplicit/core/cold.hpp>
 #include <semiexplicit/core/reference_size.hpp>
 #include <semiexplicit/derivatives/check_gradient.hpp>
 
@@ -24,8 +25,8 @@ struct GradientGlance {
 /// dimension, and more where they say little. A difference counts where neither noise nor the last half of the digits
 /// explains it. Three directions change every entry by its own size, three also those by more that may be zero up to rounding.
 template <HasEnergy H>
-GradientGlance<typename H::Scalar> glance_at_gradient(const H& hamiltonian,
-                                                      const PhasePoint<typename H::Scalar, H::Dof>& z) {
+SEMIEXPLICIT_COLD GradientGlance<typename H::Scalar> glance_at_gradient(
+    const H& hamiltonian, const PhasePoint<typename H::Scalar, H::Dof>& z) {
   using Scalar = typename H::Scalar;
   using std::abs;
   using std::isfinite;
@@ -75,10 +76,9 @@ GradientGlance<typename H::Scalar> glance_at_gradient(const H& hamiltonian,
 /// vector field at z: an Euler step of a twentieth of `time_scale` leaves a state at rest, where wrong signs hide. Returns
 /// the noise of the energy; adds the gradient calls to `gradients`.
 template <HasEnergy H>
-typename H::Scalar require_right_gradient(const std::string& who, const H& hamiltonian,
-                                          const PhasePoint<typename H::Scalar, H::Dof>& z,
-                                          const PhasePoint<typename H::Scalar, H::Dof>& velocity,
-                                          double time_scale, double& gradients) {
+SEMIEXPLICIT_COLD typename H::Scalar require_right_gradient(
+    const std::string& who, const H& hamiltonian, const PhasePoint<typename H::Scalar, H::Dof>& z,
+    const PhasePoint<typename H::Scalar, H::Dof>& velocity, double time_scale, double& gradients) {
   using Scalar = typename H::Scalar;
   const auto judge = [&](const GradientGlance<Scalar>& seen, const std::string& where) {
     gradients += seen.gradients;

@@ -17,6 +17,7 @@
 #include <semiexplicit/accuracy/hard_places.hpp>
 #include <semiexplicit/accuracy/probe.hpp>
 #include <semiexplicit/accuracy/right_gradient.hpp>
+#include <semiexplicit/core/cold.hpp>
 
 namespace semiexplicit::detail {
 
@@ -29,11 +30,11 @@ inline double cpu_seconds() {
 
 /// The work of cost_of_accuracy(): a pilot run that finds where the problem is hard, windows there and elsewhere, trials of
 /// settings on them, and for each target a search for the step and the scheme.
-template <class H>
+template <class Scalar, int Dof>
 class Scan {
  public:
-  using Scalar = typename H::Scalar;
-  using State = PhasePoint<Scalar, H::Dof>;
+  using H = AnyHamiltonian<Scalar, Dof>;
+  using State = PhasePoint<Scalar, Dof>;
 
   Scan(const H& hamiltonian, const State& z0, double T, const CostOptions& options)
       : hamiltonian_(hamiltonian), z0_(z0), options_(options) {
@@ -42,7 +43,7 @@ class Scan {
     cost_.time = T;
   }
 
-  CostOfAccuracy result() {
+  SEMIEXPLICIT_COLD CostOfAccuracy result() {
     const double start = cpu_seconds();
     families_ = families();  // refuses what is misspelled
     find_scale();
@@ -50,7 +51,7 @@ class Scan {
       windows_ = windows();
       pilot_spent_ = cost_.spent_gradients;
       std::vector<double> targets = options_.targets;
-      std::sort(targets.rbegin(), targets.rend());
+      std::sort(targets.begin(), targets.end(), std::greater<>());
       double last = 0;
       for (const double target : targets) {
         searched_part_ += 1 / static_cast<double>(targets.size());
@@ -76,7 +77,7 @@ class Scan {
   };
   using Family = std::vector<Candidate>;
 
-  std::vector<Family> families() const {
+  SEMIEXPLICIT_COLD std::vector<Family> families() const {
     std::vector<Family> all;
     if (!options_.schemes.empty()) {
       all.emplace_back();
@@ -98,7 +99,7 @@ class Scan {
                               .least_calls = 2.0 * stages});
     };
     // In gradient calls the stages in lanes are no better: they only win in time.
-    if (HasPackGradient<H> && options_.by == CostBy::seconds)
+    if (hamiltonian_.takes_packs() && options_.by == CostBy::seconds)
       add_gauss(Setting::Method::gauss_lanes);
     else
       add_gauss(Setting::Method::gauss);
@@ -106,8 +107,8 @@ class Scan {
   }
 
   /// The characteristic time ‖z₀‖/‖X(z₀)‖, and the unit of the energy error.
-  void find_scale() {
-    Vector<Scalar, H::Dof> gq = z0_.q(), gp = z0_.p();
+  SEMIEXPLICIT_COLD void find_scale() {
+    Vector<Scalar, Dof> gq = z0_.q(), gp = z0_.p();
     hamiltonian_.gradient(z0_.q(), z0_.p(), gq, gp);
     ++cost_.spent_gradients;
     const double speed = std::hypot(static_cast<double>(norm(gq)), static_cast<double>(norm(gp)));
@@ -149,7 +150,7 @@ class Scan {
 
   /// Runs a cheap setting as far as its part of the budget goes, and keeps where its energy varied most. False: there is nothing
   /// to advise on, and cost_ says why.
-  bool pilot() {
+  SEMIEXPLICIT_COLD bool pilot() {
     Setting coarse{.scheme = "low_defect4_s7", .rule = StoppingRule::product(1e-8)}, now = coarse;
     double rate = 0;
     now.dt = cost_.time_scale;
@@ -186,7 +187,7 @@ class Scan {
 
   /// The pilot run proper. A segment that fails, or whose energy goes astray, is done again with a smaller step. False where no
   /// step gets through a segment.
-  bool follow(Setting coarse, double length) {
+  SEMIEXPLICIT_COLD bool follow(Setting coarse, double length) {
     double calls_left = 2 * pilot_share * budget_, farthest = 0;
     State z = z0_;
     segment_time_ = std::max({length / 2000, 4 * coarse.dt, window_time_ / window_count});
@@ -196,22 +197,9 @@ class Scan {
            segment_time_ / coarse.dt < 1e9) {
       typename HardPlaces<State>::Segment segment{z, 0};
       const auto steps = static_cast<std::int64_t>(std::ceil(segment_time_ / coarse.dt));
-      EnergyRange<H> energies(hamiltonian_, energy_unit_);
+      EnergyRange<Scalar, Dof> energies(hamiltonian_, energy_unit_);
       energies.start(z);
-      const bool done = with_stepper(hamiltonian_, coarse, [&](auto& stepper) {
-        const double worst = static_cast<double>(stepper.max_gradients());
-        for (std::int64_t n = 0; n < steps; ++n) {
-          cut = cost_.spent_gradients + worst > options_.max_gradients;
-          if (cut) return false;
-          const StepReport report = stepper.step(z, Scalar(coarse.dt));
-          calls_left -= static_cast<double>(report.gradients);
-          cost_.spent_gradients += static_cast<double>(report.gradients);
-          if (report.ok()) energies.add(z);
-          if (!report.ok() || !(energies.range() <= 3 * coarse_)) return false;
-          farthest = std::max(farthest, cost_.pilot_time + static_cast<double>(n + 1) * coarse.dt);
-        }
-        return true;
-      });
+      const bool done = follow_segment(coarse, steps, z, energies, calls_left, farthest, cut);
       stuck = !done;
       if (done) {
         segment.hardness = energies.range();
@@ -234,8 +222,27 @@ class Scan {
     return true;
   }
 
+  /// One segment of the pilot run; false where it fails, goes astray, or is `cut` for want of calls.
+  SEMIEXPLICIT_COLD bool follow_segment(const Setting& coarse, std::int64_t steps, State& z,
+                                        EnergyRange<Scalar, Dof>& energies, double& calls_left,
+                                        double& farthest, bool& cut) {
+    AnyStepper<Scalar, Dof> stepper = hamiltonian_.stepper(coarse);
+    const double worst = static_cast<double>(stepper.max_gradients());
+    for (std::int64_t n = 0; n < steps; ++n) {
+      cut = cost_.spent_gradients + worst > options_.max_gradients;
+      if (cut) return false;
+      const StepReport report = stepper.step(z, Scalar(coarse.dt));
+      calls_left -= static_cast<double>(report.gradients);
+      cost_.spent_gradients += static_cast<double>(report.gradients);
+      if (report.ok()) energies.add(z);
+      if (!report.ok() || !(energies.range() <= 3 * coarse_)) return false;
+      farthest = std::max(farthest, cost_.pilot_time + static_cast<double>(n + 1) * coarse.dt);
+    }
+    return true;
+  }
+
   /// The windows that all settings are tried on: the start, evenly spread ones, and the hardest.
-  std::vector<Window<State>> windows() const {
+  SEMIEXPLICIT_COLD std::vector<Window<State>> windows() const {
     if (window_time_ >= cost_.time) return {{z0_, cost_.time, true}};
     const double each = window_time_ / window_count;
     std::vector<Window<State>> list{{z0_, each, true}};
@@ -247,7 +254,7 @@ class Scan {
   }
 
   /// What a choice is confirmed on: other hard stretches, and the run itself as far as the calls go.
-  std::vector<Window<State>> confirming_windows(double rate) const {
+  SEMIEXPLICIT_COLD std::vector<Window<State>> confirming_windows(double rate) const {
     const double length = std::min(cost_.time, confirm_share * budget_ / rate);
     std::vector<Window<State>> list{{z0_, length, true}};
     for (std::size_t i = 5; i < 30 && i < places_.count() && length < cost_.time; ++i)
@@ -255,7 +262,8 @@ class Scan {
     return list;
   }
 
-  Probe tried(const Setting& setting, const std::vector<Window<State>>& where, double hopeless) {
+  SEMIEXPLICIT_COLD Probe tried(const Setting& setting, const std::vector<Window<State>>& where,
+                                double hopeless) {
     const Probe result =
         probe(hamiltonian_, setting, where, energy_unit_, hopeless, limit_ - cost_.spent_gradients);
     exhausted_ = exhausted_ || result.cut;
@@ -264,13 +272,13 @@ class Scan {
   }
 
   /// The estimate of the error over the whole time.
-  double error(const Candidate& candidate, const Probe& probe, double dt) const {
+  SEMIEXPLICIT_COLD double error(const Candidate& candidate, const Probe& probe, double dt) const {
     return probe.range * probe.spread * places_.growth(candidate.order, cost_.time / cost_.pilot_time) +
            probe.drift * cost_.time + rounding(dt);
   }
 
   /// Nothing where the calls do not suffice.
-  const Probe* trial(Candidate& candidate, double dt) {
+  SEMIEXPLICIT_COLD const Probe* trial(Candidate& candidate, double dt) {
     Setting setting = candidate.setting;
     setting.dt = dt;
     double least = 0;
@@ -283,7 +291,7 @@ class Scan {
   }
 
   /// The cheapest rate of a candidate for a target; infinity where it does not reach it, or cannot be worth it.
-  double solve(Candidate& candidate, double target, double best) {
+  SEMIEXPLICIT_COLD double solve(Candidate& candidate, double target, double best) {
     const double infinity = std::numeric_limits<double>::infinity();
     auto& trials = candidate.trials;
     const auto error_at = [&](double step) { return error(candidate, trials[step], step); };
@@ -354,12 +362,12 @@ class Scan {
   }
 
   /// Cost a unit of time, in what is to be cheap.
-  double cost_rate(Candidate& candidate, const Probe& seen) {
+  SEMIEXPLICIT_COLD double cost_rate(Candidate& candidate, const Probe& seen) {
     return seen.rate * (options_.by == CostBy::seconds ? seconds_per_call(candidate) : 1.0);
   }
 
   /// Where to begin: with a step as dear as the cheapest known one that meets the target, or nearly.
-  double first_step(const Candidate& candidate, double target) const {
+  SEMIEXPLICIT_COLD double first_step(const Candidate& candidate, double target) const {
     double least = std::numeric_limits<double>::infinity();
     for (const double factor : {1.0, 30.0}) {
       for (const Family& family : families_)
@@ -383,7 +391,7 @@ class Scan {
 
   /// Looks for the cheapest of each family: from where it is expected to both sides, for as long as it gets cheaper. `wanted` is
   /// what the user asked for, where rounding forbids that.
-  void search(double target, double wanted) {
+  SEMIEXPLICIT_COLD void search(double target, double wanted) {
     exhausted_ = false;
     limit_ = std::min(options_.max_gradients, pilot_spent_ + search_limit * budget_ * searched_part_);
     best_rate_ = std::numeric_limits<double>::infinity();
@@ -423,7 +431,7 @@ class Scan {
   }
 
   /// Tries what would be advised on more windows, and looks further where it fails there.
-  void confirm(double target) {
+  SEMIEXPLICIT_COLD void confirm(double target) {
     for (int attempt = 0; attempt < 6; ++attempt) {
       Candidate* chosen = nullptr;
       double chosen_step = 0, least = std::numeric_limits<double>::infinity();
@@ -457,36 +465,35 @@ class Scan {
     }
   }
 
-  double seconds_per_call(Candidate& candidate) {
+  SEMIEXPLICIT_COLD double seconds_per_call(Candidate& candidate) {
     auto& known = seconds_per_call_[candidate.setting.name()];
     if (known > 0) return known;
     Setting setting = candidate.setting;
     for (const auto& [step, seen] : candidate.trials)
       if (seen.works()) setting.dt = step;
-    with_stepper(hamiltonian_, setting, [&](auto& stepper) {
-      // Where time decides it is worth a little more.
-      const double enough = budget_ * (options_.by == CostBy::seconds ? 0.02 : 0.003);
-      const double worst = static_cast<double>(stepper.max_gradients());
-      State z = z0_;
-      double calls = 0, begin = cpu_seconds();
-      for (std::int64_t n = 0; calls < enough || n < 20; ++n) {
-        if (n == 10) calls = 0, begin = cpu_seconds();  // warm now
-        if (cost_.spent_gradients + worst > options_.max_gradients) break;
-        const StepReport report = stepper.step(z, Scalar(setting.dt));
-        cost_.spent_gradients += static_cast<double>(report.gradients);
-        if (!report.ok()) {
-          if (calls > 0 || n == 0) break;
-          z = z0_;  // the warm part ran into something: time the first steps again
-          continue;
-        }
-        calls += static_cast<double>(report.gradients);
+    AnyStepper<Scalar, Dof> stepper = hamiltonian_.stepper(setting);
+    // Where time decides it is worth a little more.
+    const double enough = budget_ * (options_.by == CostBy::seconds ? 0.02 : 0.003);
+    const double worst = static_cast<double>(stepper.max_gradients());
+    State z = z0_;
+    double calls = 0, begin = cpu_seconds();
+    for (std::int64_t n = 0; calls < enough || n < 20; ++n) {
+      if (n == 10) calls = 0, begin = cpu_seconds();  // warm now
+      if (cost_.spent_gradients + worst > options_.max_gradients) break;
+      const StepReport report = stepper.step(z, Scalar(setting.dt));
+      cost_.spent_gradients += static_cast<double>(report.gradients);
+      if (!report.ok()) {
+        if (calls > 0 || n == 0) break;
+        z = z0_;  // the warm part ran into something: time the first steps again
+        continue;
       }
-      known = calls > 0 ? (cpu_seconds() - begin) / calls : 0;
-    });
+      calls += static_cast<double>(report.gradients);
+    }
+    known = calls > 0 ? (cpu_seconds() - begin) / calls : 0;
     return known;
   }
 
-  void finish_rows() {
+  SEMIEXPLICIT_COLD void finish_rows() {
     for (Family& family : families_)
       for (Candidate& candidate : family)
         for (const auto& [step, seen] : candidate.trials) {
@@ -514,7 +521,7 @@ class Scan {
   static constexpr double search_limit =
       5;  ///< budgets after which even a target without a setting is given up
 
-  const H& hamiltonian_;
+  H hamiltonian_;
   State z0_;
   CostOptions options_;
   CostOfAccuracy cost_{};

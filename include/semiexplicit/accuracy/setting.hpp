@@ -7,6 +7,8 @@
 #include <string>
 #include <utility>
 
+#include <semiexplicit/accuracy/any_stepper.hpp>
+#include <semiexplicit/core/cold.hpp>
 #include <semiexplicit/integrate.hpp>
 #include <semiexplicit/schemes/named.hpp>
 #include <semiexplicit/steppers/gauss_legendre.hpp>
@@ -16,7 +18,7 @@
 namespace semiexplicit {
 
 /// An integrator with everything that it needs but the Hamiltonian: the coordinates of a point on the curve of accuracy
-/// against work. A plain value, to be kept, printed, edited, and run by run() or with_stepper().
+/// against work. A plain value, to be kept, printed, edited, and run by run() or stepper_for().
 struct Setting {
   enum class Method {
     semiexplicit,  ///< Semiexplicit with simplified Newton: `scheme` and `rule` count
@@ -31,49 +33,48 @@ struct Setting {
   double dt = 0;   ///< the step, in the Hamiltonian's unit of time
 
   /// "low_defect6_s13", "gauss_s4", "gauss_lanes_s4" (four stages): what tells two settings apart beside dt and rule.
-  std::string name() const {
+  SEMIEXPLICIT_COLD std::string name() const {
     if (method == Method::semiexplicit) return scheme;
     return (method == Method::gauss ? "gauss_s" : "gauss_lanes_s") + std::to_string(stages);
   }
 
   /// "product(1e-16)" for the semiexplicit method, "fixed point" for the others.
-  std::string solver() const {
+  SEMIEXPLICIT_COLD std::string solver() const {
     if (method != Method::semiexplicit) return "fixed point";
     return (rule.kind == StoppingRule::Kind::product ? "product(" : "paper(") +
            detail::in_words(rule.tolerance, 2) + ")";
   }
 };
 
-/// Makes the stepper of a setting and hands it to `use`, whose result it gives back: a Semiexplicit, a GaussLegendre or
-/// a GaussLegendreLanes. Throws std::invalid_argument for an unknown scheme, a number of stages outside 1 to 8, and for
-/// stages in lanes where H has no gradient for packs.
+/// The stepper of a setting: a Semiexplicit, a GaussLegendre or a GaussLegendreLanes. Throws std::invalid_argument for an
+/// unknown scheme, a number of stages outside 1 to 8, and for stages in lanes where H has no gradient for packs.
 ///
-///     with_stepper(H, advice.setting, [&](auto& stepper) { stepper.step(z, advice.setting.dt); });
-template <Hamiltonian H, class Use>
-decltype(auto) with_stepper(const H& hamiltonian, const Setting& setting, const Use& use) {
-  if (setting.method == Setting::Method::semiexplicit) {
-    Semiexplicit stepper(hamiltonian, schemes::by_name<typename H::Scalar>(setting.scheme),
-                         SimplifiedNewton{.stop = setting.rule});
-    return use(stepper);
-  }
+///     auto stepper = stepper_for(H, advice.setting);
+///     stepper.step(z, advice.setting.dt);
+template <Hamiltonian H>
+SEMIEXPLICIT_COLD AnyStepper<typename H::Scalar, H::Dof> stepper_for(const H& hamiltonian,
+                                                                     const Setting& setting) {
+  using Any = AnyStepper<typename H::Scalar, H::Dof>;
+  switch (setting.method) {
+    case Setting::Method::semiexplicit:
+      return Any(Semiexplicit(hamiltonian, schemes::by_name<typename H::Scalar>(setting.scheme),
+                              SimplifiedNewton{.stop = setting.rule}));
+    case Setting::Method::gauss:
+      return Any(GaussLegendre(hamiltonian, {.stages = setting.stages}));
+    case Setting::Method::gauss_lanes:
 #ifdef SEMIEXPLICIT_HAS_PACKS
-  if constexpr (HasPackGradient<H>) {
-    if (setting.method == Setting::Method::gauss_lanes) {
-      GaussLegendreLanes stepper(hamiltonian, {.stages = setting.stages});
-      return use(stepper);
-    }
-  }
+      if constexpr (HasPackGradient<H>)
+        return Any(GaussLegendreLanes(hamiltonian, {.stages = setting.stages}));
 #endif
-  if (setting.method == Setting::Method::gauss_lanes)
-    throw std::invalid_argument(
-        "with_stepper: this Hamiltonian has no gradient for packs; take Setting::Method::gauss");
-  GaussLegendre stepper(hamiltonian, {.stages = setting.stages});
-  return use(stepper);
+      throw std::invalid_argument(
+          "stepper_for: this Hamiltonian has no gradient for packs; take Setting::Method::gauss");
+  }
+  throw std::invalid_argument("stepper_for: setting.method is none of Setting::Method");
 }
 
 /// Integrates z over the time T with a setting: in the fewest equal steps that are no longer than setting.dt. Observers,
 /// report and failures as integrate() has them. Throws std::invalid_argument unless T and setting.dt are finite and
-/// positive, and as with_stepper() does.
+/// positive, and as stepper_for() does.
 ///
 ///     const CostRow advice = cost.cheapest(1e-8).value();
 ///     Invariants invariants(H);
@@ -89,10 +90,9 @@ IntegrationReport run(const H& hamiltonian, PhasePoint<typename H::Scalar, H::Do
       1.0, std::ceil(T / setting.dt * (1 - 1e-12)));  // T = 10 dt is ten steps, whatever rounding says
   if (!(steps < 9e18)) throw std::invalid_argument("run: T / setting.dt is too large; give a larger step");
   using Scalar = typename H::Scalar;
-  return with_stepper(hamiltonian, setting, [&](auto& stepper) {
-    return integrate(stepper, z, {.dt = Scalar(T) / Scalar(steps), .steps = static_cast<std::int64_t>(steps)},
-                     std::forward<Observers>(observers)...);
-  });
+  AnyStepper<Scalar, H::Dof> stepper = stepper_for(hamiltonian, setting);
+  return integrate(stepper, z, {.dt = Scalar(T) / Scalar(steps), .steps = static_cast<std::int64_t>(steps)},
+                   std::forward<Observers>(observers)...);
 }
 
 }  // namespace semiexplicit

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 
+#include <semiexplicit/core/cold.hpp>
 #include <semiexplicit/core/words.hpp>
 
 namespace semiexplicit {
@@ -26,7 +27,7 @@ enum class Status {
 };
 
 /// What happened, in words, with the remedy.
-inline std::string describe(Status status) {
+SEMIEXPLICIT_COLD inline std::string describe(Status status) {
   switch (status) {
     case Status::success:
       return "success";
@@ -115,7 +116,7 @@ class IntegrationError : public std::runtime_error {
   const IntegrationReport& report() const { return report_; }
 
  private:
-  static std::string message(const IntegrationReport& r, double dt) {
+  SEMIEXPLICIT_COLD static std::string message(const IntegrationReport& r, double dt) {
     using detail::in_words;
     std::string text = "integrate: step " + std::to_string(r.steps + 1) +
                        " failed at t = " + in_words(r.t, 9) + " (dt = " + in_words(dt, 9) +

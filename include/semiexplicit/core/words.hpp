@@ -4,11 +4,13 @@
 #include <sstream>
 #include <string>
 
+#include <semiexplicit/core/cold.hpp>
+
 namespace semiexplicit::detail {
 
 /// A number with so many digits, in the C locale.
 template <class Scalar>
-std::string in_words(const Scalar& x, int digits) {
+SEMIEXPLICIT_COLD std::string in_words(const Scalar& x, int digits) {
   std::ostringstream out;
   out.imbue(std::locale::classic());
   out.precision(digits);

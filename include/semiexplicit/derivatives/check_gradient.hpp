@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include <semiexplicit/core/cold.hpp>
+#include <semiexplicit/core/function_ref.hpp>
 #include <semiexplicit/core/hamiltonian_door.hpp>
 #include <semiexplicit/core/phase_point.hpp>
 #include <semiexplicit/core/reference_size.hpp>
@@ -61,7 +63,7 @@ namespace detail {
 
 /// A guess at why entry i is not what the energy says, or nothing.
 template <class Scalar>
-std::string gradient_guess(const GradientCheck<Scalar>& check, std::size_t i) {
+SEMIEXPLICIT_COLD std::string gradient_guess(const GradientCheck<Scalar>& check, std::size_t i) {
   const auto& e = check.entries[i];
   const auto near = [](const Scalar& x, const Scalar& y, const Scalar& uncertainty) {
     using std::abs;
@@ -79,7 +81,7 @@ std::string gradient_guess(const GradientCheck<Scalar>& check, std::size_t i) {
   return "";
 }
 
-inline std::string describe(GradientOutput output) {
+SEMIEXPLICIT_COLD inline std::string describe(GradientOutput output) {
   switch (output) {
     case GradientOutput::written:
       return "is written";
@@ -95,7 +97,7 @@ inline std::string describe(GradientOutput output) {
 
 /// One wrong entry in words.
 template <class Scalar>
-std::string entry_in_words(const GradientCheck<Scalar>& check, std::size_t i) {
+SEMIEXPLICIT_COLD std::string entry_in_words(const GradientCheck<Scalar>& check, std::size_t i) {
   using std::isfinite;
   const auto& e = check.entries[i];
   std::ostringstream text;
@@ -120,7 +122,7 @@ std::string entry_in_words(const GradientCheck<Scalar>& check, std::size_t i) {
 /// In words: every wrong entry with its value, the expected one and a guess at the cause, or that all is right, and what could
 /// not be judged. Of long lists the first entries.
 template <class Scalar>
-std::ostream& operator<<(std::ostream& out, const GradientCheck<Scalar>& check) {
+SEMIEXPLICIT_COLD std::ostream& operator<<(std::ostream& out, const GradientCheck<Scalar>& check) {
   constexpr std::size_t most = 12;
   std::size_t wrong = 0, unjudged = 0;
   std::string lines, names;
@@ -150,11 +152,15 @@ struct Slope {
   Scalar steps_from = Scalar(0);  ///< the largest of the steps that it was looked for with
 };
 
+/// A function of one number; what takes it is compiled once.
+template <class Scalar>
+using ScalarFunction = FunctionRef<Scalar(const Scalar&)>;
+
 /// The level of noise in f near x, from the fourth differences of values so close that nothing else is left in them.
 ///
 /// Source: J. J. Moré, S. M. Wild, SIAM J. Sci. Comput. 33 (2011) 1292.
-template <class Scalar, class F>
-Scalar noise_level(const F& f, const Scalar& x, const Scalar& step) {
+template <class Scalar>
+Scalar noise_level(const ScalarFunction<Scalar>& f, const Scalar& x, const Scalar& step) {
   using std::sqrt;
   constexpr int count = 9, order = 4;
   Scalar values[count];
@@ -168,8 +174,8 @@ Scalar noise_level(const F& f, const Scalar& x, const Scalar& step) {
 
 /// The larger of two levels with spacings far below h: with one only, values rounded to a grid could happen to lie on a line.
 /// 0 where f is not finite.
-template <class Scalar, class F>
-Scalar noise_near(const F& f, const Scalar& x, const Scalar& h) {
+template <class Scalar>
+Scalar noise_near(const ScalarFunction<Scalar>& f, const Scalar& x, const Scalar& h) {
   using std::isfinite;
   Scalar noise(0);
   for (const Scalar& spacing : {Scalar(h / 65536), Scalar(h / 106039)}) {
@@ -186,8 +192,9 @@ Scalar noise_near(const F& f, const Scalar& x, const Scalar& h) {
 /// only where it does not contradict the smaller ones: an oscillation may pass unseen.
 ///
 /// Source: C. J. F. Ridders, Adv. Eng. Software 4 (1982) 75.
-template <class Scalar, class F>
-Slope<Scalar> extrapolated_slope(const F& f, const Scalar& x, Scalar h, const Scalar& rounding) {
+template <class Scalar>
+SEMIEXPLICIT_COLD Slope<Scalar> extrapolated_slope(const ScalarFunction<Scalar>& f, const Scalar& x, Scalar h,
+                                                   const Scalar& rounding) {
   using std::abs;
   using std::isfinite;
   constexpr int rows = 16;
@@ -242,9 +249,10 @@ bool compatible(const Slope<Scalar>& a, const Slope<Scalar>& b) {
 /// or speak against `given`, smaller ones follow, down to some hundred roundings of x: of two that contradict each other the
 /// smaller ones are right. Where all drown in rounding, as at x = 1e-8 beside terms of size one, larger ones follow, which
 /// must not contradict the others.
-template <class Scalar, class F>
-Slope<Scalar> judging_slope(const F& f, const Scalar& x, const Scalar& given, const Scalar& own,
-                            const Scalar& size, const Scalar& rounding, const Scalar& slack = Scalar(0)) {
+template <class Scalar>
+SEMIEXPLICIT_COLD Slope<Scalar> judging_slope(const ScalarFunction<Scalar>& f, const Scalar& x,
+                                              const Scalar& given, const Scalar& own, const Scalar& size,
+                                              const Scalar& rounding, const Scalar& slack = Scalar(0)) {
   using std::abs;
   using std::isfinite;
   using std::sqrt;
@@ -303,9 +311,9 @@ Slope<Scalar> judging_slope(const F& f, const Scalar& x, const Scalar& given, co
 
 /// The gradient of H at z, and what it does with its outputs, from calls that find different numbers in them.
 template <Hamiltonian H>
-std::vector<GradientOutput> written_gradient(const H& hamiltonian,
-                                             const PhasePoint<typename H::Scalar, H::Dof>& z,
-                                             PhasePoint<typename H::Scalar, H::Dof>& given) {
+SEMIEXPLICIT_COLD std::vector<GradientOutput> written_gradient(
+    const H& hamiltonian, const PhasePoint<typename H::Scalar, H::Dof>& z,
+    PhasePoint<typename H::Scalar, H::Dof>& given) {
   using Scalar = typename H::Scalar;
   using Limits = std::numeric_limits<Scalar>;
   using std::abs;
@@ -351,7 +359,7 @@ typename H::Scalar energy_rounding(const H& hamiltonian, const typename H::Scala
 /// A size for the entries that are zero, which say nothing about it: the middle one of the others' sizes, so that a late time or
 /// another large entry does not count, or 1.
 template <class Scalar, int Dof>
-Scalar typical_size(const PhasePoint<Scalar, Dof>& z) {
+SEMIEXPLICIT_COLD Scalar typical_size(const PhasePoint<Scalar, Dof>& z) {
   using std::abs;
   std::vector<Scalar> sizes;
   for (const Scalar& x : z.vector())
@@ -376,7 +384,7 @@ Scalar typical_size(const PhasePoint<Scalar, Dof>& z) {
 /// GradientCheck::judged() is false then. Choose z with care: at a point of symmetry, as z = 0, many wrong gradients vanish like
 /// the right one. Throws std::invalid_argument if z has another size than H, or the energy at z is not finite.
 template <class H>
-GradientCheck<typename detail::EnergyDoor<H>::Scalar> check_gradient(
+SEMIEXPLICIT_COLD GradientCheck<typename detail::EnergyDoor<H>::Scalar> check_gradient(
     const H& hamiltonian,
     const PhasePoint<typename detail::EnergyDoor<H>::Scalar, detail::EnergyDoor<H>::Dof>& z) {
   using Scalar = typename H::Scalar;

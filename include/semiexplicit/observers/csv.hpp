@@ -105,7 +105,8 @@ class CsvWriter {
   void go_on_from(const Beginning& wanted) {
     if (beginning(wanted.length, {}) == wanted) {
       file_.go_on_after(wanted.length);
-    } else if (const std::string rows = committed(wanted.length); semiexplicit::checksum(rows) == wanted.sum) {
+    } else if (const std::string rows = committed(wanted.length);
+               semiexplicit::checksum(rows) == wanted.sum) {
       file_.write(rows);  // a run that was killed between commit() and the end of its checkpoints
     } else {
       throw std::invalid_argument(

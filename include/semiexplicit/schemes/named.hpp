@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include <semiexplicit/core/cold.hpp>
 #include <semiexplicit/schemes/scheme.hpp>
 
 namespace semiexplicit {
@@ -20,7 +21,7 @@ namespace detail {
 /// A decimal number, rounded once to Scalar; other types than the built-in ones are made from the string itself.
 /// The tables below have 60 digits.
 template <class Scalar>
-Scalar decimal(const char* digits) {
+SEMIEXPLICIT_COLD Scalar decimal(const char* digits) {
   static_assert(std::numeric_limits<Scalar>::digits10 <= 57,
                 "the named schemes are known to 60 digits only; refine them for a wider type and use Scheme");
   if constexpr (std::is_floating_point_v<Scalar>) {
@@ -36,7 +37,7 @@ Scalar decimal(const char* digits) {
 
 /// The full list from its first half and the middle entry.
 template <class Scalar>
-std::vector<Scalar> palindrome(std::initializer_list<const char*> half) {
+SEMIEXPLICIT_COLD std::vector<Scalar> palindrome(std::initializer_list<const char*> half) {
   std::vector<Scalar> list;
   for (const char* digits : half) list.push_back(decimal<Scalar>(digits));
   for (std::size_t i = half.size() - 1; i-- > 0;) list.push_back(Scalar(list[i]));
@@ -45,8 +46,8 @@ std::vector<Scalar> palindrome(std::initializer_list<const char*> half) {
 
 /// A scheme from its kicks a0, b0, a1, b1, ...: first half and middle entry.
 template <class Scalar>
-Scheme<Scalar> direct(const char* name, int order, std::initializer_list<const char*> half,
-                      const char* source) {
+SEMIEXPLICIT_COLD Scheme<Scalar> direct(const char* name, int order, std::initializer_list<const char*> half,
+                                        const char* source) {
   std::vector<Scalar> a, b;
   for (const Scalar& c : palindrome<Scalar>(half)) (a.size() == b.size() ? a : b).push_back(c);
   return Scheme<Scalar>(name, order, std::move(a), std::move(b), source);
@@ -59,8 +60,9 @@ using Intermediate = std::conditional_t<std::is_floating_point_v<Scalar>, long d
 
 /// A scheme from the weights of its Strang stages.
 template <class Scalar>
-Scheme<Scalar> stages_of_strang(std::string name, int order, const std::vector<Intermediate<Scalar>>& weights,
-                                const char* source) {
+SEMIEXPLICIT_COLD Scheme<Scalar> stages_of_strang(std::string name, int order,
+                                                  const std::vector<Intermediate<Scalar>>& weights,
+                                                  const char* source) {
   using Wide = Intermediate<Scalar>;
   const Wide half = Wide(1) / Wide(2);
   const Kicks<Wide> wide = composed_kicks<Wide>({{half, half}, {Wide(1)}}, weights);
@@ -74,15 +76,15 @@ Scheme<Scalar> stages_of_strang(std::string name, int order, const std::vector<I
 
 /// The same from the first half of the weights and the middle one.
 template <class Scalar>
-Scheme<Scalar> composition(const char* name, int order, std::initializer_list<const char*> half,
-                           const char* source) {
+SEMIEXPLICIT_COLD Scheme<Scalar> composition(const char* name, int order,
+                                             std::initializer_list<const char*> half, const char* source) {
   return stages_of_strang<Scalar>(name, order, palindrome<Intermediate<Scalar>>(half), source);
 }
 
 /// Order by order: `copies` times the method of order n - 2 with the weight g, as many again, and between them one
 /// with the weight 1 - 2 copies g. The terms of degree n - 1 cancel for g = 1/(m - m^(1/(n-1))), m = 2 copies.
 template <class Wide>
-std::vector<Wide> recursive_weights(int order, int copies) {
+SEMIEXPLICIT_COLD std::vector<Wide> recursive_weights(int order, int copies) {
   using std::pow;
   std::vector<Wide> weights{Wide(1)};
   for (int n = 4; n <= order; n += 2) {
@@ -97,7 +99,7 @@ std::vector<Wide> recursive_weights(int order, int copies) {
   return weights;
 }
 
-inline void check_recursive_order(const char* name, int order, int highest) {
+SEMIEXPLICIT_COLD inline void check_recursive_order(const char* name, int order, int highest) {
   if (order < 2 || order > highest || order % 2 != 0)
     throw std::invalid_argument(std::string("schemes::") + name + ": order " + std::to_string(order) +
                                 " is not available; take an even one from 2 to " + std::to_string(highest));
@@ -471,7 +473,7 @@ struct NamedScheme {
 };
 
 template <class Scalar>
-const std::vector<NamedScheme<Scalar>>& named_schemes() {
+SEMIEXPLICIT_COLD const std::vector<NamedScheme<Scalar>>& named_schemes() {
   using namespace schemes;
   static const std::vector<NamedScheme<Scalar>> list{
       {"strang", strang<Scalar>},
@@ -506,7 +508,7 @@ const std::vector<NamedScheme<Scalar>>& named_schemes() {
 namespace schemes {
 
 /// The names that by_name() knows, by order.
-inline std::vector<std::string> names() {
+SEMIEXPLICIT_COLD inline std::vector<std::string> names() {
   std::vector<std::string> list;
   for (const auto& entry : semiexplicit::detail::named_schemes<double>()) list.push_back(entry.name);
   return list;
@@ -515,7 +517,7 @@ inline std::vector<std::string> names() {
 /// The scheme of that name, for programs that let their user choose. Throws std::invalid_argument, with the list of
 /// the names, for an unknown one.
 template <class Scalar = double>
-Scheme<Scalar> by_name(const std::string& name) {
+SEMIEXPLICIT_COLD Scheme<Scalar> by_name(const std::string& name) {
   for (const auto& entry : semiexplicit::detail::named_schemes<Scalar>())
     if (name == entry.name) return entry.make();
   std::string valid;

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include <semiexplicit/core/cold.hpp>
 #include <semiexplicit/core/words.hpp>
 #include <semiexplicit/schemes/order_conditions.hpp>
 
@@ -21,12 +22,15 @@ inline constexpr int max_detected_order = 10;
 namespace detail {
 
 /// Beginning of every message about a scheme.
-inline std::string scheme_called(const std::string& name) { return "Scheme \"" + name + "\": "; }
+SEMIEXPLICIT_COLD inline std::string scheme_called(const std::string& name) {
+  return "Scheme \"" + name + "\": ";
+}
 
 /// A list that is finite, palindromic and sums to one; throws std::invalid_argument otherwise. `what` names it in
 /// the message.
 template <class Scalar>
-void check_list(const std::string& owner, const std::string& what, const std::vector<Scalar>& list) {
+SEMIEXPLICIT_COLD void check_list(const std::string& owner, const std::string& what,
+                                  const std::vector<Scalar>& list) {
   using Work = ConditionScalar<Scalar>;
   const auto entry = [&](std::size_t i) { return what + "[" + std::to_string(i) + "]"; };
   Work sum(0), length(0), largest(0);
@@ -79,7 +83,7 @@ struct Scheme {
   }
 
   /// Throws std::invalid_argument if the members, which anybody may edit, no longer fit together.
-  void check() const {
+  SEMIEXPLICIT_COLD void check() const {
     const int degree = std::min(std::max(order, explicit_order), max_scheme_order);
     if (checked(degree).explicit_order < explicit_order)
       throw std::invalid_argument(
@@ -109,7 +113,7 @@ struct Scheme {
 
  private:
   /// Throws as check() does, apart from explicit_order; gives the orders found up to the degree.
-  detail::Orders checked(int degree) const {
+  SEMIEXPLICIT_COLD detail::Orders checked(int degree) const {
     const std::string owner = detail::scheme_called(name);
     if (b.empty() || a.size() != b.size() + 1)
       throw std::invalid_argument(owner + "a has " + std::to_string(a.size()) + " entries and b has " +
@@ -131,7 +135,8 @@ struct Scheme {
   }
 
   template <class Work>
-  std::string unsatisfied(const std::vector<detail::DegreeDefect<Work>>& defects, int found) const {
+  SEMIEXPLICIT_COLD std::string unsatisfied(const std::vector<detail::DegreeDefect<Work>>& defects,
+                                            int found) const {
     std::string text = "order " + std::to_string(order) +
                        " is claimed, but the order conditions hold only up to order " + std::to_string(found);
     for (std::size_t n = 2; n < defects.size(); ++n) {
@@ -150,8 +155,8 @@ struct Scheme {
 /// A scheme whose order is found from the coefficients: the highest up to max_detected_order. Throws
 /// std::invalid_argument where Scheme would, apart from the claim.
 template <class Scalar>
-Scheme<Scalar> make_scheme(std::string name, std::vector<Scalar> a, std::vector<Scalar> b,
-                           std::string source = "") {
+SEMIEXPLICIT_COLD Scheme<Scalar> make_scheme(std::string name, std::vector<Scalar> a, std::vector<Scalar> b,
+                                             std::string source = "") {
   Scheme<Scalar> scheme(std::move(name), 2, std::move(a), std::move(b), std::move(source));
   using Work = detail::ConditionScalar<Scalar>;
   const detail::Orders found = detail::orders(
@@ -172,7 +177,8 @@ struct Kicks {
 /// The kicks base(w1) base(w2) ... in a row. The A that ends one stage and the A that begins the next are one
 /// kick.
 template <class Scalar>
-Kicks<Scalar> composed_kicks(const Kicks<Scalar>& base, const std::vector<Scalar>& weights) {
+SEMIEXPLICIT_COLD Kicks<Scalar> composed_kicks(const Kicks<Scalar>& base,
+                                               const std::vector<Scalar>& weights) {
   Kicks<Scalar> all{{Scalar(0)}, {}};
   for (const Scalar& w : weights) {
     all.a.back() += w * base.a.front();
@@ -190,8 +196,8 @@ Kicks<Scalar> composed_kicks(const Kicks<Scalar>& base, const std::vector<Scalar
 /// kicks gives s(k - 1) + 1. `weights` is the full list. The order is found from the coefficients. Throws
 /// std::invalid_argument unless the weights are finite, palindromic and sum to one.
 template <class Scalar>
-Scheme<Scalar> compose(const Scheme<Scalar>& base, const std::vector<Scalar>& weights, std::string name = "",
-                       std::string source = "") {
+SEMIEXPLICIT_COLD Scheme<Scalar> compose(const Scheme<Scalar>& base, const std::vector<Scalar>& weights,
+                                         std::string name = "", std::string source = "") {
   base.check();
   if (name.empty()) name = std::to_string(weights.size()) + " stages of " + base.name;
   if (source.empty()) source = "composition of " + base.name;

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include <semiexplicit/core/pack.hpp>
+#include <semiexplicit/core/simd.hpp>
 #include <semiexplicit/steppers/detail/gauss_shell.hpp>
 
 #ifdef SEMIEXPLICIT_HAS_PACKS
@@ -23,7 +23,7 @@ namespace semiexplicit {
 template <class H>
 class GaussLegendreLanes : public detail::GaussShell<GaussLegendreLanes<H>, H> {
   static_assert(HasPackGradient<H>,
-                "GaussLegendreLanes needs a gradient that takes packs; see HasPackGradient in core/pack.hpp");
+                "GaussLegendreLanes needs a gradient that takes packs; see HasPackGradient in core/simd.hpp");
   using Shell = detail::GaussShell<GaussLegendreLanes<H>, H>;
   friend Shell;
 

@@ -8,13 +8,13 @@
 #include <utility>
 
 #include <semiexplicit/core/extended_phase_space.hpp>
-#include <semiexplicit/derivatives/hessian.hpp>
-#include <semiexplicit/steppers/detail/compensated_update.hpp>
-#include <semiexplicit/steppers/detail/gauss_tableau.hpp>
 #include <semiexplicit/core/gradient_size.hpp>
 #include <semiexplicit/core/hamiltonian_door.hpp>
 #include <semiexplicit/core/inlined.hpp>
 #include <semiexplicit/core/stepper.hpp>
+#include <semiexplicit/derivatives/hessian.hpp>
+#include <semiexplicit/steppers/detail/compensated_update.hpp>
+#include <semiexplicit/steppers/detail/gauss_tableau.hpp>
 
 namespace semiexplicit {
 

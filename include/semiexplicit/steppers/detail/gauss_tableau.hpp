@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include <semiexplicit/core/cold.hpp>
 #include <semiexplicit/core/vector.hpp>
 
 namespace semiexplicit {
@@ -25,7 +26,7 @@ struct GaussTableau {
   Matrix extrapolation;              ///< stage values of the next step from those of this one: ℓ_j(1 + c_i)
 
   /// Throws std::invalid_argument unless 1 ≤ stages ≤ 8.
-  explicit GaussTableau(int stages) {
+  SEMIEXPLICIT_COLD explicit GaussTableau(int stages) {
     if (stages < 1 || stages > 8)
       throw std::invalid_argument("GaussLegendre: " + std::to_string(stages) +
                                   " stages asked for; give 1 to 8");

@@ -1,0 +1,143 @@
+#pragma once
+
+#include <cstddef>
+#include <limits>
+
+#include <semiexplicit/core/hamiltonian.hpp>
+
+// Not in every standard library (libstdc++ has it from version 11 on).
+#if defined(__has_include)
+#if __has_include(<experimental/simd>)
+#include <experimental/simd>
+#ifdef __cpp_lib_experimental_parallel_simd
+#define SEMIEXPLICIT_HAS_PACKS 1
+#endif
+#endif
+#endif
+
+#ifdef SEMIEXPLICIT_HAS_PACKS
+/// A pack is a number to Eigen, too: columns of packs are what a Hamiltonian of packs takes.
+namespace Eigen {
+template <class Scalar, class Abi>
+struct NumTraits<std::experimental::simd<Scalar, Abi>>
+    : GenericNumTraits<std::experimental::simd<Scalar, Abi>> {
+  using Real = std::experimental::simd<Scalar, Abi>;
+  using NonInteger = Real;
+  using Nested = Real;
+  using Literal = Scalar;
+  enum {
+    IsComplex = 0,
+    IsInteger = 0,
+    IsSigned = 1,
+    RequireInitialization = 0,
+    ReadCost = 1,
+    AddCost = 1,
+    MulCost = 1
+  };
+  static Real epsilon() { return NumTraits<Scalar>::epsilon(); }
+  static Real dummy_precision() { return NumTraits<Scalar>::dummy_precision(); }
+  static Real highest() { return NumTraits<Scalar>::highest(); }
+  static Real lowest() { return NumTraits<Scalar>::lowest(); }
+  static int digits10() { return NumTraits<Scalar>::digits10(); }
+};
+}  // namespace Eigen
+#endif
+
+namespace semiexplicit {
+
+#ifdef SEMIEXPLICIT_HAS_PACKS
+/// How many numbers a register of the target holds: for double 8 with AVX-512, 4 with AVX2, 2 with neither.
+template <class Scalar>
+inline constexpr std::size_t native_width = std::experimental::native_simd<Scalar>::size();
+
+/// `Width` numbers side by side; arithmetic, sqrt, sin and so on go lane by lane. Eight, as for the stages of a Gauss method,
+/// are one register with AVX-512 and several without.
+template <class Scalar, std::size_t Width = 8>
+using Pack = std::experimental::simd<Scalar, std::experimental::simd_abi::deduce_t<Scalar, Width>>;
+
+/// As many as one register holds, as for the members of an ensemble. (Packs of several registers g++ 12 copies clumsily.)
+template <class Scalar>
+using RegisterPack = Pack<Scalar, native_width<Scalar>>;
+
+/// Optional: the gradient of eight phase points at once, one a lane, on arrays of packs. A gradient whose arguments are
+/// templates, and which does no more than index them, has it for nothing. H says so by `using PackGradientOf = H;`:
+///
+///     using PackGradientOf = Product;
+///     template <class Q, class D>
+///     void gradient(const Q& q, const Q& p, D&& dHdq, D&& dHdp) const {
+///       dHdq[0] = q[0] * (p[0] * p[0] + 1.0);
+///       dHdp[0] = p[0] * (q[0] * q[0] + 1.0);
+///     }
+template <class H>
+concept HasPackGradient = Hamiltonian<H> && std::same_as<typename H::PackGradientOf, H> &&
+    requires(const H& h, const Pack<typename H::Scalar>* at, Pack<typename H::Scalar>* gradient) {
+  h.gradient(at, at, gradient, gradient);
+};
+
+namespace detail {
+
+using Many = RegisterPack<double>;
+using LaneMask = Many::mask_type;
+
+/// to = from in the chosen lanes.
+inline void assign(const LaneMask& lanes, Many& to, const Many& from) {
+#ifdef __clang__  // version 14 with AVX-512 makes nothing, or something else, of libstdc++'s where()
+  for (std::size_t k = 0; k < Many::size(); ++k)
+    if (lanes[k]) to[k] = double(from[k]);
+#else
+  where(lanes, to) = from;
+#endif
+}
+
+/// v · v in each lane, summed in the order of dot().
+inline Many squares(const Many* v, Eigen::Index n) {
+  Many part[4] = {0.0, 0.0, 0.0, 0.0};
+  const Eigen::Index whole = n - n % 4;
+  for (Eigen::Index i = 0; i < whole; i += 4)
+    for (Eigen::Index k = 0; k < 4; ++k) part[k] += v[i + k] * v[i + k];
+  for (Eigen::Index i = whole; i < n; ++i) part[i - whole] += v[i] * v[i];
+  return (part[0] + part[1]) + (part[2] + part[3]);
+}
+
+/// √x. g++ 12 suspects an uninitialised variable in its own AVX-512 intrinsic.
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wuninitialized"
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#endif
+inline Many square_root(const Many& x) { return sqrt(x); }
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic pop
+#endif
+
+/// The norms of all lanes, by the operations of the norm of a vector and in their order.
+inline Many norm(const Many* v, Eigen::Index n) {
+  const Many squared = squares(v, n);
+  constexpr double small = std::numeric_limits<double>::min() / std::numeric_limits<double>::epsilon();
+  constexpr double large = std::numeric_limits<double>::max() * std::numeric_limits<double>::epsilon();
+  const LaneMask plain = (squared >= small && squared <= large) || squared != squared;
+  Many result = square_root(squared);
+  if (all_of(plain)) return result;
+  // Some lane's squares have no room in the exponent.
+  Many largest = 0.0;
+  for (Eigen::Index i = 0; i < n; ++i) largest = max(largest, abs(v[i]));
+  Many unit = largest, part[4] = {0.0, 0.0, 0.0, 0.0};
+  assign(largest == 0.0, unit, 1.0);
+  const Eigen::Index whole = n - n % 4;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Many scaled = v[i] / unit;
+    part[i < whole ? i % 4 : i - whole] += scaled * scaled;
+  }
+  Many rescaled = largest * square_root((part[0] + part[1]) + (part[2] + part[3]));
+  assign(!isfinite(largest), rescaled, largest);
+  assign(!plain, result, rescaled);
+  return result;
+}
+
+}  // namespace detail
+#else
+template <class H>
+concept HasPackGradient = false;
+#endif
+
+}  // namespace semiexplicit

@@ -1,61 +1,15 @@
 #pragma once
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include <Eigen/LU>
 
 #include <semiexplicit/core/extended_phase_space.hpp>
+#include <semiexplicit/derivatives/hessian.hpp>
 #include <semiexplicit/steppers/semiexplicit.hpp>
 
 namespace semiexplicit {
-namespace detail {
-
-/// ∇²H at z, a symmetric 2d × 2d matrix: by H.hessian where there is one, else by central differences of the gradient, which are
-/// off by about 1e-10 of its size in double (ε^{2/3}); by more along a time so late that its own rounding shows.
-template <Hamiltonian H>
-class SecondDerivatives {
- public:
-  using Scalar = typename H::Scalar;
-  using State = PhasePoint<Scalar, H::Dof>;
-  using Matrix = Eigen::Matrix<Scalar, twice(H::Dof), twice(H::Dof)>;
-
-  explicit SecondDerivatives(Eigen::Index dof) : at_(dof), above_(dof), below_(dof) {}
-
-  void operator()(const H& h, const typename State::Storage& z, Matrix& hessian) {
-    at_.vector() = z;
-    if constexpr (HasHessian<H>) {
-      h.hessian(at_.q(), at_.p(), hessian);
-    } else {
-      using std::abs;
-      using std::cbrt;
-      const Scalar size_or_zero = state_size(h, at_);
-      const Scalar size = size_or_zero > Scalar(0) ? size_or_zero : Scalar(1);
-      for (Eigen::Index i = 0; i < z.size(); ++i) {
-        // The best shift for the rounding of this entry: a time may be far larger than the state.
-        const Scalar rounding = Eigen::NumTraits<Scalar>::epsilon() * std::max<Scalar>(1, abs(z[i]) / size);
-        const Scalar shift = size * std::max<Scalar>(cbrt(rounding), 2 * rounding);
-        const Scalar right = z[i] + shift, left = z[i] - shift;
-        at_.vector()[i] = right;
-        h.gradient(at_.q(), at_.p(), above_.q(), above_.p());
-        at_.vector()[i] = left;
-        h.gradient(at_.q(), at_.p(), below_.q(), below_.p());
-        at_.vector()[i] = z[i];
-        hessian.col(i) = (above_.vector() - below_.vector()) / (right - left);
-      }
-      // Symmetric to the last bit, so that the map is symplectic although its entries are approximate.
-      for (Eigen::Index i = 0; i < z.size(); ++i)
-        for (Eigen::Index j = 0; j < i; ++j)
-          hessian(i, j) = hessian(j, i) = (hessian(i, j) + hessian(j, i)) / 2;
-    }
-  }
-
- private:
-  State at_, above_, below_;
-};
-
-}  // namespace detail
 
 /// The derivative M = ∂z'/∂z of a step of Semiexplicit, by the implicit function theorem. With the copies a = z + m, b = z - m
 /// before and a', b' after the kicks, which are linearised one by one with the Hessian of H,

@@ -1,0 +1,174 @@
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include <semiexplicit/core/extended_phase_space.hpp>
+#include <semiexplicit/derivatives/hessian.hpp>
+#include <semiexplicit/steppers/detail/compensated_update.hpp>
+#include <semiexplicit/steppers/detail/gauss_tableau.hpp>
+#include <semiexplicit/steppers/pihajoki.hpp>
+
+namespace semiexplicit {
+
+/// How GaussLegendre finds its stages.
+enum class StageSolver {
+  fixed_point,  ///< each stage from the newest values of the others: no derivatives, O(s² d) work an iteration
+  newton        ///< full Newton with a dense 2ds × 2ds matrix each iteration: for small problems
+};
+
+/// What a GaussLegendre stepper is made with.
+struct GaussLegendreOptions {
+  int stages = 2;  ///< 1 to 8; order 2 · stages; 1 is the implicit midpoint rule
+  StageSolver solver = StageSolver::fixed_point;
+  double tolerance =
+      0;  ///< bound on the sum of the stages' last changes, absolute; 0: until rounding stops it
+  int max_iterations = 100;  ///< the step is refused beyond
+  bool extrapolate = true;  ///< start the stages from the last step's collocation polynomial, instead of at z
+
+  /// See Describable.
+  template <class List>
+  void describe(List& list) const {
+    list("stages", stages);
+    list("stage solver", solver);
+    list("tolerance", tolerance);
+    list("max_iterations", max_iterations);
+    list("extrapolate", extrapolate);
+  }
+};
+
+namespace detail {
+
+/// What the Gauss-Legendre steppers have in common: everything but the stages. A Stepper derives from it, befriends it, and has
+///
+///     Eigen::Index size() const;                 // 2d, or 0 where the stages were moved from
+///     void scale_weights(const Scalar& dt);      // dt a_ij, for another dt than before
+///     Status solve(const State& z, bool extrapolate, StepReport& report);  // first values of the stages, then iterate()
+///     Scalar increment(Eigen::Index i, const Scalar& dt) const;            // dt Σ_j b_j X_ji
+///     void visit_stages(Visitor& visit);         // the gradients, from which the next step's stages are extrapolated
+template <class Stepper, class H>
+class GaussShell {
+ public:
+  using Scalar = typename HamiltonianDoor<H>::Scalar;
+  static constexpr int Dof = HamiltonianDoor<H>::Dof;
+  using State = PhasePoint<Scalar, Dof>;
+
+  /// One step of size dt, which may be negative; z is untouched unless the report is ok(). `evaluations` are iterations,
+  /// `correction` is the sum of the absolute values of what they last changed in the stages.
+  StepReport step(State& z, const Scalar& dt) {
+    Stepper& stages = static_cast<Stepper&>(*this);
+    StepReport report;
+    if (!valid_step(dt))
+      report.status = Status::invalid_step;
+    else if (stages.size() == 0)
+      report.status = Status::invalid_stepper;
+    else if (z.vector().size() != stages.size())
+      report.status = Status::invalid_state;
+    if (!report.ok()) return report;
+
+    const bool goes_on = options_.extrapolate && last_dt_ == dt && update_.continues(z);
+    last_dt_ = Scalar(0);  // nothing to extrapolate from until the step is done, also where a gradient throws
+    if (weights_dt_ != dt) stages.scale_weights(dt);
+    weights_dt_ = dt;
+    report.status = stages.solve(z, goes_on, report);
+    if (report.status == Status::not_finite && !z.vector().allFinite()) report.status = Status::invalid_state;
+    if (!report.ok()) return report;
+    if (update_.update(z, [&](Eigen::Index i) { return stages.increment(i, dt); }))
+      last_dt_ = dt;
+    else
+      report.status = Status::not_finite;
+    return report;
+  }
+
+  /// Gradient calls that a step cannot exceed.
+  std::int64_t max_gradients() const {
+    const auto hessian =
+        options_.solver == StageSolver::newton ? SecondDerivatives<H>::gradients(dof()) : Eigen::Index{0};
+    return 1 + std::int64_t{options_.max_iterations} * options_.stages * (1 + hessian);
+  }
+
+  Eigen::Index dof() const { return dof_of(hamiltonian_); }
+  const H& hamiltonian() const { return hamiltonian_; }
+  const GaussLegendreOptions& options() const { return options_; }
+  const GaussTableau<Scalar>& tableau() const { return tableau_; }
+
+  /// See Describable.
+  template <class List>
+  void describe(List& list) const {
+    list("degrees of freedom", dof());
+    options_.describe(list);
+    list.function("Hamiltonian", GradientSize(hamiltonian()));
+  }
+  /// Hands visit() every number that goes on from step to step; see CheckpointMemory.
+  template <class Visitor>
+  void visit_memory(Visitor&& visit) {
+    update_.visit_memory(visit);
+    static_cast<Stepper&>(*this).visit_stages(visit);
+    visit(last_dt_);
+  }
+
+ protected:
+  /// Throws std::invalid_argument unless 1 ≤ stages ≤ 8, max_iterations ≥ 1 and tolerance ≥ 0.
+  GaussShell(H hamiltonian, const GaussLegendreOptions& options)
+      : hamiltonian_(std::move(hamiltonian)), options_(options), tableau_(options.stages), update_(dof()) {
+    if (!(options.max_iterations >= 1 && options.tolerance >= 0 && std::isfinite(options.tolerance)))
+      throw std::invalid_argument(std::string(Stepper::name) +
+                                  ": max_iterations must be 1 or more, and tolerance 0 or more and finite");
+  }
+
+  /// Repeats sweep(), which returns the sum of the absolute values of what it changed in the stages' displacements from z, until
+  /// that is zero, within the tolerance, or but the rounding of z and the displacements. displaced() is the sum of their
+  /// absolute values.
+  template <class Sweep, class Displaced>
+  Status iterate(const State& z, StepReport& report, const Sweep& sweep, const Displaced& displaced) const {
+    using std::isfinite;
+    const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon();
+    const Scalar all = sum_of_absolutes(z.vector()), size = size_without_time(z, all);
+    Scalar previous(0), least = std::numeric_limits<Scalar>::infinity();
+    int since_least = 0;
+    for (;;) {
+      const Scalar change = sweep();
+      ++report.evaluations;
+      // The first fixed-point sweep only evaluates the gradients at the starting values: a change is yet to be seen.
+      if (report.evaluations > 1 || options_.solver == StageSolver::newton) {
+        report.correction = static_cast<double>(change);
+        if (previous > Scalar(0)) report.rate = static_cast<double>(change / previous);
+        if (!isfinite(change)) return Status::not_finite;
+        if (change == Scalar(0) || change < Scalar(options_.tolerance)) return Status::success;
+        since_least = change < least ? 0 : since_least + 1;
+        if (change < least) least = change;
+        // The rounding of a late time may be far above that of the state: believed where nothing improves any more.
+        const bool grows = previous > Scalar(0) && change >= previous;
+        const bool stuck = InExtendedPhaseSpace<H> && since_least >= 8;
+        if ((grows && change <= 100 * epsilon * (size + displaced())) ||
+            (stuck && change <= 100 * epsilon * (all + displaced())))
+          return options_.tolerance == 0 ? Status::success : Status::rounding_limited;
+        previous = change;
+      }
+      if (report.evaluations >= options_.max_iterations) return Status::no_convergence;
+    }
+  }
+
+  H hamiltonian_;
+  GaussLegendreOptions options_;
+  GaussTableau<Scalar> tableau_;
+
+ private:
+  /// Σ |zᵢ| without (t, p_t), where the time is a coordinate; `all` elsewhere.
+  static Scalar size_without_time(const State& z, const Scalar& all) {
+    if constexpr (InExtendedPhaseSpace<H>)
+      return sum_of_absolutes(z.q().head(z.dof() - 1)) + sum_of_absolutes(z.p().head(z.dof() - 1));
+    else
+      return all;
+  }
+
+  CompensatedUpdate<Scalar, Dof> update_;
+  Scalar last_dt_ = Scalar(0), weights_dt_ = Scalar(0);
+};
+
+}  // namespace detail
+}  // namespace semiexplicit

@@ -212,6 +212,48 @@ TEST_CASE("Another Hamiltonian of the same kind is refused", "[checkpoint]") {
   const Saved saved(stretched(1));
   CHECK(saved.resumed(stretched(1)) == accepted);
   CHECK(says(saved.resumed(stretched(1 + 1e-9)), "another Hamiltonian"));
+  CHECK(says(saved.resumed(stretched(-1)), "another Hamiltonian"));
+}
+
+TEST_CASE("A Hamiltonian that differs in a sign, or in the smaller half of its gradient, is refused",
+          "[checkpoint]") {
+  // A charge in the field of another one, repelled or attracted, in units where the force is far smaller than the velocity.
+  for (const double unit : {1.0, 1e-14}) {
+    const auto charges = [unit](double k, double turn = 1) {
+      return Semiexplicit(
+          make_hamiltonian<double, 2>([](const auto&, const auto&) { return 0.0; },
+                                      [=](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+                                        const double r = q.norm();
+                                        dHdq = -k * unit * q / (r * r * r);
+                                        dHdp = p;
+                                        dHdp[1] *= turn;
+                                      }),
+          schemes::strang<double>());
+    };
+    const auto saved_and_resumed = [](auto stepper, auto other) {
+      const Folder folder;
+      const auto file = folder.path / "run.checkpoint";
+      PhasePoint<double, 2> start({10, 1}, {0.5, 0.3}), z = start;
+      IntegrationOptions<double> options{.dt = 0.1, .steps = 20};
+      {
+        Checkpoints checkpoints(file, {.every = 10}, stepper, options);
+        integrate(stepper, z, options, checkpoints);
+      }
+      z = start;
+      std::string said = "accepted";
+      try {
+        Checkpoints(file, {.every = 10}, other, options).resume(z);
+      } catch (const std::invalid_argument& refusal) {
+        said = refusal.what();
+      }
+      return said;
+    };
+    CAPTURE(unit);
+    CHECK(saved_and_resumed(charges(1), charges(1)) == "accepted");
+    CHECK(says(saved_and_resumed(charges(1), charges(-1)), "another Hamiltonian"));
+    CHECK(says(saved_and_resumed(charges(1), charges(1 + 1e-9)), "another Hamiltonian"));
+    CHECK(says(saved_and_resumed(charges(1), charges(1, -1)), "another Hamiltonian"));
+  }
 }
 
 TEST_CASE("A Record comes back whole, also within every(), or the run is refused", "[checkpoint]") {

@@ -6,6 +6,7 @@
 #include <random>
 #include <sstream>
 
+#include <semiexplicit/accuracy/right_gradient.hpp>
 #include <semiexplicit/derivatives.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 #include <semiexplicit/systems.hpp>
@@ -336,4 +337,71 @@ TEST_CASE("A gradient of a variable that the energy does not depend on is wrong"
                                                    dHdp[0] = p[0];
                                                  });
   CHECK(check_gradient(extra, PhasePoint<double, 1>(1, 0.3)).entries[0].wrong);
+}
+
+TEST_CASE("Where the energy is coarsely rounded no right gradient is wrong", "[check_gradient]") {
+  // A large number that is added and taken away again leaves multiples of its own rounding.
+  const auto pendulum = [](double offset, double factor) {
+    return make_hamiltonian<double, 1>(
+        [=](const auto& q, const auto& p) { return (offset + (p[0] * p[0] / 2 - std::cos(q[0]))) - offset; },
+        [=](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+          dHdq[0] = factor * std::sin(q[0]);
+          dHdp[0] = p[0];
+        });
+  };
+  int wrong = 0, found = 0;
+  for (const double offset : {1e6, 1e8, 1e9, 3e9, 1e10, 3e10, 1e11, 1e12, 1e13, 1e15, 1e17})
+    for (const double q : {0.3, 0.7, 1.3}) {
+      const PhasePoint<double, 1> z(q, 0.2);
+      wrong += !check_gradient(pendulum(offset, 1), z).ok();
+      found += check_gradient(pendulum(offset, -1), z).entries[0].wrong;
+    }
+  CHECK(wrong == 0);
+  CHECK(found >= 18);  // up to 1e11, where the rounding is 1e-5
+  // The relativistic kinetic energy in SI units: multiples of 20 J.
+  const auto falling = [](double factor) {
+    constexpr double c = 299792458;
+    return make_hamiltonian<double, 1>(
+        [](const auto& q, const auto& p) {
+          return c * c * (std::sqrt(1 + p[0] * p[0] / (c * c)) - 1) + 9.81 * q[0];
+        },
+        [factor](const auto&, const auto& p, auto& dHdq, auto& dHdp) {
+          dHdq[0] = 9.81;
+          dHdp[0] = factor * p[0] / std::sqrt(1 + p[0] * p[0] / (c * c));
+        });
+  };
+  for (const double v : {1.0, 10.0, 100.0, 1e3, 3e3, 1e4, 3e4, 1e5, 1e6}) {
+    CAPTURE(v);
+    const PhasePoint<double, 1> z(100, v);
+    CHECK(check_gradient(falling(1), z).ok());
+    CHECK(detail::glance_at_gradient(falling(1), z).complaint == "");
+    CHECK(detail::glance_at_gradient(falling(1), PhasePoint<double, 1>(0, v)).complaint == "");
+    if (v >= 3e3) {
+      const auto check = check_gradient(falling(1.01), z);
+      CHECK(check.entries[1].wrong);
+      CHECK_FALSE(check.entries[0].wrong);
+    }
+  }
+}
+
+TEST_CASE("An angle so large that its rounding hides the oscillation is not judged", "[check_gradient]") {
+  const auto rotor = make_hamiltonian<double, 1>(
+      [](const auto& q, const auto& p) {
+        return p[0] * p[0] / 2 * (1 + 0.1 * std::cos(q[0])) - std::cos(q[0]);
+      },
+      [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+        dHdq[0] = std::sin(q[0]) * (1 - 0.05 * p[0] * p[0]);
+        dHdp[0] = p[0] * (1 + 0.1 * std::cos(q[0]));
+      });
+  int wrong = 0, judged = 0;
+  for (int exponent = 14; exponent <= 150; exponent += 2)
+    for (const double p : {1.0, 1e3, 1e-3})
+      for (const double q : {1.0, 1.3, 2.7}) {
+        const double angle = q * std::pow(10.0, exponent);
+        const auto check = check_gradient(rotor, PhasePoint<double, 1>(angle, p * angle));
+        wrong += !check.ok();
+        judged += exponent >= 20 && check.entries[0].judged;
+      }
+  CHECK(wrong == 0);
+  CHECK(judged == 0);
 }

@@ -1,6 +1,7 @@
 #include "catch.hpp"
 
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <stdexcept>
 #include <vector>
@@ -190,6 +191,84 @@ TEST_CASE("The last of the times is served although n (T/n) is rounded below T",
   integrate(move, z, {.dt = 0.1, .steps = 0}, none);
   none.finish();
   CHECK(none.served() == 1);
+}
+
+TEST_CASE("Runs that continue each other through t = 0 are one", "[observers]") {
+  // Two times that mean 0 are rounding of the run's times, of whatever size theirs is.
+  int cases = 0, counts = 0, rows = 0, times = 0;
+  for (const double dt : {0.1, 0.07, 0.3, 0.01, 1.0 / 3})
+    for (const int n : {6, 10, 12, 60})
+      for (const int part : {1, 2, 4}) {
+        const double start = -n * dt;
+        struct Seen {
+          std::int64_t crossings = 0;
+          std::vector<double> rows, times;
+        };
+        const auto seen_in = [&](int chunk) {
+          auto move = stepper();
+          Point z(std::sin(start), std::cos(start));  // through the surface at t = 0
+          Seen seen;
+          auto section = poincare_section(rotor, position, [](double, const Point&) {},
+                                          {.direction = CrossingDirection::both});
+          auto fifth = every(5, [&](double t, const Point&) { seen.rows.push_back(t); });
+          auto at = at_times(rotor, {start / 2, 0.0, -start / 2},
+                             [&](double t, const Point&) { seen.times.push_back(t); });
+          for (int i = 0; i < 2 * n; i += chunk)
+            integrate(move, z, {.dt = dt, .steps = chunk, .t0 = start + i * dt}, section, fifth, at);
+          section.finish();
+          at.finish();
+          seen.crossings = section.count();
+          return seen;
+        };
+        const Seen whole = seen_in(2 * n), parts = seen_in(part);
+        ++cases;
+        counts += parts.crossings == whole.crossings;
+        rows += parts.rows.size() == whole.rows.size() &&
+                std::abs(parts.rows.back() - whole.rows.back()) < dt / 1000;
+        times += parts.times == std::vector<double>{start / 2, 0, -start / 2} && whole.times == parts.times;
+      }
+  CHECK(counts == cases);
+  CHECK(rows == cases);
+  CHECK(times == cases);
+}
+
+TEST_CASE("A time 0 at the end of a run is served although that end is rounded below it", "[observers]") {
+  int served = 0, runs = 0;
+  for (const double dt : {0.1, 0.07, 0.3, 0.01, 0.05, 0.02, 1.0 / 3, 0.7})
+    for (const int sign : {1, -1})
+      for (int n = 5; n < 60; ++n, ++runs) {
+        const double start = -std::round(100 * n * dt) / 100 * sign;
+        if (std::abs(start + n * dt * sign) > 1e-9) {
+          served += 2;
+          continue;
+        }
+        auto move = stepper();
+        Point z(1, 0);
+        auto at = at_times(rotor, {start / 2, 0.0}, [](double, const Point&) {});
+        integrate(move, z, {.dt = dt * sign, .steps = n, .t0 = start}, at);
+        at.finish();
+        served += static_cast<int>(at.served());
+      }
+  CHECK(served == 2 * runs);
+  // A time that is beyond by more than rounding is not.
+  auto move = stepper();
+  Point z(1, 0);
+  auto at = at_times(rotor, {-1.0, 1e-12}, [](double, const Point&) {});
+  integrate(move, z, {.dt = 0.3, .steps = 6, .t0 = -1.8}, at);
+  at.finish();
+  CHECK(at.served() == 1);
+}
+
+TEST_CASE("every() begins anew with an orbit that starts at another time near 0", "[observers]") {
+  auto move = stepper();
+  std::vector<double> rows;
+  auto third = every(3, [&](double t, const Point&) { rows.push_back(t); });
+  for (const double start : {-0.4, 0.05}) {
+    Point z(1, 0);
+    integrate(move, z, {.dt = 0.1, .steps = 4, .t0 = start}, third);
+  }
+  REQUIRE(rows.size() == 4);
+  CHECK(rows[2] == 0.05);
 }
 
 TEST_CASE("An observer within at_times() stops the run", "[observers]") {

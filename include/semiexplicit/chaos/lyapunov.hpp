@@ -81,7 +81,7 @@ class LyapunovExponents {
       orthonormalise();
       elapsed_ += static_cast<double>(dt);
     }
-    clock_.set(t, run);
+    clock_.set(t, run, next);
     previous_ = z;
   }
 

@@ -19,7 +19,7 @@ namespace semiexplicit::detail {
 /// The format of checkpoints: a line that says what it is, byte order, version, length, contents, checksum of all that.
 struct CheckpointFrame {
   static constexpr std::string_view magic = "semiexplicit checkpoint\n";
-  static constexpr std::uint32_t byte_order = 0x01020304, foreign_order = 0x04030201, version = 2;
+  static constexpr std::uint32_t byte_order = 0x01020304, foreign_order = 0x04030201, version = 3;
   static constexpr std::size_t head = magic.size() + 2 * sizeof(std::uint32_t) + sizeof(std::uint64_t);
   static constexpr std::size_t tail = sizeof(std::uint64_t);
 

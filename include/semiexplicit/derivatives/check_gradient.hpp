@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <locale>
 #include <ostream>
@@ -185,6 +187,21 @@ Scalar noise_near(const ScalarFunction<Scalar>& f, const Scalar& x, const Scalar
   return noise;
 }
 
+/// How far f moves where it first moves at all as one goes away from x, by the rounding of a number of the size `own` and then
+/// 4 times as far each time: where values are rounded to a coarse grid this is 1 to about 4 times its width, and differences
+/// below are no slope but 0. Infinite where f does not move up to own/2.
+template <class Scalar, class F>
+Scalar first_move(const F& f, const Scalar& x, const Scalar& own) {
+  using std::abs;
+  const Scalar here = f(x);
+  for (Scalar step = 2 * Eigen::NumTraits<Scalar>::epsilon() * own; step <= own / 2; step *= 4) {
+    const Scalar above = abs(f(x + step) - here), below = abs(f(x - step) - here);
+    const Scalar smaller = above > Scalar(0) && !(below > Scalar(0) && below < above) ? above : below;
+    if (smaller > Scalar(0)) return smaller;
+  }
+  return std::numeric_limits<Scalar>::infinity();
+}
+
 /// f'(x) by central differences, extrapolated to a vanishing step (Ridders' method): the step shrinks from `h` on, every
 /// column of the tableau removes one more even power of it, and of every row the entry that agrees best with its neighbours is
 /// a candidate. Its uncertainty is their disagreement and the noise of f, with room to spare: the level near x, `rounding`, and
@@ -257,6 +274,9 @@ SEMIEXPLICIT_COLD Slope<Scalar> judging_slope(const ScalarFunction<Scalar>& f, c
   using std::isfinite;
   using std::sqrt;
   const Scalar here = f(x), widest = std::max<Scalar>(size, 1);
+  Scalar grid = first_move<Scalar>(f, x, own);
+  if (!isfinite(grid)) grid = first_move<Scalar>(f, x, Scalar(1000000 * std::max(own, widest)));
+  const Scalar noise = isfinite(grid) ? std::max<Scalar>(rounding, grid / 4) : rounding;
   const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon(), tiny = sqrt(epsilon);
   const auto agrees = [&](const Slope<Scalar>& slope) {
     return abs(given - slope.value) <= slope.uncertainty + slack;
@@ -272,8 +292,8 @@ SEMIEXPLICIT_COLD Slope<Scalar> judging_slope(const ScalarFunction<Scalar>& f, c
             (!agrees(slope) || abs(given) <= 8 * epsilon * moves + slack));
   };
   Scalar h = own / 9, moves = variation(h);
-  bool varies = moves != Scalar(0);
-  Slope<Scalar> best = extrapolated_slope<Scalar>(f, x, h, rounding);
+  bool varies = moves != Scalar(0) || isfinite(grid);
+  Slope<Scalar> best = extrapolated_slope<Scalar>(f, x, h, noise);
   best.judges = judges(best, moves, true);
   if (best.judges && agrees(best)) return best;
   // From the steps h of `best` on to smaller ones.
@@ -281,7 +301,7 @@ SEMIEXPLICIT_COLD Slope<Scalar> judging_slope(const ScalarFunction<Scalar>& f, c
     for (step /= 8192; step >= 1048576 * epsilon * own; step /= 8192) {
       const Scalar moved = variation(step);
       if (moved == Scalar(0)) break;  // below the resolution of f
-      Slope<Scalar> found = extrapolated_slope<Scalar>(f, x, step, rounding);
+      Slope<Scalar> found = extrapolated_slope<Scalar>(f, x, step, noise);
       found.judges = judges(found, moved, true);
       if (best.judges ? !compatible(found, best) && agrees(found)
                       : found.judges || found.uncertainty < best.uncertainty || !compatible(found, best))
@@ -289,7 +309,7 @@ SEMIEXPLICIT_COLD Slope<Scalar> judging_slope(const ScalarFunction<Scalar>& f, c
       if (best.judges && agrees(best)) break;
     }
   };
-  if (moves * h > 16384 * std::max<Scalar>(rounding, epsilon * abs(here))) refine(h);
+  if (moves * h > 16384 * std::max<Scalar>(noise, epsilon * abs(here))) refine(h);
   if (best.judges) return best;
   Scalar last = own;
   for (const Scalar& wanted : {Scalar(1000 * own), widest}) {
@@ -298,7 +318,7 @@ SEMIEXPLICIT_COLD Slope<Scalar> judging_slope(const ScalarFunction<Scalar>& f, c
     last = reach;
     h = reach / 9, moves = variation(h);
     if (moves != Scalar(0)) varies = true;
-    const Slope<Scalar> found = extrapolated_slope<Scalar>(f, x, h, rounding);
+    const Slope<Scalar> found = extrapolated_slope<Scalar>(f, x, h, noise);
     if (found.uncertainty < best.uncertainty && compatible(found, best)) best = found;
     best.judges = judges(best, moves, reach <= std::max(own, size));
     if (best.judges && !agrees(best)) refine(h);
@@ -345,17 +365,6 @@ SEMIEXPLICIT_COLD std::vector<GradientOutput> written_gradient(
   return outputs;
 }
 
-/// What rounding makes of an energy is judged by its terms, which may be far larger than their sum. Not by the gradient: a wrong
-/// one would excuse itself.
-template <HasEnergy H>
-typename H::Scalar energy_rounding(const H& hamiltonian, const typename H::Scalar& energy,
-                                   const PhasePoint<typename H::Scalar, H::Dof>& z) {
-  using std::abs;
-  const auto terms =
-      reference_size([&](const auto& q, const auto& p) { return hamiltonian.energy(q, p); }, energy, z).terms;
-  return Eigen::NumTraits<typename H::Scalar>::epsilon() * (abs(energy) + 2 * terms);
-}
-
 /// A size for the entries that are zero, which say nothing about it: the middle one of the others' sizes, so that a late time or
 /// another large entry does not count, or 1.
 template <class Scalar, int Dof>
@@ -368,6 +377,34 @@ SEMIEXPLICIT_COLD Scalar typical_size(const PhasePoint<Scalar, Dof>& z) {
   const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
   std::nth_element(sizes.begin(), middle, sizes.end());
   return *middle;
+}
+
+/// What rounding makes of an energy is judged by its terms, which may be far larger than their sum, and by how far it moves at
+/// least where all entries change, which is Inf where it does not. Not by the gradient: a wrong one would excuse itself.
+template <HasEnergy H>
+typename H::Scalar energy_rounding(const H& hamiltonian, const typename H::Scalar& energy,
+                                   const PhasePoint<typename H::Scalar, H::Dof>& z) {
+  using Scalar = typename H::Scalar;
+  using std::abs;
+  using std::isfinite;
+  const auto terms =
+      reference_size([&](const auto& q, const auto& p) { return hamiltonian.energy(q, p); }, energy, z).terms;
+  PhasePoint<Scalar, H::Dof> at = z, direction = z;
+  const Scalar typical = typical_size(z);
+  const auto along = [&](const Scalar& s) -> Scalar {
+    at.vector() = z.vector() + s * direction.vector();
+    return hamiltonian.energy(at.q(), at.p());
+  };
+  Scalar least = std::numeric_limits<Scalar>::infinity();
+  std::uint64_t random = 1;
+  for (int k = 0; k < 8 && (k < 4 || !isfinite(least)); ++k) {
+    for (Eigen::Index i = 0; i < z.vector().size(); ++i) {
+      const Scalar own = z.vector()[i] == Scalar(0) ? typical : z.vector()[i];
+      direction.vector()[i] = Scalar(scattered(random)) * (k < 4 ? own : std::max<Scalar>(abs(own), 1));
+    }
+    least = std::min(least, first_move<Scalar>(along, Scalar(0), Scalar(1)));
+  }
+  return std::max<Scalar>(Eigen::NumTraits<Scalar>::epsilon() * (abs(energy) + 2 * terms), least / 4);
 }
 
 }  // namespace detail

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -64,7 +65,7 @@ class DenseOutput {
     const bool equal = size_ > 0 && z.vector() == node(size_ - 1).z.vector();
     const Next next = clock_.relation(t, equal, run);
     const Scalar after = next == Next::follows ? clock_.interval(t, run) : Scalar(0);
-    clock_.set(t, run);
+    clock_.set(t, run, next);
     if (next == Next::again) return false;
     if (next != Next::follows) {
       done(true);
@@ -258,6 +259,9 @@ class AtTimes {
   bool operator()(const Scalar& s, const State& z, const IntegrationReport& run = {}) {
     bool go_on = true;
     intervals_.take(s, z, run, [&](std::size_t i) { go_on = look(i, run) && go_on; });
+    const Scalar now = clock(intervals_.dense.size() - 1);
+    if (std::exchange(orbit_, intervals_.orbits()) != intervals_.orbits()) rounding_.begin(now);
+    rounding_.see(now);
     return go_on;
   }
 
@@ -289,6 +293,8 @@ class AtTimes {
   void visit_memory(Visitor&& visit) {
     intervals_.visit_memory(visit);
     visit(next_);
+    visit(orbit_);
+    rounding_.visit_memory(visit);
     detail::visit_inner(visit, observer_);
   }
 
@@ -304,10 +310,9 @@ class AtTimes {
       return intervals_.dense.time(i);
   }
 
-  /// Whether a is above b by more than the rounding of times: n·(T/n) need not be T.
-  static bool beyond(const Scalar& a, const Scalar& b) {
-    using std::abs;
-    return a - b > 2 * Eigen::NumTraits<Scalar>::epsilon() * (abs(a) < abs(b) ? abs(b) : abs(a));
+  /// Whether a is above b by more than the rounding of times: n·(T/n) need not be T, nor t0 + n·dt be 0.
+  bool beyond(const Scalar& a, const Scalar& b) const {
+    return a - b > 2 * Eigen::NumTraits<Scalar>::epsilon() * std::max(rounding_.size(a), rounding_.size(b));
   }
 
   bool look(std::size_t i, const IntegrationReport& run) {
@@ -360,6 +365,8 @@ class AtTimes {
   Observer observer_;
   State between_;
   std::size_t next_ = 0;
+  std::int64_t orbit_ = 0;  ///< of those that were begun
+  detail::TimeRounding<Scalar> rounding_;
 };
 
 /// `at_times(H, {0, 0.5, 1}, observer)`: an observer that calls another one, (t, z), at these times, which rise or fall with

@@ -1,14 +1,14 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
+#include <limits>
 #include <stdexcept>
-#include <type_traits>
 #include <utility>
 
 #include <semiexplicit/core/checkpointable.hpp>
 #include <semiexplicit/core/observer.hpp>
+#include <semiexplicit/observers/run_clock.hpp>
 
 namespace semiexplicit {
 
@@ -43,6 +43,7 @@ class Every {
     visit(time_);
     visit(before_);
     visit(steps_);
+    rounding_.visit_memory(visit);
     detail::visit_inner(visit, observer_);
   }
 
@@ -54,9 +55,10 @@ class Every {
     if (run.dt == 0) {  // called by hand
       steps_ += started_ ? 1 : 0;
     } else if (run.steps == 0) {
-      const double rounding = 64 * static_cast<double>(Eigen::NumTraits<Scalar>::epsilon());
-      const bool again =
-          started_ && std::abs(now - time_) <= rounding * std::max(std::abs(now), std::abs(time_));
+      const double epsilon = std::max(std::numeric_limits<double>::epsilon(),
+                                      static_cast<double>(Eigen::NumTraits<Scalar>::epsilon()));
+      const bool again = started_ && rounding_.same(now, time_, run.dt, epsilon);
+      if (!again) rounding_.begin(now);
       before_ = again ? before_ + steps_ : 0;
       steps_ = 0;
       if (again) return false;  // its first state is the last one of the run before
@@ -65,6 +67,7 @@ class Every {
     }
     started_ = true;
     time_ = now;
+    rounding_.see(now);
     return (before_ + steps_) % n_ == 0;
   }
 
@@ -72,6 +75,7 @@ class Every {
   bool started_ = false;
   double time_ = 0;                      ///< of the last state
   std::int64_t before_ = 0, steps_ = 0;  ///< of the earlier runs, and of this one
+  detail::TimeRounding<double> rounding_;
   Observer observer_;
 };
 

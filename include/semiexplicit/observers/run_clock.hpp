@@ -9,6 +9,39 @@
 
 namespace semiexplicit::detail {
 
+/// How exactly the times of an orbit are known: they are sums that are rounded at their largest, so that one near t = 0 is off by
+/// far more than its own size tells.
+template <class Scalar>
+class TimeRounding {
+ public:
+  /// The orbit's first time, and every later one.
+  void begin(const Scalar& t) { largest_ = Scalar(0), see(t); }
+  void see(const Scalar& t) {
+    using std::abs;
+    if (abs(t) > largest_) largest_ = abs(t);
+  }
+  /// The largest time of the orbit, t included.
+  Scalar size(const Scalar& t) const {
+    using std::abs;
+    return abs(t) < largest_ ? largest_ : Scalar(abs(t));
+  }
+  /// Whether t and the orbit's time `last` may mean the same where steps are dt long: they differ by rounding, or by less than
+  /// 1/1024 of a step.
+  bool same(const Scalar& t, const Scalar& last, const Scalar& dt,
+            const Scalar& epsilon = Eigen::NumTraits<Scalar>::epsilon()) const {
+    using std::abs;
+    return abs(t - last) <= 64 * epsilon * size(t) || 1024 * abs(t - last) <= abs(dt);
+  }
+
+  template <class Visitor>
+  void visit_memory(Visitor&& visit) {
+    visit(largest_);
+  }
+
+ private:
+  Scalar largest_ = Scalar(0);
+};
+
 /// What an observer knows of the state that it saw last, and how the next one is related to it. The time between two states is
 /// taken from the steps and dt of the run where that is more exact: after many steps, or from a large t0 on, the difference of two
 /// times is mostly rounding.
@@ -24,11 +57,9 @@ class RunClock {
 
   /// How the state at t is related to the last one, to which it is equal or not.
   Next relation(const Scalar& t, bool equal, const IntegrationReport& run) const {
-    using std::abs;
     if (!started_) return Next::first;
-    const Scalar rounding = 64 * Eigen::NumTraits<Scalar>::epsilon() * (abs(t) < abs(t_) ? abs(t_) : abs(t));
     const bool starts = run.dt != 0 && run.steps == 0;  // no dt: called by hand
-    if (equal && abs(t - t_) <= rounding && (starts || run.dt == 0)) return Next::again;
+    if (equal && rounding_.same(t, t_, Scalar(run.dt)) && (starts || run.dt == 0)) return Next::again;
     return starts || (run.dt == 0 && t == t_) ? Next::anew : Next::follows;
   }
 
@@ -37,7 +68,7 @@ class RunClock {
     using std::abs;
     const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon();
     const Scalar shown = t - t_, counted = Scalar(run.dt) * Scalar(run.steps - steps_);
-    const Scalar size = abs(t) < abs(t_) ? abs(t_) : abs(t);
+    const Scalar size = rounding_.size(t);
     const bool more_exact = Scalar(2.3e-16) * abs(counted) < epsilon * size;  // dt is a double there
     return counted != Scalar(0) && more_exact && abs(shown - counted) <= 4 * epsilon * size ? counted : shown;
   }
@@ -47,9 +78,13 @@ class RunClock {
     return run.dt != 0 ? run.steps - steps_ : 1;
   }
 
-  /// The state at t is the last one now.
-  void set(const Scalar& t, const IntegrationReport& run) {
+  /// The state at t, so related to the one before, is the last one now.
+  void set(const Scalar& t, const IntegrationReport& run, Next next) {
     started_ = true;
+    if (next == Next::first || next == Next::anew)
+      rounding_.begin(t);
+    else
+      rounding_.see(t);
     t_ = t;
     steps_ = run.steps;
   }
@@ -62,12 +97,14 @@ class RunClock {
     visit(started_);
     visit(t_);
     visit(steps_);
+    rounding_.visit_memory(visit);
   }
 
  private:
   bool started_ = false;
   Scalar t_ = Scalar(0);
   std::int64_t steps_ = 0;
+  TimeRounding<Scalar> rounding_;
 };
 
 }  // namespace semiexplicit::detail

@@ -33,9 +33,7 @@ void add_gauss(std::vector<Line>& lines, const char* family, const Problem<H>& p
 template <class H>
 void add_gauss_methods(std::vector<Line>& lines, const Problem<H>& problem, double end) {
   add_gauss<GaussLegendre>(lines, family::gauss, problem, end);
-#ifdef SEMIEXPLICIT_HAS_PACKS
   if constexpr (HasPackGradient<H>) add_gauss<GaussLegendreLanes>(lines, family::gauss_lanes, problem, end);
-#endif
 }
 
 }  // namespace work_precision

@@ -90,9 +90,7 @@ TEST_CASE("Every stepper goes on bit for bit", "[checkpoint]") {
   CHECK(goes_on(GaussLegendre(lattice, {.stages = 3}), lattice_start));
   CHECK(goes_on(GaussLegendre(lattice, {.stages = 2, .solver = StageSolver::newton, .tolerance = 1e-13}),
                 lattice_start));
-#ifdef SEMIEXPLICIT_HAS_PACKS
   CHECK(goes_on(GaussLegendreLanes(systems::Product<double>{}, {.stages = 5}), PhasePoint<double, 1>(-3, 0)));
-#endif
   CHECK(goes_on(Pihajoki(lattice, scheme), ExtendedPoint(lattice_start)));
   CHECK(goes_on(Tao(lattice, schemes::strang<double>(), 20.0), ExtendedPoint(lattice_start)));
 

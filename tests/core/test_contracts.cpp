@@ -102,9 +102,7 @@ TEST_CASE("A stepper that was moved from says so", "[contracts]") {
   PhasePoint<double, Eigen::Dynamic> dynamic(2);
   dynamic.vector() = start.vector();
   each(systems::NlsLattice<double, Eigen::Dynamic>(2), dynamic);
-#ifdef SEMIEXPLICIT_HAS_PACKS
   check(GaussLegendreLanes(systems::Product<double>(), {.stages = 2}), PhasePoint<double, 1>(1, 0));
-#endif
   check(stepper_for(Scene(effects::orbits::Kinetic<double, 2>{}, effects::orbits::Attraction<double, 2>{})),
         PhasePoint<double, 2>({1, 0}, {0, 1}));
 }

@@ -13,12 +13,11 @@
 #include "plain.hpp"
 #include "refusal.hpp"
 
-#ifdef SEMIEXPLICIT_HAS_PACKS
-
 namespace {
 
 using namespace plain;
 constexpr auto lanes = std::size_t(pack_width);
+constexpr std::size_t last = lanes - 1;
 
 static_assert(PackHamiltonian<systems::NlsLattice<double, 5>> &&
               PackHamiltonian<Product<RegisterPack<double>>>);
@@ -60,7 +59,8 @@ std::int64_t compare(const Packed& packed, const Plain& plain,
 template <int N>
 std::vector<PhasePoint<double, N>> starts(Eigen::Index sites) {
   std::vector<PhasePoint<double, N>> list;
-  for (std::size_t k = 0; k < lanes; ++k) list.push_back(lattice_state<N>(sites, int(7 * k / (lanes - 1))));
+  for (std::size_t k = 0; k < lanes; ++k)
+    list.push_back(lattice_state<N>(sites, int(7 * k / std::max<std::size_t>(last, 1))));
   return list;
 }
 
@@ -106,7 +106,7 @@ TEST_CASE("A lane takes the very step of the plain stepper: size known at run ti
   // Squares of large and small states have no room in the exponent.
   std::vector<PhasePoint<double, 1>> sizes(lanes, PhasePoint<double, 1>(-1, 0.5));
   sizes[0].vector() *= 1e-170;
-  sizes[1].vector() *= 1e170;
+  if (lanes > 1) sizes[1].vector() *= 1e170;
   if (lanes > 2) sizes[2].vector() *= 0;
   compare(Quadratic<RegisterPack<double>>(), Quadratic<double>(), sizes, 0.5, {});
   compare(Quadratic<RegisterPack<double>>(), Quadratic<double>(), sizes, 0.5,
@@ -144,18 +144,18 @@ TEST_CASE("A lane that fails keeps its state, and the others go on as if it were
       x.set_lane(k, good[k]);
       y.set_lane(k, good[k]);
     }
-    auto broken = good[1];
+    auto broken = good[last];
     broken.q()[2] = bad;
-    y.set_lane(1, broken);
+    y.set_lane(last, broken);
     for (int n = 0; n < 20; ++n) {
       undisturbed.step(x, 0.01);
       const PackReport report = disturbed.step(y, 0.01);
-      CHECK(report[1].status == (std::isnan(bad) ? Status::invalid_state
-                                 : bad > 1e100   ? Status::not_finite
-                                                 : report[1].status));
-      CHECK_FALSE(report[1].ok());
+      CHECK(report[last].status == (std::isnan(bad) ? Status::invalid_state
+                                    : bad > 1e100   ? Status::not_finite
+                                                    : report[last].status));
+      CHECK_FALSE(report[last].ok());
     }
-    for (std::size_t k = 0; k < lanes; ++k) CHECK(same_bits(y.lane(k), k == 1 ? broken : x.lane(k)));
+    for (std::size_t k = 0; k < lanes; ++k) CHECK(same_bits(y.lane(k), k == last ? broken : x.lane(k)));
   }
 }
 
@@ -168,9 +168,9 @@ TEST_CASE("A step that cannot be is refused in every lane, and lanes that are no
     for (const StepReport& report : pack.step(point, dt)) CHECK(report.status == Status::invalid_step);
   for (const StepReport& report : pack.step(other, 0.1)) CHECK(report.status == Status::invalid_state);
   LaneChoice wanted{};
-  wanted[1] = true;
-  CHECK(pack.step(point, 0.1, wanted)[1].ok());
-  for (std::size_t k = 0; k < lanes; ++k) CHECK(same_bits(point.lane(k), start) == (k != 1));
+  wanted[last] = true;
+  CHECK(pack.step(point, 0.1, wanted)[last].ok());
+  for (std::size_t k = 0; k < lanes; ++k) CHECK(same_bits(point.lane(k), start) == (k != last));
 
   Scheme<double> edited = schemes::strang<double>();
   edited.b[0] = 0.9;
@@ -211,5 +211,3 @@ TEST_CASE("A gradient that deduces one type for both halves takes packs") {
   CHECK(written.step(y, 0.05)[0].ok());
   CHECK(same_bits(x.lane(0), y.lane(0)));
 }
-
-#endif

@@ -136,7 +136,6 @@ TEST_CASE("Vortices in registers feel what they feel in wider numbers") {
       for (int i = N; i < 8 * registers_for(N); ++i) CHECK((all[i] == 0 && all[16 + i] == 0));
     }
 #endif
-#ifdef SEMIEXPLICIT_HAS_PACKS
     std::vector<Pack<double>> at(2 * N), gradient(2 * N);
     for (int i = 0; i < 2 * N; ++i) at[std::size_t(i)] = z.vector()[i];
     fixed.gradient(at.data(), at.data() + N, gradient.data(), gradient.data() + N);
@@ -145,7 +144,6 @@ TEST_CASE("Vortices in registers feel what they feel in wider numbers") {
       d[i] = gradient[std::size_t(N + i)][7];
     }
     CHECK(close(c, d));
-#endif
   };
   [&]<int... Ns>(std::integer_sequence<int, Ns...>) { (check(std::integral_constant<int, Ns>()), ...); }
   (std::integer_sequence<int, 3, 7, 9, 10, 16, 70>());

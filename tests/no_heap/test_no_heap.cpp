@@ -195,7 +195,6 @@ TEST_CASE("Nor do automatic derivatives, of fixed or dynamic size", "[heap]") {
   derivatives_use_no_heap(from_energy(9, energy));
 }
 
-#ifdef SEMIEXPLICIT_HAS_PACKS
 TEST_CASE("Nor does a step of a pack", "[heap]") {
   const auto uses_none = [](auto pack, auto point) {
     PackReport report{};
@@ -218,7 +217,6 @@ TEST_CASE("Nor does a step of a pack", "[heap]") {
   uses_none(SemiexplicitPack(systems::NlsLattice<double, 5>{}, schemes::yoshida6<double>(), solver), few);
   uses_none(SemiexplicitPack(systems::NlsLattice<double>(20), schemes::yoshida6<double>(), solver), many);
 }
-#endif
 
 TEST_CASE("Nor does the tangent map of a fixed size", "[heap]") {
   TangentMap tangent(systems::Product<double>(), schemes::strang());

@@ -7,8 +7,6 @@
 #include <semiexplicit/semiexplicit.hpp>
 #include <semiexplicit/systems.hpp>
 
-#ifdef SEMIEXPLICIT_HAS_PACKS
-
 using namespace semiexplicit;
 
 namespace {
@@ -113,5 +111,3 @@ TEST_CASE("Stages in lanes: what cannot be done is refused, and the state left a
   PhasePoint<double, 2> singular({0, 0}, {1, 0});
   CHECK(GaussLegendreLanes(Kepler{}).step(singular, 0.1).status == Status::not_finite);
 }
-
-#endif

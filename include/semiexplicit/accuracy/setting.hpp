@@ -62,10 +62,8 @@ SEMIEXPLICIT_COLD AnyStepper<typename H::Scalar, H::Dof> stepper_for(const H& ha
     case Setting::Method::gauss:
       return Any(GaussLegendre(hamiltonian, {.stages = setting.stages}));
     case Setting::Method::gauss_lanes:
-#ifdef SEMIEXPLICIT_HAS_PACKS
       if constexpr (HasPackGradient<H>)
         return Any(GaussLegendreLanes(hamiltonian, {.stages = setting.stages}));
-#endif
       throw std::invalid_argument(
           "stepper_for: this Hamiltonian has no gradient for packs; take Setting::Method::gauss");
   }

@@ -5,25 +5,52 @@
 
 #include <semiexplicit/core/hamiltonian.hpp>
 
-// Not in every standard library (libstdc++ has it from version 11 on).
-#if defined(__has_include)
+// Not in every standard library (libstdc++ has it from version 11 on). SEMIEXPLICIT_NO_SIMD leaves it out, for tests.
+#if defined(__has_include) && !defined(SEMIEXPLICIT_NO_SIMD)
 #if __has_include(<experimental/simd>)
 #include <experimental/simd>
-#ifdef __cpp_lib_experimental_parallel_simd
-#define SEMIEXPLICIT_HAS_PACKS 1
 #endif
 #endif
+#ifndef __cpp_lib_experimental_parallel_simd
+#include <semiexplicit/core/array_pack.hpp>
 #endif
 
-#ifdef SEMIEXPLICIT_HAS_PACKS
+namespace semiexplicit {
+
+#ifdef __cpp_lib_experimental_parallel_simd
+/// How many numbers a register of the target holds: for double 8 with AVX-512, 4 with AVX2, 2 with neither; 1 where the standard
+/// library has no packs.
+template <class Scalar>
+inline constexpr std::size_t native_width = std::experimental::native_simd<Scalar>::size();
+
+/// `Width` numbers side by side; arithmetic, sqrt, sin and so on go lane by lane. Eight, as for the stages of a Gauss method,
+/// are one register with AVX-512 and several without.
+template <class Scalar, std::size_t Width = 8>
+using Pack = std::experimental::simd<Scalar, std::experimental::simd_abi::deduce_t<Scalar, Width>>;
+
+namespace detail {
+inline constexpr auto aligned = std::experimental::vector_aligned;
+inline constexpr auto unaligned = std::experimental::element_aligned;
+}  // namespace detail
+#else
+template <class Scalar>
+inline constexpr std::size_t native_width = 1;
+template <class Scalar, std::size_t Width = 8>
+using Pack = detail::ArrayPack<Scalar, Width>;
+
+namespace detail {
+inline constexpr struct { } aligned, unaligned; }  // namespace detail
+#endif
+
+namespace detail {
+
 /// A pack is a number to Eigen, too: columns of packs are what a Hamiltonian of packs takes.
-namespace Eigen {
-template <class Scalar, class Abi>
-struct NumTraits<std::experimental::simd<Scalar, Abi>>
-    : GenericNumTraits<std::experimental::simd<Scalar, Abi>> {
-  using Real = std::experimental::simd<Scalar, Abi>;
-  using NonInteger = Real;
-  using Nested = Real;
+template <class Pack>
+struct PackTraits : Eigen::GenericNumTraits<Pack> {
+  using Scalar = typename Pack::value_type;
+  using Real = Pack;
+  using NonInteger = Pack;
+  using Nested = Pack;
   using Literal = Scalar;
   enum {
     IsComplex = 0,
@@ -34,26 +61,29 @@ struct NumTraits<std::experimental::simd<Scalar, Abi>>
     AddCost = 1,
     MulCost = 1
   };
-  static Real epsilon() { return NumTraits<Scalar>::epsilon(); }
-  static Real dummy_precision() { return NumTraits<Scalar>::dummy_precision(); }
-  static Real highest() { return NumTraits<Scalar>::highest(); }
-  static Real lowest() { return NumTraits<Scalar>::lowest(); }
-  static int digits10() { return NumTraits<Scalar>::digits10(); }
+  static Real epsilon() { return Eigen::NumTraits<Scalar>::epsilon(); }
+  static Real dummy_precision() { return Eigen::NumTraits<Scalar>::dummy_precision(); }
+  static Real highest() { return Eigen::NumTraits<Scalar>::highest(); }
+  static Real lowest() { return Eigen::NumTraits<Scalar>::lowest(); }
+  static int digits10() { return Eigen::NumTraits<Scalar>::digits10(); }
 };
-}  // namespace Eigen
+
+}  // namespace detail
+}  // namespace semiexplicit
+
+namespace Eigen {
+#ifdef __cpp_lib_experimental_parallel_simd
+template <class Scalar, class Abi>
+struct NumTraits<std::experimental::simd<Scalar, Abi>>
+    : semiexplicit::detail::PackTraits<std::experimental::simd<Scalar, Abi>> {};
+#else
+template <class Scalar, std::size_t Width>
+struct NumTraits<semiexplicit::detail::ArrayPack<Scalar, Width>>
+    : semiexplicit::detail::PackTraits<semiexplicit::detail::ArrayPack<Scalar, Width>> {};
 #endif
+}  // namespace Eigen
 
 namespace semiexplicit {
-
-#ifdef SEMIEXPLICIT_HAS_PACKS
-/// How many numbers a register of the target holds: for double 8 with AVX-512, 4 with AVX2, 2 with neither.
-template <class Scalar>
-inline constexpr std::size_t native_width = std::experimental::native_simd<Scalar>::size();
-
-/// `Width` numbers side by side; arithmetic, sqrt, sin and so on go lane by lane. Eight, as for the stages of a Gauss method,
-/// are one register with AVX-512 and several without.
-template <class Scalar, std::size_t Width = 8>
-using Pack = std::experimental::simd<Scalar, std::experimental::simd_abi::deduce_t<Scalar, Width>>;
 
 /// As many as one register holds, as for the members of an ensemble. (Packs of several registers g++ 12 copies clumsily.)
 template <class Scalar>
@@ -81,7 +111,9 @@ using LaneMask = Many::mask_type;
 
 /// to = from in the chosen lanes.
 inline void assign(const LaneMask& lanes, Many& to, const Many& from) {
-#ifdef __clang__  // version 14 with AVX-512 makes nothing, or something else, of libstdc++'s where()
+#if defined(__clang__) ||                                                                      \
+    !defined(__cpp_lib_experimental_parallel_simd)  // clang 14 with AVX-512 makes nothing, or \
+                                                    // something else, of libstdc++'s where()
   for (std::size_t k = 0; k < Many::size(); ++k)
     if (lanes[k]) to[k] = double(from[k]);
 #else
@@ -135,9 +167,5 @@ inline Many norm(const Many* v, Eigen::Index n) {
 }
 
 }  // namespace detail
-#else
-template <class H>
-concept HasPackGradient = false;
-#endif
 
 }  // namespace semiexplicit

@@ -13,8 +13,6 @@
 #include <semiexplicit/ensemble/pack_run.hpp>
 #include <semiexplicit/ensemble/threads.hpp>
 
-#ifdef SEMIEXPLICIT_HAS_PACKS
-
 namespace semiexplicit {
 
 /// What a run of all members did; each has its own report beside.
@@ -250,5 +248,3 @@ Ensemble(H, const std::vector<PhasePoint<double, H::Dof>>&, Scheme<double>, Simp
     -> Ensemble<detail::SameHamiltonian<H>>;
 
 }  // namespace semiexplicit
-
-#endif

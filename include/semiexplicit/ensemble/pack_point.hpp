@@ -8,8 +8,6 @@
 #include <semiexplicit/core/report.hpp>
 #include <semiexplicit/core/simd.hpp>
 
-#ifdef SEMIEXPLICIT_HAS_PACKS
-
 namespace semiexplicit {
 
 /// How many phase points are stepped at once.
@@ -87,5 +85,3 @@ class PackPoint {
 };
 
 }  // namespace semiexplicit
-
-#endif

@@ -7,8 +7,6 @@
 
 #include <semiexplicit/ensemble/semiexplicit_pack.hpp>
 
-#ifdef SEMIEXPLICIT_HAS_PACKS
-
 namespace semiexplicit {
 
 /// How far to go with all members of an ensemble, and how.
@@ -90,5 +88,3 @@ struct PackRun {
 
 }  // namespace detail
 }  // namespace semiexplicit
-
-#endif

@@ -12,8 +12,6 @@
 #include <semiexplicit/solvers/simplified_newton.hpp>
 #include <semiexplicit/steppers/detail/kick.hpp>
 
-#ifdef SEMIEXPLICIT_HAS_PACKS
-
 namespace semiexplicit {
 
 /// Semiexplicit with simplified Newton for a pack of phase points, one in each lane of the SIMD registers, in lockstep. A
@@ -53,7 +51,7 @@ class SemiexplicitPack {
     PackReport report{};
     if (!detail::valid_step(dt)) return failed(report, Status::invalid_step);
     if (state.z.size() != size()) return failed(report, Status::invalid_state);
-    const Mask in_play(wanted.data(), std::experimental::element_aligned);
+    const Mask in_play(wanted.data(), detail::unaligned);
     const Many size_z = state_size(state);
     Many e = detail::call_inlined([&] { return sweep(state.z.data(), nullptr, dt); });
     Mask ok = in_play;
@@ -259,5 +257,3 @@ class SemiexplicitPack {
 };
 
 }  // namespace semiexplicit
-
-#endif

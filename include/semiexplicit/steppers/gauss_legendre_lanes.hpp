@@ -8,8 +8,6 @@
 #include <semiexplicit/core/simd.hpp>
 #include <semiexplicit/steppers/detail/gauss_shell.hpp>
 
-#ifdef SEMIEXPLICIT_HAS_PACKS
-
 namespace semiexplicit {
 
 /// GaussLegendre with its stages side by side in the lanes of a SIMD register: all stages' gradients are one call with packs
@@ -79,9 +77,9 @@ class GaussLegendreLanes : public detail::GaussShell<GaussLegendreLanes<H>, H> {
   void visit_stages(Visitor& visit) {
     for (Many& gradient : gradients_) {
       alignas(Many) Scalar stages[static_cast<std::size_t>(width)];
-      gradient.copy_to(stages, std::experimental::vector_aligned);
+      gradient.copy_to(stages, detail::aligned);
       for (Scalar& stage : stages) visit(stage);
-      gradient.copy_from(stages, std::experimental::vector_aligned);
+      gradient.copy_from(stages, detail::aligned);
     }
   }
 
@@ -115,7 +113,7 @@ class GaussLegendreLanes : public detail::GaussShell<GaussLegendreLanes<H>, H> {
   template <int Stages>
   static Many combine(const Many* matrix, const Many& stages) {
     alignas(Many) Scalar value[static_cast<std::size_t>(width)];
-    stages.copy_to(value, std::experimental::vector_aligned);
+    stages.copy_to(value, detail::aligned);
     Many even = matrix[0] * value[0], odd = matrix[1] * value[1];  // two chains: half the latency
     for (int j = 2; j < Stages; j += 2) {
       even += matrix[j] * value[j];
@@ -171,5 +169,3 @@ class GaussLegendreLanes : public detail::GaussShell<GaussLegendreLanes<H>, H> {
 };
 
 }  // namespace semiexplicit
-
-#endif

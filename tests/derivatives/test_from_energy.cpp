@@ -232,3 +232,23 @@ TEST_CASE("Slopes neither overflow nor cancel where the function does not", "[au
   CHECK_FALSE(isfinite(derivative(0, [](auto q) { return atan2(q, 0.0 * q); })));
   CHECK_FALSE(isfinite(derivative(0, [](auto q) { return pow(q, -1); })));
 }
+
+TEST_CASE("Derivatives of functions near their limits have all digits", "[from_energy]") {
+  const auto steps = from_energy<2>([](const auto& q, const auto&) {
+    using std::expm1, std::tanh;
+    return tanh(q[0]) + expm1(q[1]);
+  });
+  PhasePoint<double, 2> gradient;
+  for (const double x : {0.3, 2.0, -9.0, 18.0, -25.0, 300.0, 800.0}) {
+    CAPTURE(x);
+    const PhasePoint<double, 2> z({x, -std::abs(x)}, {0, 0});
+    steps.gradient(z.q(), z.p(), gradient.q(), gradient.p());
+    const double small = std::exp(-2 * std::abs(x));
+    CHECK(gradient.q()[0] == Approx(4 * small / ((1 + small) * (1 + small))).epsilon(1e-13));
+    CHECK(gradient.q()[1] == Approx(std::exp(-std::abs(x))).epsilon(1e-13));
+    Eigen::Matrix4d hessian;
+    steps.hessian(z.q(), z.p(), hessian);
+    CHECK(hessian(0, 0) == Approx(-2 * std::tanh(x) * gradient.q()[0]).epsilon(1e-13));
+    CHECK(hessian(1, 1) == Approx(std::exp(-std::abs(x))).epsilon(1e-13));
+  }
+}

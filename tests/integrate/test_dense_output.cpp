@@ -1,6 +1,8 @@
 #include "catch.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <vector>
 
@@ -121,4 +123,34 @@ TEST_CASE("A bracketed root is found to rounding", "[dense output]") {
   check([](double x) { return x - 0.1; }, 0, 1, 0.1);
   check([](double x) { return std::tanh(50 * (x - 0.3)); }, 0, 1, 0.3);
   check([](double x) { return std::cos(x); }, 1, 2, std::acos(0.0));
+}
+
+TEST_CASE("Dense output of large values is as exact as they are", "[dense_output]") {
+  // A clock q = t beside an oscillation: late it has few digits, of which the interpolation must lose none.
+  const auto clock = make_hamiltonian<double, 2>([](const auto&, const auto& p) { return p[0]; },
+                                                 [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+                                                   dHdq[0] = 0;
+                                                   dHdp[0] = 1;
+                                                   dHdq[1] = q[1];
+                                                   dHdp[1] = p[1];
+                                                 });
+  for (const int nodes : {2, 4, 8})
+    for (const double late : {1e9, 1e12, -1e15}) {
+      CAPTURE(nodes, late);
+      DenseOutput dense(clock, nodes);
+      PhasePoint<double, 2> z;
+      double worst = 0;
+      for (int n = 0; n < 20; ++n) {
+        const double t = 0.5 * n;
+        dense(t, PhasePoint<double, 2>({late + t, std::cos(t)}, {late, -std::sin(t)}));
+        if (!dense.ready()) continue;
+        for (std::size_t i = 0; i + 1 < dense.size(); ++i)
+          for (const double x : {0.1, 0.25, 0.4}) {
+            dense.after(i, x, z);
+            worst = std::max(worst, std::abs(z.q()[0] - (late + dense.time(i) + x)));
+            CHECK(z.p()[0] == late);
+          }
+      }
+      CHECK(worst <= 2.3e-16 * std::abs(late));
+    }
 }

@@ -149,7 +149,7 @@ TEST_CASE("What a step of a Gauss method costs", "[gauss]") {
       CHECK(report.gradients == 1 + s * report.evaluations);
     }
 
-    // The Hessian costs none, differences for it 4d more a stage.
+    // The Hessian costs none, differences for it 4d more a stage, and more where their shifts are looked for: at first.
     auto y = product_start;
     GaussLegendre given(product, {.stages = s, .solver = StageSolver::newton});
     const StepReport with_hessian = given.step(y, 0.02);
@@ -157,8 +157,16 @@ TEST_CASE("What a step of a Gauss method costs", "[gauss]") {
     z = lattice_start;
     GaussLegendre differences(lattice, {.stages = s, .solver = StageSolver::newton});
     const StepReport without = differences.step(z, 0.02);
-    CHECK(without.gradients == 1 + s * (1 + 4 * 3) * without.evaluations);
+    CHECK(without.gradients >= 1 + s * (1 + 4 * 3) * without.evaluations);
+    CHECK(without.gradients <= differences.max_gradients());
     CHECK(without.evaluations <= 6);
+    std::int64_t iterations = 0, calls = 0;
+    for (int n = 0; n < 30; ++n) {
+      const StepReport report = differences.step(z, 0.02);
+      iterations += s * report.evaluations;
+      calls += report.gradients;
+    }
+    CHECK(double(calls) <= 1.15 * (1 + 4 * 3) * double(iterations));
   }
 }
 
@@ -175,7 +183,8 @@ TEST_CASE("A Gauss method starts anew from any point but the one that it came to
       auto u = from, v = from;
       const StepReport report = used.step(u, dt);
       CHECK(report.ok());
-      CHECK(report.gradients == 1 + per_iteration * report.evaluations);
+      CHECK(report.gradients >= 1 + per_iteration * report.evaluations);
+      CHECK((solver == StageSolver::newton || report.gradients == 1 + s * report.evaluations));
       GaussLegendre fresh(lattice, options);
       CHECK(fresh.step(v, dt).ok());
       CHECK(distance(u, v) < 1e-15);
@@ -188,7 +197,8 @@ TEST_CASE("A Gauss method starts anew from any point but the one that it came to
     nearby.p()[2] = std::nextafter(nearby.p()[2], 10.0);
     starts_anew(nearby, 0.05);
     const StepReport goes_on = used.step(z, 0.05);
-    CHECK(goes_on.gradients == per_iteration * goes_on.evaluations);
+    CHECK(goes_on.gradients >= per_iteration * goes_on.evaluations);
+    CHECK((solver == StageSolver::newton || goes_on.gradients == s * goes_on.evaluations));
   }
 }
 

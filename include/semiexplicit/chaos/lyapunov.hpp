@@ -97,6 +97,7 @@ class LyapunovExponents {
   /// The vectors that it carries along and what they have grown; see CheckpointMemory.
   template <class Visitor>
   void visit_memory(Visitor&& visit) {
+    tangent_.visit_memory(visit);
     visit(frame_);
     visit(sums_);
     visit(previous_.vector());

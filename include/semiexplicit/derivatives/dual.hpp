@@ -147,9 +147,8 @@ Dual<T, N> exp(const Dual<T, N>& x) {
 }
 template <class T, int N>
 Dual<T, N> expm1(const Dual<T, N>& x) {
-  using std::expm1;
-  const T value = expm1(x.value);
-  return x.chain(value, value + T(1));
+  using std::exp, std::expm1;
+  return x.chain(expm1(x.value), exp(x.value));  // expm1(x) + 1 would lose the digits of a small exp(x)
 }
 template <class T, int N>
 Dual<T, N> log(const Dual<T, N>& x) {
@@ -210,9 +209,9 @@ Dual<T, N> cosh(const Dual<T, N>& x) {
 }
 template <class T, int N>
 Dual<T, N> tanh(const Dual<T, N>& x) {
-  using std::tanh;
-  const T value = tanh(x.value);
-  return x.chain(value, T(1) - value * value);
+  using std::abs, std::exp, std::tanh;
+  const T decay = exp(T(-2) * abs(x.value));  // 1 - tanh² would be mere rounding where tanh is nearly 1
+  return x.chain(tanh(x.value), T(4) * decay / ((T(1) + decay) * (T(1) + decay)));
 }
 template <class T, int N>
 Dual<T, N> asinh(const Dual<T, N>& x) {

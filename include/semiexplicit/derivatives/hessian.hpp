@@ -2,15 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include <semiexplicit/core/extended_phase_space.hpp>
 #include <semiexplicit/core/hamiltonian.hpp>
 
 namespace semiexplicit::detail {
 
-/// ∇²H at z, a symmetric 2d × 2d matrix: by H.hessian where there is one, else by central differences of the gradient, which are
-/// off by about 1e-10 of its size in double (ε^{2/3}); by more along a time so late that its own rounding shows. NaN or Inf
-/// where the gradient is; what a gradient throws goes through. Memory: three vectors of length 2d.
+/// ∇²H at z, a symmetric 2d × 2d matrix: by H.hessian where there is one, else by central differences of the gradient. NaN or Inf
+/// where the gradient is; what a gradient throws goes through. Memory: eight vectors of length 2d.
+///
+/// The shift of each coordinate is found from the gradient itself: of shifts over all orders of magnitude, the one whose
+/// difference agrees best with its two neighbours'. It is kept from call to call, looked at again, one coordinate every 16 calls, and found
+/// anew where z has gone far since. An entry is off by about (ε max(1, |x|/l))^{2/3} of its size (1e-10 to 1e-9 in double), where l is the
+/// length along which the gradient varies: an angle of 6e6 is known to 1e-9 only, and its derivatives to 1e-6.
 template <class H>
 class SecondDerivatives {
  public:
@@ -18,34 +23,28 @@ class SecondDerivatives {
   using State = PhasePoint<Scalar, H::Dof>;
   using Matrix = Eigen::Matrix<Scalar, twice(H::Dof), twice(H::Dof)>;
 
-  explicit SecondDerivatives(Eigen::Index dof) : at_(dof), above_(at_), below_(at_) {}
+  explicit SecondDerivatives(Eigen::Index dof) : at_(dof), above_(at_), below_(at_) {
+    for (Vec* one : {&shift_, &last_, &middle_, &smaller_, &seen_}) *one = at_.vector();
+  }
 
-  /// Gradient calls that a Hessian takes.
-  static Eigen::Index gradients(Eigen::Index dof) { return HasHessian<H> ? 0 : 4 * dof; }
+  /// Gradient calls that the last Hessian took: 4d, and more where shifts were looked for.
+  Eigen::Index gradients() const { return calls_; }
+  /// Gradient calls that a Hessian cannot exceed.
+  static Eigen::Index max_gradients(Eigen::Index dof) {
+    return HasHessian<H> ? 0 : 4 * dof * (2 + most_shifts);
+  }
 
   void operator()(const H& h, const typename State::Storage& z, Matrix& hessian) {
     const Eigen::Index d = z.size() / 2;
+    calls_ = 0;
     if constexpr (HasHessian<H>) {
       h.hessian(InColumn<H>(z.data(), d), InColumn<H>(z.data() + d, d), hessian);
     } else {
-      using std::abs;
-      using std::cbrt;
       at_.vector() = z;
-      const Scalar size_or_zero = state_size(h, at_);
-      const Scalar size = size_or_zero > Scalar(0) ? size_or_zero : Scalar(1);
-      const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon(), usual = cbrt(epsilon);
+      find_shifts(h, z);
       for (Eigen::Index i = 0; i < z.size(); ++i) {
-        // The best shift for the rounding of this entry: a time may be far larger than the state.
-        const Scalar rounding = epsilon * (abs(z[i]) / size);
-        const Scalar shift =
-            size * (rounding > epsilon ? std::max<Scalar>(cbrt(rounding), 2 * rounding) : usual);
-        const Scalar right = z[i] + shift, left = z[i] - shift;
-        at_.vector()[i] = right;
-        gradient_at(h, at_.vector().data(), above_.vector().data(), d);
-        at_.vector()[i] = left;
-        gradient_at(h, at_.vector().data(), below_.vector().data(), d);
-        at_.vector()[i] = z[i];
-        hessian.col(i) = (above_.vector() - below_.vector()) / (right - left);
+        difference(h, z, i, shift_[i], smaller_);
+        hessian.col(i) = smaller_;
       }
       // Symmetric to the last bit, so that the tangent map is symplectic although its entries are approximate.
       for (Eigen::Index i = 0; i < z.size(); ++i)
@@ -54,8 +53,132 @@ class SecondDerivatives {
     }
   }
 
+  /// The shifts, which go on from call to call; see CheckpointMemory.
+  template <class Visitor>
+  void visit_memory(Visitor&& visit) {
+    visit(shift_);
+    visit(last_);
+    visit(count_);
+  }
+
  private:
+  using Vec = typename State::Storage;
+  static constexpr int most_shifts = 48;
+  static constexpr std::int64_t look_again = 16;
+
+  /// The column i of the Hessian by one shift.
+  void difference(const H& h, const Vec& z, Eigen::Index i, const Scalar& shift, Vec& column) {
+    const Eigen::Index d = z.size() / 2;
+    const Scalar right = z[i] + shift, left = z[i] - shift;
+    at_.vector()[i] = right;
+    gradient_at(h, at_.vector().data(), above_.vector().data(), d);
+    at_.vector()[i] = left;
+    gradient_at(h, at_.vector().data(), below_.vector().data(), d);
+    at_.vector()[i] = z[i];
+    column = (above_.vector() - below_.vector()) / (right - left);
+    calls_ += 2;
+  }
+
+  void find_shifts(const H& h, const Vec& z) {
+    using std::abs;
+    // A shift is about 1e-5 of the length along which the gradient varies.
+    bool far = count_ == 0;
+    for (Eigen::Index i = 0; i < z.size(); ++i) far = far || !(abs(z[i] - last_[i]) <= 65536 * shift_[i]);
+    last_ = z;
+    if (far) {
+      for (Eigen::Index i = 0; i < z.size(); ++i) find_shift(h, z, i);
+    } else if (count_ % look_again == 0) {
+      const Eigen::Index i = static_cast<Eigen::Index>(count_ / look_again % z.size());
+      const Scalar from = 512 * shift_[i], to = shift_[i] / 512;
+      const Scalar found = best_shift(h, z, i, from, to, 7);
+      if (found > from / 16 || found < to * 16)
+        find_shift(h, z, i);
+      else
+        shift_[i] = found;
+    }
+    count_ = count_ % (std::int64_t{1} << 40) + 1;
+  }
+
+  /// Looks for the shift of coordinate i from its rounding, or nothing, to its size, that of the others of its half, or 1.
+  void find_shift(const H& h, const Vec& z, Eigen::Index i) {
+    using std::abs;
+    using std::ceil;
+    using std::log;
+    const Eigen::Index d = z.size() / 2;
+    const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon(), own = abs(z[i]);
+    const Scalar others = z.segment(i < d ? 0 : d, d).cwiseAbs().maxCoeff();
+    const Scalar from = std::max<Scalar>(others, 1) / 2;
+    Scalar least = others > Scalar(0) && others < Scalar(1) ? others : Scalar(1);
+    least = std::max(Scalar(16 * epsilon * own), Scalar(epsilon * least));
+    const Scalar count = ceil(log(from / least) / log(Scalar(8)));
+    shift_[i] =
+        best_shift(h, z, i, from, least, count < Scalar(most_shifts) ? static_cast<int>(count) : most_shifts);
+  }
+
+  /// Of `count` shifts in geometric order from the larger one to the smaller one, that whose differences agree best with those of
+  /// its two neighbours; of equals, as where the gradient is linear or even, that nearest to the usual one for a state of this size.
+  Scalar best_shift(const H& h, const Vec& z, Eigen::Index i, const Scalar& from, const Scalar& to,
+                    int count) {
+    using std::abs;
+    using std::cbrt;
+    using std::log;
+    using std::pow;
+    const Scalar ratio = pow(to / from, Scalar(1) / Scalar(std::max(count - 1, 1)));
+    const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon(), size_or_zero = state_size(h, at_);
+    const Scalar size = size_or_zero > Scalar(0) ? size_or_zero : Scalar(1);
+    const Scalar usual = size * cbrt(epsilon * std::max<Scalar>(1, abs(z[i]) / size));
+    const auto distance = [&](const Scalar& x) { return abs(log(x / usual)); };
+    seen_.setZero();
+    Scalar shift = from, best = from * pow(ratio, Scalar(count / 2)), least(1), before(1);
+    bool known = false;
+    for (int k = 0; k < count; ++k, shift *= ratio) {
+      difference(h, z, i, shift, smaller_);
+      if (k > 0) {
+        const Scalar now = disagreement(middle_, smaller_, shift);
+        if (known) {
+          const Scalar worse = std::max(before, now);
+          const Scalar here = shift / ratio;
+          if (worse < least || (worse == least && distance(here) < distance(best)))
+            least = worse, best = here;
+        }
+        before = now;
+        known = true;
+      }
+      for (Eigen::Index j = 0; j < seen_.size(); ++j)
+        if (smaller_[j] != Scalar(0)) seen_[j] = Scalar(1);
+      middle_ = smaller_;
+    }
+    return best;
+  }
+
+  /// How far two columns are from each other, the last one by this shift: the mean over the entries, of any size, of the logarithm of
+  /// their relative difference, which is no less than what the rounding of the gradient may make of it.
+  /// One that has become 0 disagrees: it is below the resolution of the gradient. At most 1.
+  Scalar disagreement(const Vec& a, const Vec& b, const Scalar& shift) const {
+    using std::abs;
+    using std::cbrt;
+    using std::isfinite;
+    using std::log;
+    // What is better than ε^{2/3} does not count: an entry that is constant would ask for shifts too large for the others.
+    const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon(), least = cbrt(epsilon) * cbrt(epsilon);
+    Scalar sum(0);
+    for (Eigen::Index j = 0; j < a.size(); ++j) {
+      const Scalar size = std::max<Scalar>(abs(a[j]), abs(b[j]));
+      if (!isfinite(a[j]) || !isfinite(b[j])) return Scalar(1);
+      const Scalar rounding =
+          epsilon * std::max<Scalar>(abs(above_.vector()[j]), abs(below_.vector()[j])) / shift;
+      Scalar relative = size == Scalar(0) ? seen_[j] : Scalar((abs(a[j] - b[j]) + rounding) / size);
+      if (relative < least) relative = least;
+      sum += log(relative);
+    }
+    return sum / Scalar(a.size());
+  }
+
   State at_, above_, below_;
+  Vec shift_, last_;  ///< of each coordinate, and where it was at the last call
+  Vec middle_, smaller_, seen_;
+  std::int64_t count_ = 0;  ///< of the calls
+  Eigen::Index calls_ = 0;
 };
 
 }  // namespace semiexplicit::detail

@@ -112,6 +112,9 @@ class DenseOutput {
     place[i] = Scalar(0);
     for (std::size_t k = i; k + 1 < size_; ++k) place[k + 1] = place[k] + interval(k);
     for (std::size_t k = i; k > 0; --k) place[k - 1] = place[k] - interval(k - 1);
+    // The weights of the states have the sum 1: differences from state i are added to it, so that late times and other large
+    // values are not rounded once a node.
+    const State& start = node(i).z;
     z.vector().setZero();
     for (std::size_t j = 0; j < size_; ++j) {
       // Lagrange's polynomial of node j at x, and its slope at the node.
@@ -122,9 +125,10 @@ class DenseOutput {
         slope += 1 / (place[j] - place[k]);
       }
       const Scalar squared = polynomial * polynomial, beyond = x - place[j];
-      z.vector() += (squared * (1 - 2 * beyond * slope)) * node(j).z.vector();
+      if (j != i) z.vector() += (squared * (1 - 2 * beyond * slope)) * (node(j).z.vector() - start.vector());
       z.vector() += (squared * beyond) * field(node(j));
     }
+    z.vector() += start.vector();
   }
 
   const H& hamiltonian() const { return hamiltonian_; }

@@ -72,6 +72,7 @@ class GaussLegendre : public detail::GaussShell<GaussLegendre<H>, H> {
   template <class Visitor>
   void visit_stages(Visitor& visit) {
     visit(gradients_);
+    if (newton_) newton_->second.visit_memory(visit);
   }
 
   /// put(k, Σ_j matrix_ij stages_kj) for every k: row i of a matrix over the stages, in blocks that stay in registers.
@@ -185,7 +186,7 @@ class GaussLegendre : public detail::GaussShell<GaussLegendre<H>, H> {
     for (Eigen::Index j = 0; j < stages; ++j) {
       stage_gradient(z, j);
       work.second(hamiltonian_, point_, work.hessian);
-      report.gradients += 1 + work.second.gradients(d);
+      report.gradients += 1 + work.second.gradients();
       for (Eigen::Index i = 0; i < stages; ++i) {
         const Scalar factor = weights_(i, j);
         auto block = work.matrix.block(i * n, j * n, n, n);  // δ_ij I - dt a_ij J H''

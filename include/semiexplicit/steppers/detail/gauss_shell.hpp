@@ -90,7 +90,7 @@ class GaussShell {
   /// Gradient calls that a step cannot exceed.
   std::int64_t max_gradients() const {
     const auto hessian =
-        options_.solver == StageSolver::newton ? SecondDerivatives<H>::gradients(dof()) : Eigen::Index{0};
+        options_.solver == StageSolver::newton ? SecondDerivatives<H>::max_gradients(dof()) : Eigen::Index{0};
     return 1 + std::int64_t{options_.max_iterations} * options_.stages * (1 + hessian);
   }
 

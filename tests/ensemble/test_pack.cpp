@@ -91,12 +91,12 @@ struct Deduced {
 TEST_CASE("A lane takes the very step of the plain stepper") {
   const systems::NlsLattice<double, 5> packed;
   const Lattice<5> plain;
-  CHECK(compare(packed, plain, starts<5>(5), 0.03, {}) >= 1);
+  CHECK(compare(packed, plain, starts<5>(5), 0.03, {}) >= (lanes > 1));
   CHECK(compare(packed, plain, starts<5>(5), 0.03, {.stop = StoppingRule::paper(1e-13)}) >= 3);
   CHECK(compare(packed, plain, starts<5>(5), 0.03, {.stop = StoppingRule::paper(1e-17)}) >= 3);
   // A lane that is given up keeps its state.
   CHECK(compare(packed, plain, starts<5>(5), 0.1,
-                {.stop = StoppingRule::product(1e-22), .max_iterations = 5}) >= 1);
+                {.stop = StoppingRule::product(1e-22), .max_iterations = 5}) >= (lanes > 1));
 }
 
 TEST_CASE("A lane takes the very step of the plain stepper: size known at run time, any size of state") {

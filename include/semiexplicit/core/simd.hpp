@@ -111,7 +111,7 @@ using LaneMask = Many::mask_type;
 
 /// to = from in the chosen lanes.
 inline void assign(const LaneMask& lanes, Many& to, const Many& from) {
-#if defined(__clang__) ||                                                                      \
+#if defined(__clang__) || \
     !defined(__cpp_lib_experimental_parallel_simd)  // clang 14 with AVX-512 makes nothing, or \
                                                     // something else, of libstdc++'s where()
   for (std::size_t k = 0; k < Many::size(); ++k)

@@ -72,7 +72,7 @@ struct Plain {
 };
 template <class Scalar>
 struct WithHessian : Plain<Scalar> {
-  void hessian(In<Scalar, 1> q, In<Scalar, 1>, Eigen::Matrix<Scalar, 2, 2>& out) const {
+  void hessian(In<Scalar, 1> q, In<Scalar, 1>, Eigen::Ref<Eigen::Matrix<Scalar, 2, 2>> out) const {
     out.setIdentity();
     out(0, 0) = this->strength / this->length *
                 (this->exponential ? std::exp(q[0] / this->length) : std::cos(q[0] / this->length));
@@ -83,7 +83,9 @@ struct WithHessian : Plain<Scalar> {
 template <class Scalar>
 Scalar difference_of_maps(const Plain<Scalar>& plain, PhasePoint<Scalar, 1> z, Scalar dt, int steps = 1) {
   const auto scheme = schemes::low_defect6_s13<Scalar>();
-  TangentMap by_gradient(plain, scheme), exact(WithHessian<Scalar>{plain}, scheme);
+  TangentMap<Plain<Scalar>> by_gradient(plain, scheme);
+  TangentMap<WithHessian<Scalar>> exact(WithHessian<Scalar>{plain}, scheme);
+  static_assert(HasHessian<WithHessian<Scalar>> && !HasHessian<Plain<Scalar>>);
   Semiexplicit stepper(plain, scheme,
                        SimplifiedNewton{.stop = StoppingRule::product(sizeof(Scalar) == 4 ? 1e-8 : 1e-16)});
   PhasePoint<Scalar, 1> other(z.q()[0] / 1000, Scalar(0.1) * plain.length);

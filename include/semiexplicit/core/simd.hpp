@@ -109,11 +109,9 @@ namespace detail {
 using Many = RegisterPack<double>;
 using LaneMask = Many::mask_type;
 
-/// to = from in the chosen lanes.
+/// to = from in the chosen lanes. Clang 14 with AVX-512 makes nothing, or something else, of libstdc++'s where().
 inline void assign(const LaneMask& lanes, Many& to, const Many& from) {
-#if defined(__clang__) || \
-    !defined(__cpp_lib_experimental_parallel_simd)  // clang 14 with AVX-512 makes nothing, or \
-                                                    // something else, of libstdc++'s where()
+#if defined(__clang__) || !defined(__cpp_lib_experimental_parallel_simd)
   for (std::size_t k = 0; k < Many::size(); ++k)
     if (lanes[k]) to[k] = double(from[k]);
 #else

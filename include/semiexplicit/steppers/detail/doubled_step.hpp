@@ -50,7 +50,7 @@ class DoubledStep {
     inlined<Scalar>([&] {
       if constexpr (Registers<H>::fit) {
         using Point = typename Registers<H>::Point;
-        Point at, by, a, b, gradient, moved, difference;
+        Point at, by, a, b, gradient{}, moved, difference;
         at.load(z.vector().data());
         if (m) by.load(m->data());
         projection_residual(hamiltonian_, scheme_, dt, summed(), at.data, m ? by.data : nullptr, a.data,

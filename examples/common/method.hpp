@@ -64,8 +64,9 @@ void with_stepper(const Method& method, const H& hamiltonian, const Use& use) {
   if constexpr (SeparableHamiltonian<H>) {
     hand(ExplicitSplitting(hamiltonian, scheme()));
   } else if (method.name == "gauss") {
-    const auto kind = method.lanes ? Setting::Method::gauss_lanes : Setting::Method::gauss;
-    semiexplicit::with_stepper(hamiltonian, {.method = kind, .stages = method.stages}, use);
+    if (!method.lanes) return hand(GaussLegendre(hamiltonian, {.stages = method.stages}));
+    if constexpr (HasPackGradient<H>) return hand(GaussLegendreLanes(hamiltonian, {.stages = method.stages}));
+    throw std::invalid_argument("--lanes: this Hamiltonian has no gradient for packs; leave it out");
   } else if (method.name == "pihajoki") {
     hand(Pihajoki(hamiltonian, scheme()));
   } else if (method.name == "tao") {

@@ -103,7 +103,7 @@ Scalar difference_of_maps(const Plain<Scalar>& plain, PhasePoint<Scalar, 1> z, S
 
 }  // namespace
 
-TEST_CASE("The tangent map is symplectic and the limit of differences", "[tangent]") {
+TEST_CASE("The tangent map is symplectic and the limit of differences", "[chaos]") {
   const auto H = from_energy<3>(lattice_energy);
   const SimplifiedNewton tight{.stop = StoppingRule::product(1e-30)};
   for (const auto& scheme : {schemes::strang(), schemes::low_defect6_s13()})
@@ -120,7 +120,7 @@ TEST_CASE("The tangent map is symplectic and the limit of differences", "[tangen
     }
 }
 
-TEST_CASE("Without a Hessian the tangent map is approximate, and symplectic still", "[tangent]") {
+TEST_CASE("Without a Hessian the tangent map is approximate, and symplectic still", "[chaos]") {
   const systems::NlsLattice<double, 3> H;
   static_assert(!HasHessian<decltype(H)>);
   Semiexplicit stepper(from_energy<3>(lattice_energy), schemes::strang());
@@ -134,7 +134,7 @@ TEST_CASE("Without a Hessian the tangent map is approximate, and symplectic stil
   CHECK(difference > 1e-14);
 }
 
-TEST_CASE("The tangent map has the precision of its numbers", "[tangent]") {
+TEST_CASE("The tangent map has the precision of its numbers", "[chaos]") {
   const systems::Product<Extended> H;
   Semiexplicit stepper(H, schemes::blanes_moan4<Extended>(),
                        SimplifiedNewton{.stop = StoppingRule::product(1e-38)});
@@ -145,7 +145,7 @@ TEST_CASE("The tangent map has the precision of its numbers", "[tangent]") {
   CHECK((tangent.matrix() - differences(stepper, z, 0.2L, 1e-4L)).cwiseAbs().maxCoeff() <= 1e-14L);
 }
 
-TEST_CASE("Steps that hardly converge have a tangent map", "[tangent]") {
+TEST_CASE("Steps that hardly converge have a tangent map", "[chaos]") {
   Semiexplicit stepper(systems::Product<Extended>(), schemes::strang<Extended>(),
                        SimplifiedNewton{.stop = StoppingRule::product(1e-38), .max_iterations = 1000});
   const PhasePoint<Extended, 1> z(-3, 0);
@@ -157,7 +157,7 @@ TEST_CASE("Steps that hardly converge have a tangent map", "[tangent]") {
   CHECK((tangent.matrix() - differences(stepper, z, 0.36L, 1e-4L)).cwiseAbs().maxCoeff() <= 1e-10L);
 }
 
-TEST_CASE("A tangent map that cannot be had says why", "[tangent]") {
+TEST_CASE("A tangent map that cannot be had says why", "[chaos]") {
   TangentMap tangent(systems::Product<Extended>(), schemes::strang<Extended>());
   CHECK(tangent.at({1, 2}, 0) == Status::invalid_step);
   CHECK(tangent.at({1, NAN}, 0.1L) == Status::invalid_state);
@@ -166,7 +166,7 @@ TEST_CASE("A tangent map that cannot be had says why", "[tangent]") {
 }
 
 TEST_CASE("The time of a driven system does not loosen its tangent map, nor does a start from rest",
-          "[tangent]") {
+          "[chaos]") {
   const Autonomous driven(from_energy<1>([](const auto& t, const auto& q, const auto& p) {
     using std::cos;
     return (q[0] * q[0] + 1) * (p[0] * p[0] + 1) / 2 - q[0] * cos(t);
@@ -182,7 +182,7 @@ TEST_CASE("The time of a driven system does not loosen its tangent map, nor does
   CHECK(tangent.at(driven.extended({0, 0}, 0.0), 0.1) == Status::success);
 }
 
-TEST_CASE("Differences for a Hessian suit a time that is far larger than the state", "[tangent]") {
+TEST_CASE("Differences for a Hessian suit a time that is far larger than the state", "[chaos]") {
   const Autonomous driven(Driven{});
   TangentMap tangent(driven, schemes::low_defect6_s13());
   REQUIRE(tangent.at(driven.extended({1, 0.2}, 0), 0.02) == Status::success);
@@ -200,7 +200,7 @@ TEST_CASE("Differences for a Hessian suit a time that is far larger than the sta
   }
 }
 
-TEST_CASE("Differences for a Hessian suit an angle that has wound up, and one near 0", "[tangent]") {
+TEST_CASE("Differences for a Hessian suit an angle that has wound up, and one near 0", "[chaos]") {
   const double turn = 6.283185307179586;
   for (const double q : {0.0, 0.5, 629.0, 6e4, 6e5, 1e6 * turn + 0.5, -6e5}) {
     CAPTURE(q);

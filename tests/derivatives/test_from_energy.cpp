@@ -44,7 +44,7 @@ static_assert(HasEnergy<decltype(product)> && HasHessian<decltype(product)>);
 
 }  // namespace
 
-TEST_CASE("The gradient of an energy is the one written by hand", "[autodiff]") {
+TEST_CASE("The gradient of an energy is the one written by hand", "[derivatives]") {
   const auto five = some_point<5>(5);
   CHECK((gradient_of(from_energy<5>(lattice_energy), five) -
          gradient_of(systems::NlsLattice<double, 5>(), five))
@@ -61,7 +61,7 @@ TEST_CASE("The gradient of an energy is the one written by hand", "[autodiff]") 
   CHECK(refuses([] { from_energy(0, lattice_energy); }, "0 degrees of freedom"));
 }
 
-TEST_CASE("The Hessian of an energy is the one written by hand", "[autodiff]") {
+TEST_CASE("The Hessian of an energy is the one written by hand", "[derivatives]") {
   const PhasePoint<double, 1> z(-3, 0.5);
   Eigen::Matrix2d automatic, hand;
   product.hessian(z.q(), z.p(), automatic);
@@ -69,7 +69,7 @@ TEST_CASE("The Hessian of an energy is the one written by hand", "[autodiff]") {
   CHECK((automatic - hand).norm() <= 1e-14);
 }
 
-TEST_CASE("A Hessian in several sweeps is the derivative of the gradient", "[autodiff]") {
+TEST_CASE("A Hessian in several sweeps is the derivative of the gradient", "[derivatives]") {
   const Eigen::Index n = 6;
   const auto z = some_point<Eigen::Dynamic>(n);
   const auto H = from_energy(n, lattice_energy);
@@ -88,7 +88,7 @@ TEST_CASE("A Hessian in several sweeps is the derivative of the gradient", "[aut
   }
 }
 
-TEST_CASE("Functions obey the chain rule", "[autodiff]") {
+TEST_CASE("Functions obey the chain rule", "[derivatives]") {
   using namespace std;  // NOLINT: as in an energy
   const double x = 0.7;
   CHECK(derivative(x, [](auto q) { return sqrt(q); }) == Approx(0.5 / sqrt(x)));
@@ -115,7 +115,7 @@ TEST_CASE("Functions obey the chain rule", "[autodiff]") {
   CHECK(derivative(x, [](auto q) { return q > 0.5 ? q * q : -q; }) == Approx(2 * x));
 }
 
-TEST_CASE("Energies may be written in terms of Eigen", "[autodiff]") {
+TEST_CASE("Energies may be written in terms of Eigen", "[derivatives]") {
   const auto H = from_energy<3>([](const auto& q, const auto& p) {
     using std::sqrt;
     return (2.0 * p - q).squaredNorm() / 2 + 1 / sqrt(q.squaredNorm()) + q.dot(p) + q.head(2).sum();
@@ -127,7 +127,7 @@ TEST_CASE("Energies may be written in terms of Eigen", "[autodiff]") {
   CHECK((gradient.tail<3>() - (2 * (2 * p - q) + q)).norm() <= 1e-14);
 }
 
-TEST_CASE("A run with an automatic gradient is the run with the one by hand", "[autodiff]") {
+TEST_CASE("A run with an automatic gradient is the run with the one by hand", "[derivatives]") {
   // Nothing may point to what is gone: sums are local, and what the energy returns is an expression of them.
   PhasePoint<double, 1> z(-3, 0), hand_z = z;
   Semiexplicit stepper(product, schemes::low_defect6_s13());
@@ -137,7 +137,7 @@ TEST_CASE("A run with an automatic gradient is the run with the one by hand", "[
   CHECK((z.vector() - hand_z.vector()).norm() <= 1e-11);
 }
 
-TEST_CASE("Automatic gradients have the precision of their numbers", "[autodiff]") {
+TEST_CASE("Automatic gradients have the precision of their numbers", "[derivatives]") {
   const auto H = from_energy<1, long double>([](const auto& q, const auto& p) {
     using std::exp;
     return exp(q[0] * p[0]);
@@ -147,7 +147,7 @@ TEST_CASE("Automatic gradients have the precision of their numbers", "[autodiff]
   CHECK(std::abs(gradient[0] - 0.2L * std::exp(0.1L * 0.2L)) <= 1e-19L);
 }
 
-TEST_CASE("Powers have second derivatives at and below zero, mixed arguments theirs", "[autodiff]") {
+TEST_CASE("Powers have second derivatives at and below zero, mixed arguments theirs", "[derivatives]") {
   const auto h = from_energy<1>([](const auto& q, const auto& p) {
     using std::pow, std::atan2, std::hypot, std::asinh;
     return pow(q[0], 3) + pow(q[0], 2) + pow(q[0], 4.0) + atan2(p[0], 2.0) + hypot(3.0, p[0]) + asinh(p[0]);
@@ -169,7 +169,7 @@ TEST_CASE("Powers have second derivatives at and below zero, mixed arguments the
   }
 }
 
-TEST_CASE("A power with an exponent that varies has its derivatives at and below zero", "[autodiff]") {
+TEST_CASE("A power with an exponent that varies has its derivatives at and below zero", "[derivatives]") {
   using std::pow;
   const auto power = from_energy<1>([](const auto& q, const auto& p) { return pow(q[0], p[0]); });
   Eigen::Matrix2d second;
@@ -206,7 +206,7 @@ TEST_CASE("A power with an exponent that varies has its derivatives at and below
   CHECK(derivative(3, [](auto q) { return pow(2.0, q); }) == Approx(8 * std::log(2.0)));
 }
 
-TEST_CASE("Slopes neither overflow nor cancel where the function does not", "[autodiff]") {
+TEST_CASE("Slopes neither overflow nor cancel where the function does not", "[derivatives]") {
   using namespace std;  // NOLINT: as in an energy
   for (const double x : {1e-200, 1e200}) {
     CHECK(derivative(x, [x](auto q) { return atan2(q, x) * x; }) == Approx(0.5));

@@ -7,7 +7,7 @@
 #include <semiexplicit/ensemble.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
-/// The methods that every property is tested on. A new scheme, solver or splitting is entered here, once.
+/// The methods that every property is tested on. A new scheme, solver or stepper is entered here, once.
 namespace methods {
 
 using namespace semiexplicit;

@@ -173,7 +173,7 @@ TEST_CASE("A late time does not loosen the projection", "[autonomous]") {
 
 TEST_CASE("An iteration that diverges is refused at a late time as at time zero", "[autonomous]") {
   // The rounding of the time, 1e-4 at 1e12, hides neither the defect of the copies nor its convergence.
-  for (const double stiffness : {2.0, 8.0}) {
+  for (const double stiffness : {2.0, 20.0}) {
     const Autonomous H(from_energy<1>([=](const auto& t, const auto& q, const auto& p) {
       using std::cos;
       return p[0] * p[0] / 2 + stiffness * q[0] * q[0] / 2 + 100 * q[0] * cos(t);
@@ -185,14 +185,14 @@ TEST_CASE("An iteration that diverges is refused at a late time as at time zero"
         auto Z = H.extended({1, 0.5}, t0);
         const StepReport report = stepper.step(Z, 0.5);
         CHECK(report.ok() == (stiffness == 2));
-        if (report.ok()) CHECK(report.correction <= 1e-12);
+        if (report.ok()) CHECK(report.correction <= 1e-11);  // of moves of about 100
       }
     // A step that does not divide the time's last digit.
     Semiexplicit stepper(H, schemes::blanes_moan4());
     auto Z = H.extended({1, 0.5}, 1e12);
     const StepReport report = stepper.step(Z, 0.1);
     CHECK(report.ok());
-    CHECK(report.correction <= 1e-12);
+    CHECK(report.correction <= 1e-11);
   }
 }
 

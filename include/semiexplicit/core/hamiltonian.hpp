@@ -48,8 +48,8 @@ using OutColumn = Eigen::Map<Vector<typename H::Scalar, H::Dof>>;
 
 }  // namespace detail
 
-/// H writes both halves of its gradient, ∂H/∂q and ∂H/∂p, into the caller's storage in one call. This is the
-/// only thing that an integrator ever asks of it, and the unit in which work is counted.
+/// H writes both halves of its gradient, ∂H/∂q and ∂H/∂p, into the caller's storage in one call. This is all
+/// that an integrator needs of it, and the unit in which work is counted.
 template <class H>
 concept HasGradient = requires(const H& h, const detail::InColumn<H>& q, const detail::InColumn<H>& p,
                                detail::OutColumn<H>& dHdq, detail::OutColumn<H>& dHdp) {
@@ -107,8 +107,8 @@ concept HasRangeGradient = Hamiltonian<H> && std::same_as<typename H::RangeGradi
   h.gradient_range(begin, end, at, at, gradient, gradient);  // q, p, dHdq, dHdp
 };
 
-/// Optional: the symmetric 2d × 2d matrix [H_qq H_qp; H_pq H_pp]. Only Newton's method of the implicit
-/// baselines uses it.
+/// Optional: the symmetric 2d × 2d matrix [H_qq H_qp; H_pq H_pp]. Tangent maps and Newton's method of
+/// GaussLegendre use it; without it they take differences of the gradient.
 template <class H>
 concept HasHessian = Hamiltonian<H> &&
     requires(const H& h, const detail::InColumn<H>& q, const detail::InColumn<H>& p,
@@ -139,7 +139,7 @@ constexpr Eigen::Index dof_of(const H& h) {
 
 namespace detail {
 
-/// One gradient call with each column wherever it lies. The only place where gradient() is called with four columns.
+/// One gradient call with each column wherever it lies. Every stepper calls gradient() by it.
 template <class H>
 void gradient_at(const H& hamiltonian, const typename H::Scalar* q, const typename H::Scalar* p,
                  typename H::Scalar* dHdq, typename H::Scalar* dHdp, Eigen::Index dof) {

@@ -43,30 +43,24 @@ const std::map<std::string, Vortices>& vortex_sets() {
 }
 
 std::vector<ScenePreset<any>> presets() {
-  std::vector<ScenePreset<any>> list{{.name = "paper",
-                                      .about = "the ten vortices of Jayawardana and Ohsawa",
-                                      .units = {"numbers"},
-                                      .effects = {"pairs"},
-                                      .also = {"strain", "rotation"},
-                                      .values = {{"strain_rate", "1e-3"},
-                                                 {"strain_angle", "0"},
-                                                 {"rotation_rate", "1e-3"},
-                                                 {"radius", "20"}},
-                                      .dt = "0.1",
-                                      .time = "1000",
-                                      .start = {}},
-                                     {.name = "disparate",
-                                      .about = "ten vortices whose circulations and distances differ much",
-                                      .units = {"numbers"},
-                                      .effects = {"pairs"},
-                                      .also = {"strain", "rotation"},
-                                      .values = {{"strain_rate", "1e-3"},
-                                                 {"strain_angle", "0"},
-                                                 {"rotation_rate", "1e-3"},
-                                                 {"radius", "100"}},
-                                      .dt = "0.01",
-                                      .time = "100",
-                                      .start = {}},
+  const ScenePreset<any> paper{
+      .name = "paper",
+      .about = "the ten vortices of Jayawardana and Ohsawa",
+      .units = {"numbers"},
+      .effects = {"pairs"},
+      .also = {"strain", "rotation"},
+      .values = {{"strain_rate", "1e-3"}, {"strain_angle", "0"}, {"rotation_rate", "1e-3"}, {"radius", "20"}},
+      .dt = "0.1",
+      .time = "1000",
+      .start = {}};
+  ScenePreset<any> disparate = paper;
+  disparate.name = "disparate";
+  disparate.about = "ten vortices whose circulations and distances differ much";
+  disparate.values.back() = {"radius", "100"};
+  disparate.dt = "0.01";
+  disparate.time = "100";
+  std::vector<ScenePreset<any>> list{paper,
+                                     disparate,
                                      {.name = "wall",
                                       .about = "a vortex pair that comes to a wall and goes along it",
                                       .units = {"numbers"},

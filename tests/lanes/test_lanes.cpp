@@ -124,13 +124,13 @@ TEST_CASE("Vortices in registers feel what they feel in wider numbers") {
     CHECK(close(c, d));
 #ifdef SEMIEXPLICIT_HAS_LANES
     if constexpr (HasLaneGradient<systems::PointVortices<double, N>>) {
-      const auto at = detail::LanePoint<N>::load(z.vector().data());
-      detail::LanePoint<N> gradient;
-      fixed.lane_gradient(at.q, at.p, gradient.q, gradient.p);
+      detail::LanePoint<N> at, gradient;
+      at.load(z.vector().data());
+      fixed.lane_gradient(at.data, at.data + at.d, gradient.data, gradient.data + at.d);
       double all[32];
       for (int k = 0; k < registers_for(N); ++k) {
-        _mm512_storeu_pd(all + 8 * k, gradient.q[k]);
-        _mm512_storeu_pd(all + 16 + 8 * k, gradient.p[k]);
+        _mm512_storeu_pd(all + 8 * k, gradient.data[k]);
+        _mm512_storeu_pd(all + 16 + 8 * k, gradient.data[at.d + k]);
       }
       CHECK(close(Eigen::Map<Vector<double, N>>(all), Eigen::Map<Vector<double, N>>(all + 16)));
       for (int i = N; i < 8 * registers_for(N); ++i) CHECK((all[i] == 0 && all[16 + i] == 0));

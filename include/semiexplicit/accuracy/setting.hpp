@@ -1,8 +1,6 @@
 #pragma once
 
-#include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -84,12 +82,9 @@ IntegrationReport run(const H& hamiltonian, PhasePoint<typename H::Scalar, H::Do
     throw std::invalid_argument("run: T is not a finite positive time; give how long to integrate");
   if (!(setting.dt > 0 && std::isfinite(setting.dt)))
     throw std::invalid_argument("run: setting.dt is not a finite positive step; set it");
-  const double steps = std::max(
-      1.0, std::ceil(T / setting.dt * (1 - 1e-12)));  // T = 10 dt is ten steps, whatever rounding says
-  if (!(steps < 9e18)) throw std::invalid_argument("run: T / setting.dt is too large; give a larger step");
+  AnyStepper<typename H::Scalar, H::Dof> stepper = stepper_for(hamiltonian, setting);
   using Scalar = typename H::Scalar;
-  AnyStepper<Scalar, H::Dof> stepper = stepper_for(hamiltonian, setting);
-  return integrate(stepper, z, {.dt = Scalar(T) / Scalar(steps), .steps = static_cast<std::int64_t>(steps)},
+  return integrate(stepper, z, {.dt = Scalar(setting.dt), .t_end = Scalar(T)},
                    std::forward<Observers>(observers)...);
 }
 

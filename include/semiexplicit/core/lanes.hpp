@@ -1,5 +1,7 @@
 #pragma once
 
+#include <type_traits>
+
 #include <semiexplicit/core/hamiltonian.hpp>
 
 // Where the target has registers wide enough to be worth it, and the compiler can shuffle them (g++ from 12 on, clang).
@@ -48,21 +50,19 @@ void store_lanes(const Lanes* from, double* to) {
   for (int k = 0; k < registers_for(Dof); ++k) _mm512_mask_storeu_pd(to + 8 * k, lanes_of(Dof, k), from[k]);
 }
 
-/// A phase point in registers.
+/// A phase point in registers: those of the positions, then those of the momenta.
 template <int Dof>
 struct LanePoint {
-  static constexpr int size = registers_for(Dof);
-  Lanes q[std::size_t(size)], p[std::size_t(size)];
+  static constexpr std::integral_constant<int, registers_for(Dof)> d{};
+  Lanes data[std::size_t(2 * d)];
 
-  static LanePoint load(const double* z) {
-    LanePoint point;
-    load_lanes<Dof>(z, point.q);
-    load_lanes<Dof>(z + Dof, point.p);
-    return point;
+  void load(const double* z) {
+    load_lanes<Dof>(z, data);
+    load_lanes<Dof>(z + Dof, data + d);
   }
   void store(double* z) const {
-    store_lanes<Dof>(q, z);
-    store_lanes<Dof>(p, z + Dof);
+    store_lanes<Dof>(data, z);
+    store_lanes<Dof>(data + d, z + Dof);
   }
 };
 

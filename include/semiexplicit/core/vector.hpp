@@ -28,6 +28,9 @@ constexpr int twice(int dof) { return dof == Eigen::Dynamic ? Eigen::Dynamic : 2
 
 namespace detail {
 
+/// So few degrees of freedom that work space is on the stack, where the compiler can keep it in registers.
+constexpr bool fits_on_stack(int dof) { return dof != Eigen::Dynamic && dof <= 16; }
+
 /// u · v, in four partial sums. Eigen's own reductions make g++ 12 warn of uninitialised variables in its AVX-512
 /// intrinsics, in every program that is compiled for such a processor.
 template <class U, class V>

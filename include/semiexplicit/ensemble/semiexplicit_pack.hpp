@@ -55,7 +55,7 @@ class SemiexplicitPack {
     const Many size_z = state_size(state);
     Many e = detail::call_inlined([&] { return sweep(state.z.data(), nullptr, dt); });
     Mask ok = in_play;
-    const Many distance = detail::norm(moved_.data(), length()) / 2.0;
+    const Many distance = distance_moved();
     if (all_of(accepted(e, 0.0, size_or_moves(size_z, distance)) || !in_play)) {
       for (std::size_t k = 0; k < Many::size(); ++k) {
         report[k].evaluations = 1;
@@ -63,7 +63,7 @@ class SemiexplicitPack {
         report[k].correction = e[k];
       }
     } else {
-      ok = iterate(state, dt, in_play, size_z, e, report);
+      ok = iterate(state, dt, in_play, size_z, e, distance, report);
     }
     finish(state, ok, report);
     return report;
@@ -89,7 +89,7 @@ class SemiexplicitPack {
         m_(f_),
         kept_(f_) {
     detail::require_options(SimplifiedNewton::name, solver.stop, solver.max_iterations);
-    if constexpr (!small) a_ = b_ = gradient_ = f_;
+    if constexpr (!detail::fits_on_stack(Dof)) a_ = b_ = gradient_ = f_;
   }
 
   /// detail::state_size() in every lane.
@@ -119,13 +119,10 @@ class SemiexplicitPack {
     return e == 0.0 || (e / size_z) * ((size_m + e) / size_z) <= bound;
   }
 
-  /// Few numbers are worked on in arrays of the stack, whose places the compiler knows.
-  static constexpr bool small = Dof != Eigen::Dynamic && Dof <= 16;
-
   /// All kicks from a = z + m, b = z - m (m = 0 where none is given); f_ becomes the residual and moved_ what both copies
   /// moved together. Gives ‖f‖/4.
   Many sweep(const Many* z, const Many* m, double dt) {
-    if constexpr (small) {
+    if constexpr (detail::fits_on_stack(Dof)) {
       constexpr auto length = std::size_t(2 * Dof);
       Many a[length], b[length], gradient[length], moved[length], f[length];
       const Many e = residual(z, m, dt, a, b, gradient, moved, f, Dof);
@@ -173,16 +170,19 @@ class SemiexplicitPack {
     return smaller;
   }
 
-  /// Goes on from the first evaluation, whose corrections are e; gives the lanes that came to a good end.
-  Mask iterate(const State& state, double dt, const Mask& in_play, const Many& size_z, Many e,
+  /// How far the mean of the copies moved.
+  Many distance_moved() const { return detail::norm(moved_.data(), length()) / 2.0; }
+
+  /// Goes on from the first evaluation, whose corrections are e and whose moves `distance`; gives the lanes that came to a good
+  /// end.
+  Mask iterate(const State& state, double dt, const Mask& in_play, const Many& size_z, Many e, Many distance,
                PackReport& report) {
     std::array<std::optional<detail::Convergence<double>>, Many::size()> lanes;
     for (auto& lane : lanes) lane.emplace(solver_.stop, solver_.max_iterations);
     Mask going = in_play;
-    bool first = true;
     Many size_m = 0.0;
+    std::fill(m_.begin(), m_.end(), Many(0.0));
     for (;;) {
-      const Many distance = detail::norm(moved_.data(), length()) / 2.0;
       const Many sizes = size_or_moves(size_z, distance);
       for (std::size_t k = 0; k < Many::size(); ++k)
         if (going[k])
@@ -190,14 +190,11 @@ class SemiexplicitPack {
                                      LaneResidual{*this, state.z, k, sizes[k], size_z[k], distance[k]});
       if (none_of(going)) break;
       // All multipliers move on; lanes that are done keep their moves of the copies.
-      if (first)
-        for (std::size_t i = 0; i < size(); ++i) m_[i] = f_[i] / -4.0;
-      else
-        for (std::size_t i = 0; i < size(); ++i) m_[i] -= f_[i] / 4.0;
-      first = false;
+      for (std::size_t i = 0; i < size(); ++i) m_[i] -= f_[i] / 4.0;
       std::copy(moved_.begin(), moved_.end(), kept_.begin());
       e = detail::call_inlined([&] { return sweep(state.z.data(), m_.data(), dt); });
       for (std::size_t i = 0; i < size(); ++i) detail::assign(!going, moved_[i], kept_[i]);
+      distance = distance_moved();
       size_m = detail::norm(m_.data(), length());
     }
     Mask ok = in_play;

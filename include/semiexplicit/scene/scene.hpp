@@ -103,7 +103,7 @@ class Scene {
   /// to -0 changes no number, so the compiler leaves the first addition out.
   template <class Add>
   static void collect(Out<Scalar, Dof>& out, const Add& add) {
-    if constexpr (Dof != Eigen::Dynamic && Dof <= 16) {
+    if constexpr (detail::fits_on_stack(Dof)) {
       Vector<Scalar, Dof> sum;
       for (int i = 0; i < Dof; ++i) sum[i] = -Scalar(0);
       add(sum);

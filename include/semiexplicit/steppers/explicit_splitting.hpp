@@ -95,7 +95,7 @@ class ExplicitSplitting {
 
   /// Few numbers stay on the stack for a step, where the compiler can keep them in registers.
   void run(const State& z, const Scalar& dt) {
-    if constexpr (Dof != Eigen::Dynamic && Dof <= 16) {
+    if constexpr (detail::fits_on_stack(Dof)) {
       Vec at = z.vector(), moved = Vec::Zero();
       Column half = Column::Zero();
       drifts_and_kicks(dt, at.data(), moved.data(), half.data());

@@ -89,7 +89,8 @@ class Semiexplicit {
     const State& z;
     const Scalar& dt;
     Scalar size = detail::state_size(doubled.hamiltonian(), z);
-    const Vec* last = nullptr;
+    const Vec* last = nullptr;  ///< f
+    Scalar distance{};          ///< that the mean of the copies moved in the last evaluation
 
     /// f(0), where every solver starts.
     void operator()(Vec& f) { evaluate(nullptr, f); }
@@ -97,21 +98,19 @@ class Semiexplicit {
     void evaluate(const Vec* m, Vec& f) {
       doubled.residual(z, m, dt, f);
       last = &f;
+      distance = doubled.distance();
     }
 
     /// ‖z‖, without the time where that is a coordinate, but no more than so many moves of a step: see StoppingRule.
     Scalar state_size() const {
-      const Scalar moves = StoppingRule::moves * doubled.distance();
+      const Scalar moves = StoppingRule::moves * distance;
       return moves < size ? moves : size;
     }
 
     /// A correction below this may be nothing but rounding: the copies' own, made larger by the kicks in between.
-    Scalar rounding_level() const {
-      return 100 * Eigen::NumTraits<Scalar>::epsilon() * (size + doubled.distance());
-    }
+    Scalar rounding_level() const { return 100 * Eigen::NumTraits<Scalar>::epsilon() * (size + distance); }
     bool within_rounding(double multiple) const {
-      return detail::within_rounding(last->data(), z.vector().data(), z.vector().size(), doubled.distance(),
-                                     multiple);
+      return detail::within_rounding(last->data(), z.vector().data(), z.vector().size(), distance, multiple);
     }
   };
 

@@ -36,7 +36,7 @@ class CompensatedUpdate {
   bool update(PhasePoint<Scalar, Dof>& z, const Increment& increment) {
     if (!continues(z)) carry_.setZero();
     // Small results stay in registers until they count.
-    if constexpr (Dof != Eigen::Dynamic && Dof <= 16) {
+    if constexpr (detail::fits_on_stack(Dof)) {
       Scalar sums[std::size_t(2 * Dof)], lost[std::size_t(2 * Dof)];
       if (!add(z.vector().data(), sums, lost, std::integral_constant<int, 2 * Dof>(), increment))
         return false;

@@ -29,7 +29,7 @@ class DoubledStep {
         update_(dof()),
         summation_(summation) {
     scheme_.check();
-    if constexpr (!Registers<H>::fit) a_ = b_ = gradient_ = moved_;
+    if constexpr (!fits_on_stack(Dof)) a_ = b_ = gradient_ = moved_;
   }
 
   /// Whether a step of size dt can start from z: Status::success if so. Costs nothing: a state that is not finite shows
@@ -48,13 +48,12 @@ class DoubledStep {
   /// f becomes the residual of the projection at m, or at m = 0 where it is null.
   void residual(const State& z, const Vec* m, const Scalar& dt, Vec& f) {
     inlined<Scalar>([&] {
-      if constexpr (Registers<H>::fit) {
-        using Point = typename Registers<H>::Point;
-        Point at, by, a, b, gradient{}, moved, difference;
+      if constexpr (fits_on_stack(Dof)) {
+        typename WorkPoint<H>::Type at, by, a, b, gradient{}, moved, difference;
         at.load(z.vector().data());
         if (m) by.load(m->data());
         projection_residual(hamiltonian_, scheme_, dt, summed(), at.data, m ? by.data : nullptr, a.data,
-                            b.data, gradient.data, moved.data, difference.data, Registers<H>::d);
+                            b.data, gradient.data, moved.data, difference.data, at.d);
         moved.store(moved_.data());
         difference.store(f.data());
       } else {

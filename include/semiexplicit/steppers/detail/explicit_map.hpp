@@ -40,12 +40,12 @@ class ExplicitMap {
     a = zeta.a.vector();
     b = zeta.b.vector();
     inlined<Scalar>([&] {
-      if constexpr (Registers<H>::fit) {
-        typename Registers<H>::Point at_a, at_b, slope;
+      if constexpr (fits_on_stack(Dof)) {
+        typename WorkPoint<H>::Type at_a, at_b, slope;
         at_a.load(a.data());
         at_b.load(b.data());
         slope.load(gradient.data());
-        run(at_a.data, at_b.data, slope.data, Registers<H>::d);
+        run(at_a.data, at_b.data, slope.data, slope.d);
         at_a.store(a.data());
         at_b.store(b.data());
         slope.store(gradient.data());

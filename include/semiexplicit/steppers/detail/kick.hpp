@@ -110,49 +110,30 @@ SEMIEXPLICIT_INLINE void projection_residual(const H& hamiltonian, const Scheme<
     for_each_index(size, [&](Eigen::Index i) { f[i] = a[i] - b[i]; });
 }
 
-/// Work space for functions of phase points: on the stack where the numbers are few, so that the compiler can keep them in
-/// registers; in members else.
-template <class H>
-struct Registers {
-  static constexpr bool fit = H::Dof != Eigen::Dynamic && H::Dof <= 16;
-#ifdef SEMIEXPLICIT_HAS_LANES
-  static constexpr bool lanes = HasLaneGradient<H>;
-  using Number = std::conditional_t<lanes, Lanes, typename H::Scalar>;
-  static constexpr int dof = !fit ? 1 : lanes ? registers_for(H::Dof) : H::Dof;
-#else
-  static constexpr bool lanes = false;
-  using Number = typename H::Scalar;
-  static constexpr int dof = fit ? H::Dof : 1;
-#endif
+/// A phase point on the stack: 2d numbers.
+template <class Scalar, int Dof>
+struct StackPoint {
+  static constexpr std::integral_constant<int, Dof> d{};
+  Scalar data[std::size_t(2 * d)];
 
-  static constexpr std::integral_constant<int, dof> d{};
-  static constexpr std::integral_constant<int, 2 * dof> size{};
-
-  /// A phase point.
-  struct Point {
-    Number data[std::size_t(2 * dof)];
-
-    void load(const typename H::Scalar* from) {
-      if constexpr (lanes) {
-#ifdef SEMIEXPLICIT_HAS_LANES
-        load_lanes<H::Dof>(from, data);
-        load_lanes<H::Dof>(from + H::Dof, data + dof);
-#endif
-      } else {
-        for_each_index(size, [&](Eigen::Index i) { data[i] = from[i]; });
-      }
-    }
-    void store(typename H::Scalar* to) const {
-      if constexpr (lanes) {
-#ifdef SEMIEXPLICIT_HAS_LANES
-        store_lanes<H::Dof>(data, to);
-        store_lanes<H::Dof>(data + dof, to + H::Dof);
-#endif
-      } else {
-        for_each_index(size, [&](Eigen::Index i) { to[i] = data[i]; });
-      }
-    }
-  };
+  void load(const Scalar* z) {
+    for_each_index(twice_of(d), [&](Eigen::Index i) { data[i] = z[i]; });
+  }
+  void store(Scalar* z) const {
+    for_each_index(twice_of(d), [&](Eigen::Index i) { z[i] = data[i]; });
+  }
 };
+
+/// What a step of an H that fits on the stack works on.
+template <class H>
+struct WorkPoint {
+  using Type = StackPoint<typename H::Scalar, H::Dof>;
+};
+#ifdef SEMIEXPLICIT_HAS_LANES
+template <HasLaneGradient H>
+struct WorkPoint<H> {
+  using Type = LanePoint<H::Dof>;
+};
+#endif
 
 }  // namespace semiexplicit::detail

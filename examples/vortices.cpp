@@ -56,7 +56,7 @@ std::vector<ScenePreset<any>> presets() {
   ScenePreset<any> disparate = paper;
   disparate.name = "disparate";
   disparate.about = "ten vortices whose circulations and distances differ much";
-  disparate.values.back() = {"radius", "100"};
+  disparate.values["radius"] = "100";
   disparate.dt = "0.01";
   disparate.time = "100";
   std::vector<ScenePreset<any>> list{paper,

@@ -13,6 +13,8 @@
 
 #include "catch.hpp"
 
+namespace test_cost_of_accuracy {
+
 using namespace semiexplicit;
 
 namespace {
@@ -397,3 +399,5 @@ TEST_CASE("the table does not depend on the locale") {
   std::locale::global(before);
   CHECK(here == classic);
 }
+
+}  // namespace test_cost_of_accuracy

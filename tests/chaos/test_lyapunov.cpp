@@ -12,6 +12,8 @@
 
 #include "refusal.hpp"
 
+namespace test_lyapunov {
+
 // Lyapunov exponents: closed forms, another integrator's variational equations, order and chaos.
 
 namespace {
@@ -211,3 +213,5 @@ TEST_CASE("A driven chaotic oscillator has the exponent that was published", "[l
   integrate(stepper, z, {.dt = 0.1, .steps = 1000, .t0 = driven.time(z) * (1 + 2e-16)}, lyapunov);
   CHECK(lyapunov.exponents()[0] == Approx(0.163).epsilon(0.1));
 }
+
+}  // namespace test_lyapunov

@@ -11,6 +11,8 @@
 
 #include "lattice_energy.hpp"
 
+namespace test_tangent_map {
+
 // The derivative of a step: symplectic, and the limit of differences of the step.
 
 namespace {
@@ -224,3 +226,5 @@ TEST_CASE("Differences for a Hessian suit an angle that has wound up, and one ne
       CHECK(difference_of_maps<double>(units, {q * length, 0.3 * length}, 0.3, 100) <= 1e-7);
   }
 }
+
+}  // namespace test_tangent_map

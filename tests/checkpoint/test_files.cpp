@@ -17,6 +17,8 @@
 #include "folder.hpp"
 #include "refusal.hpp"
 
+namespace test_files {
+
 // Checkpoint files: those that must not be gone on from, those that cannot be written, and what goes on beside the stepper.
 
 namespace {
@@ -393,3 +395,5 @@ TEST_CASE("Sections and exponents go on, and what was not named is refused", "[c
   CHECK(resumed.crossings == whole.crossings);
   CHECK(resumed.exponent == whole.exponent);
 }
+
+}  // namespace test_files

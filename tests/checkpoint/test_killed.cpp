@@ -20,6 +20,8 @@
 
 #include "folder.hpp"
 
+namespace test_killed {
+
 // A run in a process of its own that is killed, again and again, at moments that nothing in it knows of.
 
 namespace {
@@ -103,4 +105,7 @@ TEST_CASE("A run that is killed loses an interval at most, and ends the same", "
   munmap(shared, sizeof(Trace));
   CHECK(contents(folder.path / "run.csv") == contents(other.path / "run.csv"));
 }
+
+}  // namespace test_killed
+
 #endif

@@ -17,6 +17,8 @@
 #include "folder.hpp"
 #include "refusal.hpp"
 
+namespace test_locks {
+
 // Two runs on one checkpoint file, and checkpoint files behind links.
 
 namespace {
@@ -148,4 +150,7 @@ TEST_CASE("A checkpoint behind a link, and one that is no file", "[checkpoint]")
     CHECK(fs::is_character_file("/dev/null"));
   }
 }
+
+}  // namespace test_locks
+
 #endif

@@ -13,6 +13,8 @@
 #include "folder.hpp"
 #include "refusal.hpp"
 
+namespace test_options {
+
 // A run is not resumed with other options than it was saved with, those of a user's own classes included.
 
 namespace {
@@ -377,3 +379,5 @@ TEST_CASE("A resume() that is refused leaves the observers as they were", "[chec
     CHECK(record.t.size() == 101);
   }
 }
+
+}  // namespace test_options

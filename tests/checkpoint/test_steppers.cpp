@@ -11,6 +11,8 @@
 
 #include "folder.hpp"
 
+namespace test_steppers {
+
 // Runs that are interrupted and gone on with end as those that are not.
 
 namespace {
@@ -102,3 +104,5 @@ TEST_CASE("Every stepper goes on bit for bit", "[checkpoint]") {
   CHECK(goes_on(Semiexplicit(systems::Product<long double>{}, schemes::strang<long double>()),
                 PhasePoint<long double, 1>(-3, 0)));
 }
+
+}  // namespace test_steppers

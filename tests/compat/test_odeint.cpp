@@ -14,6 +14,8 @@
 
 #include "refusal.hpp"
 
+namespace test_odeint {
+
 // The library's steppers under Boost.odeint: its functions do what integrate() does.
 
 namespace {
@@ -102,3 +104,5 @@ TEST_CASE("A step that fails under odeint throws and keeps the state", "[odeint]
   CHECK(refuses([&] { stepper.do_step(stepper.system(), short_state, 0.0, 0.05); },
                 "the state has 3 numbers where the Hamiltonian has 4"));
 }
+
+}  // namespace test_odeint

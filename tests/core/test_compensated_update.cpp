@@ -5,6 +5,8 @@
 
 #include <semiexplicit/steppers/detail/compensated_update.hpp>
 
+namespace test_compensated_update {
+
 namespace {
 using namespace semiexplicit;
 }
@@ -84,3 +86,5 @@ TEST_CASE("An update that is not finite moves nothing and drops the carry", "[co
       CHECK(update.continues(z));
     }
 }
+
+}  // namespace test_compensated_update

@@ -11,6 +11,8 @@
 
 #include "refusal.hpp"
 
+namespace test_contracts {
+
 // What classes know of each other they know by their types, not by the names of members.
 
 namespace {
@@ -126,3 +128,5 @@ TEST_CASE("Observers and tangent maps that were moved from do not crash", "[cont
   integrate(stepper, z, {.dt = 0.01, .steps = 10}, other);
   CHECK(other.served() == 2);
 }
+
+}  // namespace test_contracts

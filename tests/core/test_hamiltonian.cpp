@@ -5,6 +5,8 @@
 #include <semiexplicit/semiexplicit.hpp>
 #include <semiexplicit/systems.hpp>
 
+namespace test_hamiltonian {
+
 // What is a Hamiltonian and what is not.
 
 namespace {
@@ -159,3 +161,5 @@ TEST_CASE("A stepper copies the Hamiltonian and gives it back", "[hamiltonian]")
   CHECK(Pihajoki(h, schemes::strang()).dof() == 7);
   CHECK(Semiexplicit(h, schemes::strang(), Broyden{.memory = 3}).solver().memory == 3);
 }
+
+}  // namespace test_hamiltonian

@@ -10,6 +10,8 @@
 
 #include "refusal.hpp"
 
+namespace test_phase_point {
+
 namespace {
 
 using namespace semiexplicit;
@@ -130,3 +132,5 @@ TEST_CASE("The defect of tiny and of huge points neither underflows nor overflow
       CHECK(std::isinf(zeta.defect()));
     }
 }
+
+}  // namespace test_phase_point

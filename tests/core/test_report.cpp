@@ -7,6 +7,8 @@
 
 #include "refusal.hpp"
 
+namespace test_report {
+
 namespace {
 using namespace semiexplicit;
 }  // namespace
@@ -52,3 +54,5 @@ TEST_CASE("The error of a run tells time, step and what the solver saw", "[repor
   CHECK(says(other, "step 1 failed at t = 0 (dt = 0)"));
   CHECK_FALSE(says(other, "correction"));
 }
+
+}  // namespace test_report

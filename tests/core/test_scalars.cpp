@@ -9,6 +9,8 @@
 #include <semiexplicit/semiexplicit.hpp>
 #include <semiexplicit/systems.hpp>
 
+namespace test_scalars {
+
 // Whole runs in every number type, each as accurate as its digits allow.
 
 namespace {
@@ -136,3 +138,5 @@ TEST_CASE("Numbers beyond the range of double", "[scalars]") {
     CHECK(gauss.step(z, 0.1L).ok());
   }
 }
+
+}  // namespace test_scalars

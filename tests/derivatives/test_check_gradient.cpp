@@ -13,6 +13,8 @@
 
 #include "refusal.hpp"
 
+namespace test_check_gradient {
+
 // What a comparison with the energy finds in gradients that are right and in such that are not.
 
 namespace {
@@ -405,3 +407,5 @@ TEST_CASE("An angle so large that its rounding hides the oscillation is not judg
   CHECK(wrong == 0);
   CHECK(judged == 0);
 }
+
+}  // namespace test_check_gradient

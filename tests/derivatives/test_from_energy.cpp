@@ -11,6 +11,8 @@
 #include "lattice_energy.hpp"
 #include "refusal.hpp"
 
+namespace test_from_energy {
+
 // Gradients from energies: against those written by hand and against closed forms.
 
 namespace {
@@ -252,3 +254,5 @@ TEST_CASE("Derivatives of functions near their limits have all digits", "[from_e
     CHECK(hessian(1, 1) == Approx(std::exp(-std::abs(x))).epsilon(1e-13));
   }
 }
+
+}  // namespace test_from_energy

@@ -12,6 +12,8 @@
 #include "plain.hpp"
 #include "refusal.hpp"
 
+namespace test_ensemble {
+
 namespace {
 
 using namespace plain;
@@ -216,3 +218,5 @@ TEST_CASE("An ensemble that makes no sense is refused") {
   CHECK(fine.run({.dt = 0, .steps = 1}).failed == 3);
   CHECK(says(fine.failure(0), "dt is zero"));
 }
+
+}  // namespace test_ensemble

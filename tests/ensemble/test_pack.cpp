@@ -13,6 +13,8 @@
 #include "plain.hpp"
 #include "refusal.hpp"
 
+namespace test_pack {
+
 namespace {
 
 using namespace plain;
@@ -209,3 +211,5 @@ TEST_CASE("A gradient that deduces one type for both halves takes packs") {
   CHECK(written.step(y, 0.05)[0].ok());
   CHECK(same_bits(x.lane(0), y.lane(0)));
 }
+
+}  // namespace test_pack

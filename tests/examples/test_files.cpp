@@ -16,6 +16,8 @@
 #include "folder.hpp"
 #include "refusal.hpp"
 
+namespace test_files {
+
 // The files of the example programs and the benchmarks: texts, pictures, finished blocks.
 
 namespace {
@@ -98,3 +100,5 @@ TEST_CASE("Finished blocks are whole or not there", "[examples]") {
   CHECK_FALSE(blocks.load(4));
   CHECK(blocks.count() == 1);
 }
+
+}  // namespace test_files

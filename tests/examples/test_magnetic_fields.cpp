@@ -4,6 +4,8 @@
 
 #include <semiexplicit/scene.hpp>
 
+namespace test_magnetic_fields {
+
 // The fields of the program charges, each an effect of its own, against the library's motion in all of them.
 
 namespace {
@@ -48,3 +50,5 @@ TEST_CASE("A magnetic field without a kinetic effect brings the motion along", "
   check_equal(Chosen{charges::MagneticKinetic(charge, mass, bottle)},
               Chosen{effect("bottle", bottle, {}, true)});
 }
+
+}  // namespace test_magnetic_fields

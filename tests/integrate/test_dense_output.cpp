@@ -10,6 +10,8 @@
 
 #include "refusal.hpp"
 
+namespace test_dense_output {
+
 namespace {
 
 using namespace semiexplicit;
@@ -154,3 +156,5 @@ TEST_CASE("Dense output of large values is as exact as they are", "[dense_output
       CHECK(worst <= 2.3e-16 * std::abs(late));
     }
 }
+
+}  // namespace test_dense_output

@@ -12,6 +12,8 @@
 
 #include "refusal.hpp"
 
+namespace test_integrate {
+
 namespace {
 
 using namespace semiexplicit;
@@ -296,3 +298,5 @@ TEST_CASE("A run ends at t_end exactly, with the fewest equal steps no longer th
   CHECK(integrate(stepper, z, rest).t == 1);
   CHECK(z.vector() == by_steps.vector());
 }
+
+}  // namespace test_integrate

@@ -23,6 +23,8 @@
 
 #include "refusal.hpp"
 
+namespace test_observers {
+
 namespace {
 
 using namespace semiexplicit;
@@ -296,4 +298,7 @@ TEST_CASE("The progress bar is silent where stderr is no terminal", "[observers]
   close(saved);
   CHECK(contents(path).empty());
 }
+
+}  // namespace test_observers
+
 #endif

@@ -27,6 +27,8 @@
 
 #include "folder.hpp"
 
+namespace test_outlets {
+
 // What observers let out: CSV files where writing fails, the progress bar, every() with observers of all kinds.
 
 namespace {
@@ -270,4 +272,7 @@ TEST_CASE("The time left of a resumed run is not reckoned from steps taken earli
   CHECK(drawn.find("90%  t = 90") != std::string::npos);
   CHECK(drawn.find("  0 s left") == std::string::npos);  // it takes nearly five
 }
+
+}  // namespace test_outlets
+
 #endif

@@ -14,6 +14,8 @@
 #include <semiexplicit/semiexplicit.hpp>
 #include <semiexplicit/systems.hpp>
 
+namespace test_run {
+
 // How a run ends with any method, and what its report adds up to.
 
 namespace {
@@ -312,3 +314,5 @@ TEST_CASE("A run that goes on from a report with another dt is refused", "[integ
   CHECK_THROWS_AS(integrate(stepper, z, {.dt = 0.05, .steps = 200, .done = done}), std::invalid_argument);
   CHECK(integrate(stepper, z, {.dt = 0.1, .steps = 200, .done = done}).t == Approx(20));
 }
+
+}  // namespace test_run

@@ -31,6 +31,8 @@
 #include "folder.hpp"
 #include "refusal.hpp"
 
+namespace test_outputs {
+
 // Outputs on disks that are full, behind links, to devices and pipes, of runs that are killed, and of two runs at once.
 
 namespace {
@@ -431,4 +433,7 @@ TEST_CASE("Numbers have a decimal point where the locale has a comma", "[io]") {
   CHECK(words == "12345.5");
   CHECK(scheme == "blanes_moan4");
 }
+
+}  // namespace test_outputs
+
 #endif

@@ -11,6 +11,8 @@
 #include <semiexplicit/semiexplicit.hpp>
 #include <semiexplicit/systems.hpp>
 
+namespace test_lanes {
+
 using namespace semiexplicit;
 
 namespace {
@@ -173,3 +175,5 @@ TEST_CASE("Small systems in registers take the steps of the plain code: 1 site")
 TEST_CASE("Small systems in registers take the steps of the plain code: 2 sites") { compare<2>(); }
 TEST_CASE("Small systems in registers take the steps of the plain code: 5 sites") { compare<5>(); }
 TEST_CASE("Small systems in registers take the steps of the plain code: 8 sites") { compare<8>(); }
+
+}  // namespace test_lanes

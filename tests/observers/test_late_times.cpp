@@ -7,6 +7,8 @@
 #include <semiexplicit/chaos.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
+namespace test_late_times {
+
 // An autonomous system does not know what time it is: from any t0 on an observer sees what it sees from 0 on, although late
 // times are rounded so coarsely that many steps have the same one.
 
@@ -111,3 +113,5 @@ TEST_CASE("Lyapunov exponents of floats do not drift", "[observers][long]") {
   integrate(stepper, z, {.dt = 0.01F, .steps = 1'000'000}, lyapunov);
   CHECK(lyapunov.exponents()[0] == Approx(1).epsilon(0.002));
 }
+
+}  // namespace test_late_times

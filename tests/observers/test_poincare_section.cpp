@@ -10,6 +10,8 @@
 #include <semiexplicit/systems.hpp>
 #include <semiexplicit/time.hpp>
 
+namespace test_poincare_section {
+
 // Crossings of surfaces: times and points against the closed form of the solvable product.
 
 namespace {
@@ -171,3 +173,5 @@ TEST_CASE("A run that goes on counts no crossing twice", "[section]") {
   CHECK(count(std::vector<int>(1000, 3), 0) == whole);
   CHECK(count(std::vector<int>(300, 10), 1e-16) == whole);
 }
+
+}  // namespace test_poincare_section

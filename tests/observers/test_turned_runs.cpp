@@ -9,6 +9,8 @@
 #include <semiexplicit/semiexplicit.hpp>
 #include <semiexplicit/systems.hpp>
 
+namespace test_turned_runs {
+
 // Observers of several runs: there and back, on from where the last one ended, another orbit.
 
 namespace {
@@ -291,3 +293,5 @@ TEST_CASE("Dense output of a state of another size is refused", "[observers]") {
       [](double, const PhasePoint<double, Eigen::Dynamic>&) {});
   CHECK_THROWS_AS(integrate(move, z, {.dt = 0.1, .steps = 10}, section), std::invalid_argument);
 }
+
+}  // namespace test_turned_runs

@@ -9,6 +9,8 @@
 
 #include <semiexplicit/solvers/broyden.hpp>
 
+namespace test_broyden {
+
 // Broyden's method keeps its matrix as a few vectors; its iterates must be those of the matrix.
 
 namespace {
@@ -180,3 +182,5 @@ TEST_CASE("NaN and Inf end the iteration, and are never a solution", "[broyden]"
     }
   }
 }
+
+}  // namespace test_broyden

@@ -6,6 +6,8 @@
 #include <semiexplicit/semiexplicit.hpp>
 #include <semiexplicit/systems.hpp>
 
+namespace test_four_blocks {
+
 // The method as its source writes it down, with the four blocks ζ = (q, x, p, y), against the library's two copies.
 
 namespace {
@@ -217,3 +219,5 @@ TEST_CASE("The midpoint projection is the mean of the copies after Pihajoki's ma
     REQUIRE(report.correction == Approx(a_of(expected).norm() / 4).epsilon(1e-6).margin(1e-15));
   }
 }
+
+}  // namespace test_four_blocks

@@ -8,6 +8,8 @@
 
 #include "methods.hpp"
 
+namespace test_gradient_counts {
+
 // A gradient call is the unit of work: what the reports say must be what was called.
 
 namespace {
@@ -147,3 +149,5 @@ TEST_CASE("Refused arguments cost nothing", "[counts]") {
     CHECK(*h.calls == 0);
   });
 }
+
+}  // namespace test_gradient_counts

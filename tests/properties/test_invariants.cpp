@@ -8,6 +8,8 @@
 
 #include "methods.hpp"
 
+namespace test_invariants {
+
 // Linear and quadratic invariants of H are kept by the converged method itself, not only as well as the solution is; the
 // energy error stays bounded.
 
@@ -129,3 +131,5 @@ TEST_CASE("The energy error is bounded: the second half of a run is no worse tha
   is_bounded(halves(Semiexplicit(vortices, schemes::yoshida6()), vortices, vortices_start(), 0.05, 10'000),
              1e-3);
 }
+
+}  // namespace test_invariants

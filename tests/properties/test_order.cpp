@@ -13,6 +13,8 @@
 
 #include "methods.hpp"
 
+namespace test_order {
+
 // The order that is measured on nonlinear, non-separable problems must be the one that is claimed. (Harmonic oscillators
 // would not do: they hardly tell a wrong sequence of coefficients from the right one.)
 
@@ -140,3 +142,5 @@ TEST_CASE("Coefficients in a wrong sequence do not have the order", "[order]") {
     CHECK(measured(make_scheme("b", right.a, exchanged(right.b, 1))) < right.order - 0.5);
   }
 }
+
+}  // namespace test_order

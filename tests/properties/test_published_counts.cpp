@@ -5,6 +5,8 @@
 #include <semiexplicit/semiexplicit.hpp>
 #include <semiexplicit/systems.hpp>
 
+namespace test_published_counts {
+
 // The evaluations of f per step that Jayawardana and Ohsawa (Math. Comp. 92 (2023) 251, appendix A.1) publish for the NLS
 // lattice with the step 0.01 and the tolerance 1e-13: the figures of their tables that do not depend on the machine.
 
@@ -38,3 +40,5 @@ TEST_CASE("The published numbers of evaluations per step come out", "[published]
     CHECK(evaluations_per_step(row.scheme, Broyden{.stop = rule}) == Approx(row.broyden).epsilon(0.03));
   }
 }
+
+}  // namespace test_published_counts

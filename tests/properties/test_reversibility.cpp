@@ -6,6 +6,8 @@
 
 #include "methods.hpp"
 
+namespace test_reversibility {
+
 // A step forth and a step back lead to where they began.
 
 namespace {
@@ -52,3 +54,5 @@ TEST_CASE("With the default stopping rule a step back undoes a step to the rule'
 TEST_CASE("The midpoint projection is not symmetric", "[reversibility]") {
   CHECK(way_off(MidpointProjection(lattice, schemes::strang()), 0.05, 1) >= 1e-7);
 }
+
+}  // namespace test_reversibility

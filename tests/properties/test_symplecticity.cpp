@@ -9,6 +9,8 @@
 
 #include "methods.hpp"
 
+namespace test_symplecticity {
+
 // MᵀJM = J for the Jacobian M of a step.
 
 namespace {
@@ -149,3 +151,5 @@ TEST_CASE("What is left of f enters the form at second order only", "[symplectic
                             0.1, 1e-7) <= 1000 * tolerance);
   }
 }
+
+}  // namespace test_symplecticity

@@ -5,6 +5,8 @@
 #include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
+namespace test_own_effect {
+
 using namespace semiexplicit;
 using namespace semiexplicit::effects;
 
@@ -38,3 +40,5 @@ TEST_CASE("A user's own effect goes into a scene like any other", "[scene]") {
   // Without the frame nothing is coupled, and nothing doubled.
   static_assert(decltype(Scene(orbits::Kinetic<double, 2>{}, Trap{}))::separable);
 }
+
+}  // namespace test_own_effect

@@ -13,6 +13,8 @@
 #include <semiexplicit/semiexplicit.hpp>
 #include <semiexplicit/systems.hpp>
 
+namespace test_scene {
+
 // What a scene is, which stepper it gets, the choice at run time, and the audit.
 
 namespace {
@@ -313,3 +315,5 @@ TEST_CASE("What strays is relative to nothing that is zero up to rounding", "[sc
             Point({1.0 / 3, 3}, {1.0 / 9, 1 + 2e-16}), 1, options);
   for (const AuditRow& row : radial.rows) CHECK(row.invariant_shift[1] < 1);
 }
+
+}  // namespace test_scene

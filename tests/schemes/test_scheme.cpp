@@ -20,6 +20,8 @@
 
 #include "refusal.hpp"
 
+namespace test_scheme {
+
 namespace {
 
 using namespace semiexplicit;
@@ -488,3 +490,5 @@ TEST_CASE("Decimal multiprecision works as well", "[scheme]") {
                  }),
                  {"b sums to 1,", "off by 1e-30"}));
 }
+
+}  // namespace test_scheme

@@ -12,6 +12,8 @@
 
 #include "refusal.hpp"
 
+namespace test_solvers {
+
 // The solvers by themselves, on small systems f(m) = 0 whose solutions are known.
 
 namespace {
@@ -243,3 +245,5 @@ TEST_CASE("A state of size zero needs an exact root", "[solver]") {
     CHECK(report.correction == 0);
   });
 }
+
+}  // namespace test_solvers

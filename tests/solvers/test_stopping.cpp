@@ -5,6 +5,8 @@
 
 #include <semiexplicit/solvers/stopping.hpp>
 
+namespace test_stopping {
+
 namespace {
 using namespace semiexplicit;
 const double not_a_number = std::numeric_limits<double>::quiet_NaN();
@@ -69,3 +71,5 @@ TEST_CASE("The rules work in any floating-point type", "[stopping]") {
   CHECK(StoppingRule::product().accepts(0.9e-8L, 0.0L, 1.0L));
   CHECK_FALSE(StoppingRule::product().accepts(1.1e-8L, 0.0L, 1.0L));
 }
+
+}  // namespace test_stopping

@@ -11,6 +11,8 @@
 
 #include "../../benchmarks/stability/cases.hpp"
 
+namespace test_battery {
+
 namespace {
 
 using namespace stability;
@@ -125,3 +127,5 @@ TEST_CASE("A hundred thousand degrees of freedom", "[stability]") {
   CHECK(std::abs(h.energy(z.q(), z.p()) / e0 - 1) < 1e-7);
   CHECK(std::abs(z.vector().squaredNorm() / m0 - 1) < 1e-13);
 }
+
+}  // namespace test_battery

@@ -14,6 +14,8 @@
 
 #include "../../benchmarks/stability/stiff_lattice.hpp"
 
+namespace test_large_steps {
+
 namespace {
 
 using namespace semiexplicit;
@@ -223,3 +225,5 @@ TEST_CASE("A run subdivides failed steps only where it is told to, and says so",
   CHECK(stuck.vector() == Eigen::Vector2d(1, 0));
   CHECK_THROWS_AS(integrate(stepper, stuck, {.dt = 1, .steps = 1, .subdivide = -1}), std::invalid_argument);
 }
+
+}  // namespace test_large_steps

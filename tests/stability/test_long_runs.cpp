@@ -7,6 +7,8 @@
 #include <semiexplicit/semiexplicit.hpp>
 #include <semiexplicit/systems.hpp>
 
+namespace test_long_runs {
+
 namespace {
 
 using namespace semiexplicit;
@@ -78,3 +80,5 @@ TEST_CASE("An angle that is not wound back does not loosen the stopping rule", "
   CHECK(std::abs(z.q()[0]) > 1e4);
   CHECK(all["energy"].worst < 1.05 * early["energy"].worst);
 }
+
+}  // namespace test_long_runs

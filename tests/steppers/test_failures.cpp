@@ -15,6 +15,8 @@
 #include "faulty.hpp"
 #include "refusal.hpp"
 
+namespace test_failures {
+
 // What a step does that cannot be done: it says so, leaves the state alone to the last bit, and the stepper goes on as if
 // nothing had been.
 
@@ -460,3 +462,5 @@ TEST_CASE("A large coordinate whose rounding the forces feel is no failure", "[f
     CHECK(report.evaluations <= 30 * report.steps);
   }
 }
+
+}  // namespace test_failures

@@ -7,6 +7,8 @@
 #include <semiexplicit/semiexplicit.hpp>
 #include <semiexplicit/systems.hpp>
 
+namespace test_gauss_lanes {
+
 using namespace semiexplicit;
 
 namespace {
@@ -111,3 +113,5 @@ TEST_CASE("Stages in lanes: what cannot be done is refused, and the state left a
   PhasePoint<double, 2> singular({0, 0}, {1, 0});
   CHECK(GaussLegendreLanes(Kepler{}).step(singular, 0.1).status == Status::not_finite);
 }
+
+}  // namespace test_gauss_lanes

@@ -9,6 +9,8 @@
 #include <semiexplicit/semiexplicit.hpp>
 #include <semiexplicit/systems.hpp>
 
+namespace test_gauss_legendre {
+
 namespace {
 
 using namespace semiexplicit;
@@ -179,3 +181,5 @@ TEST_CASE("Few iterations are not enough, and the state is left alone", "[gauss]
     CHECK(z.vector() == start.vector());
   }
 }
+
+}  // namespace test_gauss_legendre

@@ -9,6 +9,8 @@
 
 #include <semiexplicit/steppers/detail/gauss_tableau.hpp>
 
+namespace test_gauss_tableau {
+
 namespace {
 
 using namespace semiexplicit;
@@ -129,3 +131,5 @@ TEST_CASE("Numbers of stages that are not there are refused", "[gauss]") {
     CHECK(text.find("1 to 8") != std::string::npos);
   }
 }
+
+}  // namespace test_gauss_tableau

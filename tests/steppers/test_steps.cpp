@@ -15,6 +15,8 @@
 #include <semiexplicit/semiexplicit.hpp>
 #include <semiexplicit/systems.hpp>
 
+namespace test_steps {
+
 // Steps of the implicit Gauss methods: accuracy, cost, failures.
 
 namespace {
@@ -304,3 +306,5 @@ TEST_CASE("A Gauss method keeps a quadratic invariant to rounding", "[gauss][lon
   // The test can fail.
   CHECK(worst({.stages = 2, .tolerance = 1e-6}, 0.1, 1000) > 1e-12);
 }
+
+}  // namespace test_steps

@@ -6,6 +6,8 @@
 #include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
+namespace test_black_hole {
+
 // Geodesics of black holes against closed forms.
 
 namespace {
@@ -80,3 +82,5 @@ TEST_CASE("Kerr without spin is Schwarzschild", "[systems]") {
   Scene(black_hole::Schwarzschild<>{.mass = 1.2}).gradient(z.q(), z.p(), other.q(), other.p());
   CHECK((one.vector() - other.vector()).norm() <= 1e-14 * other.vector().norm());
 }
+
+}  // namespace test_black_hole

@@ -6,6 +6,8 @@
 #include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
+namespace test_charges {
+
 // Charges in fields, against closed forms.
 
 namespace {
@@ -77,3 +79,5 @@ TEST_CASE("A magnetic bottle throws a charge back where its moment says", "[syst
   CHECK(highest == Approx(length * v_along / v_across).epsilon(1e-4));
   CHECK(back == Approx(period).epsilon(1e-4));
 }
+
+}  // namespace test_charges

@@ -8,6 +8,8 @@
 #include <semiexplicit/semiexplicit.hpp>
 #include <semiexplicit/systems.hpp>
 
+namespace test_effects {
+
 // Every effect by itself: its gradient against its energy, and against what else is known of it.
 
 namespace {
@@ -206,3 +208,5 @@ TEST_CASE("The curl of the vector potentials is the field", "[systems]") {
   CHECK((curl(charges::DipoleField(m)) - dipole).norm() <= 1e-14);
   CHECK((curl(charges::BottleField(b, length)) - bottle).norm() <= 1e-14);
 }
+
+}  // namespace test_effects

@@ -10,6 +10,8 @@
 #include <semiexplicit/semiexplicit.hpp>
 #include <semiexplicit/systems.hpp>
 
+namespace test_motions {
+
 // Motions of the systems against closed forms, and values by hand.
 
 using namespace semiexplicit;
@@ -76,3 +78,5 @@ TEST_CASE("Vortices by hand: coordinates and energy", "[systems]") {
   const Real expected = 6 * std::log(5.0L) / (2 * boost::math::constants::pi<Real>());
   CHECK(std::abs(pair.energy(at.q(), at.p()) / expected - 1) < 1e-18L);
 }
+
+}  // namespace test_motions

@@ -5,6 +5,8 @@
 #include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
+namespace test_orbits {
+
 // What is known of orbits in closed form or from observation, from runs of scenes.
 
 namespace {
@@ -154,3 +156,5 @@ TEST_CASE("The spin of the centre drags the node along at the known rate", "[sys
   const double time = run_to_crossing(stepper, z, 0.1, 10, height);
   CHECK((std::atan2(z.q()[1], z.q()[0]) - before) / time == Approx(2 * gs).epsilon(2e-3));
 }
+
+}  // namespace test_orbits

@@ -10,6 +10,8 @@
 
 #include "refusal.hpp"
 
+namespace test_systems {
+
 namespace {
 
 using namespace semiexplicit;
@@ -285,3 +287,5 @@ TEST_CASE("A large lattice stepped block by block takes the steps of the whole g
     CHECK((u.vector() - v.vector()).norm() <= 1e-14 * v.vector().norm());
   }
 }
+
+}  // namespace test_systems

@@ -8,6 +8,8 @@
 #include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
+namespace test_vortices {
+
 // Vortices in flows and between walls, against closed forms.
 
 namespace {
@@ -118,3 +120,5 @@ TEST_CASE("Linear waves on a lattice: hopping and disorder", "[systems]") {
   CHECK(refuses([&] { Scene(lattice::Hopping<>{.sites = 4}, lattice::OnSite<>{.sites = 5}); },
                 "on_site has 5 degrees of freedom, and hopping has 4"));
 }
+
+}  // namespace test_vortices

@@ -11,6 +11,8 @@
 
 #include "refusal.hpp"
 
+namespace test_autonomous {
+
 // Hamiltonians that depend on the time: closed forms, an integrator of another library, invariants.
 
 namespace {
@@ -239,3 +241,5 @@ TEST_CASE("Gauss solves its stages as well at late times", "[autonomous]") {
     CHECK((w.q()[1] * w.q()[1] + w.p()[1] * w.p()[1]) == Approx(1e-12).epsilon(1e-7));
   }
 }
+
+}  // namespace test_autonomous

@@ -14,6 +14,8 @@
 
 #include "refusal.hpp"
 
+namespace test_time_transformed {
+
 namespace {
 
 using namespace semiexplicit;
@@ -245,3 +247,5 @@ TEST_CASE("What cannot be transformed is refused", "[time transformed]") {
   const TimeTransformed dynamic(Kepler<Eigen::Dynamic>{}, monitors::Distance{}, -0.5);
   CHECK(refuses([&] { dynamic.extended(PhasePoint<double, Eigen::Dynamic>(3), 0.0); }, "another size"));
 }
+
+}  // namespace test_time_transformed

@@ -14,10 +14,12 @@ int main() {
   Semiexplicit stepper(H, schemes::low_defect6_s13<double>());
   bool all_right = true;
 
-  // A single step says why it failed, and leaves the state alone.
+  // A single step says why it failed, and leaves the state alone. The factor by which the corrections change tells which
+  // step would converge.
   Point z = start;
   const StepReport report = stepper.step(z, 0.6);
-  std::cout << describe(report.status) << '\n';
+  std::cout << describe(report.status) << "; corrections change by a factor " << report.rate
+            << ", advised step " << report.advised_step(0.6) << '\n';
   all_right = all_right && !report.ok() && z.vector() == start.vector();
 
   // A run throws, with the state at the last good step.

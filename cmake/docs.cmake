@@ -1,4 +1,4 @@
-# The target `docs`: the pages of examples/pages and what the headers say, as HTML in <build>/docs/html.
+# The target `docs`: the pages of examples/pages, the READMEs of benchmarks and what the headers say, as HTML in <build>/docs/html.
 find_package(Doxygen 1.9 QUIET)
 if(NOT DOXYGEN_FOUND)
   return()
@@ -53,7 +53,8 @@ endif()
 
 # Doxygen runs the filter by a shell, and in the folder where it was started.
 configure_file(${CMAKE_CURRENT_LIST_DIR}/docs_filter.sh.in ${docs_dir}/docs_filter.sh @ONLY)
-foreach(list IN ITEMS docs_styles docs_scripts)
+file(GLOB docs_benchmarks CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/benchmarks/*/*.md)
+foreach(list IN ITEMS docs_styles docs_scripts docs_benchmarks)
   string(REPLACE ";" "\" \"" ${list} "\"${${list}}\"")
 endforeach()
 configure_file(${CMAKE_CURRENT_LIST_DIR}/Doxyfile.in ${docs_dir}/Doxyfile @ONLY)

@@ -1,11 +1,12 @@
-# awk -v include=<folder of headers> -f docs_filter.awk PAGE.md: a page of examples/pages as Doxygen wants it. The pages
-# themselves are plain Markdown, which reads well wherever it is shown.
-#   title            gets the label page_<name>, and a heading below it <name>_<heading>; README.md is the main page
-#   [text](name.md)  becomes a \ref to that label; the first link of a line of a list or table of README.md a \subpage
-#   other files      are not part of the site: the text of the link is left, and the path behind it
+# awk -v include=<folder of headers> -f docs_filter.awk PAGE.md: a page of examples/pages, or a README of benchmarks, as Doxygen
+# wants it. The pages themselves are plain Markdown, which reads well wherever it is shown.
+#   title            gets the label page_<name>, and a heading below it <name>_<heading>; README.md of the pages is the main page
+#   [text](name.md)  becomes a \ref to that label. The site's tree is made of the first links of the rows of the table of the
+#                    main page, and of the last ones of benchmarks.md: they become a \subpage
+#   other files      are not part of the site: the text of the link is left
 #   pictures         are found by their names
 #   $formula$        between \f$, a block of ```math between \f[ and \f]
-#   `Name`           a class or concept of the library is linked
+#   `Name`           a class or concept of the library is linked, and some of its functions
 
 BEGIN {
   command = "find '" include "' -name '*.hpp' -exec cat {} +"
@@ -22,6 +23,10 @@ BEGIN {
     }
   }
   close(command)
+  # Functions that the pages speak of; one that is not there any more is an error of Doxygen's.
+  split("audit at_times check_gradient compose cost_of_accuracy every from_energy integrate make_hamiltonian make_scheme " \
+        "poincare_section stepper_for with_stepper_for", word, " ")
+  for (i in word) known[word[i]] = "semiexplicit::" word[i]
 }
 
 # Notes a name under all that a page may call it: Name, orbits::Name, ...
@@ -39,10 +44,31 @@ function learn(name,    i, whole, called) {
   }
 }
 
-function stem(path) {
-  sub(/.*\//, "", path)
+# The name of a page by its path: README of the main page, benchmark_<folder>, benchmark_<folder>_<file>, or the file's.
+function page_name(path,    folder) {
   sub(/\.md$/, "", path)
+  if (match(path, /benchmarks\/[a-z_]+\//)) {
+    folder = substr(path, RSTART + 11, RLENGTH - 12)
+    path = substr(path, RSTART + RLENGTH)
+    return "benchmark_" folder (path == "README" ? "" : "_" path)
+  }
+  sub(/.*\//, "", path)
   return path
+}
+# Where a link of this page leads, from the top folder.
+function from_top(target,    folder) {
+  folder = FILENAME
+  sub(/.*\/examples\//, "examples/", folder)
+  sub(/.*\/benchmarks\//, "benchmarks/", folder)
+  sub(/[^\/]*$/, "", folder)
+  while (target ~ /^\.\.\//) {
+    sub(/[^\/]*\/$/, "", folder)
+    target = substr(target, 4)
+  }
+  return folder target
+}
+function is_page(path) {
+  return path ~ /^examples\/pages\/[a-zA-Z_]+\.md$/ || path ~ /^benchmarks\/[a-z_]+\/(README|cluster)\.md$/
 }
 function label(name) { return name == "README" ? "index" : "page_" name }
 function anchor(name, heading) {
@@ -53,7 +79,7 @@ function anchor(name, heading) {
 }
 
 # A piece of a line without code in it.
-function prose(text,    out, at, close_at, end, words, target, image, hash, part) {
+function prose(text,    out, at, close_at, end, words, target, image, hash, part, path) {
   out = ""
   while ((at = index(text, "](")) > 0) {
     close_at = at + index(substr(text, at), ")") - 1
@@ -67,30 +93,31 @@ function prose(text,    out, at, close_at, end, words, target, image, hash, part
       part = target
       sub(/.*\//, "", part)
       out = out "[" words "](" part ")"
-    } else if (target ~ /^[a-zA-Z_]+\.md(#.*)?$/) {
-      hash = index(target, "#")
-      if (hash) {
-        part = substr(target, hash + 1)
-        gsub(/-/, "_", part)
-        out = out "[" words "](@ref " stem(substr(target, 1, hash - 1)) "_" part ")"
-      } else if (main_page && first_of_line && $0 ~ /^(- |\| )/) {
-        out = out "@subpage " label(stem(target)) " \"" words "\""
-      } else
-        out = out "[" words "](@ref " label(stem(target)) ")"
-      first_of_line = 0
     } else if (target ~ /^https?:/) {
       out = out "[" words "](" target ")"
     } else {
-      part = target
-      gsub(/\.\.\//, "", part)
-      # The text says it already where it is that path, or the name of a program that stands below.
-      out = out words
-      if (target ~ /\// && !(words ~ /^\001[0-9]+\001$/ && index(code[substr(words, 2) + 0], part)))
-        out = out " (<tt>" part "</tt>)"
+      hash = index(target, "#")
+      part = hash ? substr(target, hash + 1) : ""
+      path = from_top(hash ? substr(target, 1, hash - 1) : target)
+      if (!is_page(path)) {
+        out = out words
+      } else if (hash) {
+        gsub(/-/, "_", part)
+        out = out "[" words "](@ref " page_name(path) "_" part ")"
+      } else if (in_tree(path)) {
+        out = out "@subpage " label(page_name(path)) " \"" words "\""
+      } else {
+        out = out "[" words "](@ref " label(page_name(path)) ")"
+      }
+      first_of_line = 0
     }
     text = substr(text, close_at + 1)
   }
   return out formulas(text)
+}
+function in_tree(path) {
+  if ($0 !~ /^\| /) return 0
+  return name == "README" ? first_of_line : name == "benchmarks" && path ~ /^benchmarks/
 }
 function formulas(text) {
   gsub(/\$/, "\\f$", text)
@@ -122,8 +149,7 @@ function translated(text,    out, at, n, piece) {
 }
 
 FNR == 1 {
-  name = stem(FILENAME)
-  main_page = name == "README"
+  name = page_name(FILENAME)
 }
 /^```/ {
   if (!fenced) {
@@ -137,6 +163,6 @@ FNR == 1 {
   next
 }
 fenced { print; next }
-/^# / { print $0 " {#" (main_page ? "mainpage" : label(name)) "}"; next }
+/^# / { print $0 " {#" (name == "README" ? "mainpage" : label(name)) "}"; next }
 /^##+ / { heading = $0; sub(/^#+ /, "", heading); print $0 " {#" anchor(name, heading) "}"; next }
 { first_of_line = 1; print translated($0) }

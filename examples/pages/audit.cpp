@@ -1,5 +1,5 @@
-// A satellite about an oblate planet, with relativity: which effects does a given accuracy need? The answer chooses the effects of
-// the run.
+// A satellite about an oblate planet, with relativity: which effects does a given accuracy need? The answer
+// chooses the effects of the run.
 #include <cmath>
 #include <iostream>
 
@@ -10,10 +10,9 @@ using namespace semiexplicit;
 namespace orbits = effects::orbits;
 
 int main() {
-  const RuntimeScene<double, 3> all{
-      orbits::Kinetic<double, 3>{}, orbits::Attraction<double, 3>{.gm = 1},
-      orbits::Oblateness<double>{.gm = 1, .j2 = 1e-3, .radius = 0.2},
-      orbits::PostNewtonian1<double, 3>{.gm = 1, .c = 1e5}};
+  const RuntimeScene<double, 3> all{orbits::Kinetic<double, 3>{}, orbits::Attraction<double, 3>{.gm = 1},
+                                    orbits::Oblateness<double>{.gm = 1, .j2 = 1e-3, .radius = 0.2},
+                                    orbits::PostNewtonian1<double, 3>{.gm = 1, .c = 1e5}};
   const PhasePoint<double, 3> start({1, 0, 0}, {0, 0.9, 0.5});
 
   const Audit found = audit(all, start, 20.0, {.dt = 0.1, .samples = 20});

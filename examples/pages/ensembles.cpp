@@ -1,5 +1,5 @@
-// Many members at once: with parameters of their own, each against a stepper alone; with starts of their own, one of which fails;
-// and a single orbit by Gauss-Legendre with the stages in the lanes.
+// Many members at once: with parameters of their own, each against a stepper alone; with starts of their own,
+// one of which fails; and a single orbit by Gauss-Legendre with the stages in the lanes.
 #include <algorithm>
 #include <cmath>
 #include <iostream>

@@ -1,5 +1,5 @@
-// A particle whose mass depends on its position, H = p²/(2 m(q)) + q²/2 with m(q) = 1 + q²: as a type for any number, from two
-// lambdas, and n of them side by side, with n known at run time only.
+// A particle whose mass depends on its position, H = p²/(2 m(q)) + q²/2 with m(q) = 1 + q²: as a type for any
+// number, from two lambdas, and n of them side by side, with n known at run time only.
 #include <algorithm>
 #include <cmath>
 #include <iostream>
@@ -75,5 +75,6 @@ int main() {
   const double against_wide = static_cast<double>((exact.vector() - z.vector().cast<long double>()).norm());
   std::cout << "difference with two lambdas: " << lambdas << ", as one of " << n << ": " << dynamic
             << ", from long double with a smaller step: " << against_wide << '\n';
-  return std::max(lambdas, dynamic) < 1e-9 && against_wide < 1e-5 && invariants["energy"].worst < 1e-8 ? 0 : 1;
+  return std::max(lambdas, dynamic) < 1e-9 && against_wide < 1e-5 && invariants["energy"].worst < 1e-8 ? 0
+                                                                                                       : 1;
 }

@@ -1,5 +1,5 @@
-// What remains where the method's own error is below rounding: 5000 steps with compensated summation and without, and a step
-// that is too large for the default solver.
+// What remains where the method's own error is below rounding, with compensated summation and without; and a
+// step that is too large for the default solver.
 #include <iostream>
 
 #include <semiexplicit/semiexplicit.hpp>

@@ -1,4 +1,4 @@
-// A solver, a stepper and an observer of one's own, each as the library's: checked by its concept, usable with all the rest, and
+// A solver, a stepper and an observer of one's own: checked by their concepts, usable with all the rest, and
 // ready for checkpoints.
 #include <cstdint>
 #include <iostream>

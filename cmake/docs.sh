@@ -16,7 +16,7 @@ cmake --build build/docs --target docs >&2
 
 # What Doxygen did not understand it may also pass on as it is, without a warning.
 html=build/docs/docs/html
-if grep --line-number '\\ilinebr\|\\include ' "$html"/page_*.html "$html"/index.html; then
+if grep --line-number '\\ilinebr\|@ref \|@subpage \|\\f[$[]' "$html"/page_*.html "$html"/index.html; then
   echo "docs.sh: in these lines Doxygen left its own commands in the page (a ' between backquotes does that)" >&2
   exit 1
 fi

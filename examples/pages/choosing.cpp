@@ -1,4 +1,4 @@
-// Scheme, rule, step and omega, by trial: the NLS lattice to T = 10.
+// Step, rule, solver and omega, by trial: the NLS lattice to T = 10.
 #include <algorithm>
 #include <cstdint>
 #include <iostream>
@@ -49,16 +49,25 @@ int main() {
             << ", by the paper's: " << paper.gradients << ", energy errors " << product.error << " and "
             << paper.error << '\n';
 
+  // The solver: at a step that is too large for simplified Newton, Broyden's method and Robust still converge.
+  const auto by = [](const auto& solver) {
+    return tried(Semiexplicit(H, schemes::low_defect6_s13<double>(), solver), 0.06);
+  };
+  const Trial newton = by(SimplifiedNewton{}), broyden = by(Broyden{}), robust = by(Robust{});
+  std::cout << "dt 0.06: energy error by simplified Newton " << newton.error << ", Broyden " << broyden.error
+            << " in " << broyden.evaluations << " evaluations a step, Robust " << robust.error << " in "
+            << robust.evaluations << '\n';
+
   // Tao's omega: too small, and the copies part.
   double worst = 0, best = std::numeric_limits<double>::infinity();
-  for (const double omega : {0.1, 1.0, 10.0, 30.0, 100.0}) {
+  for (const double omega : {1.0, 10.0, 100.0}) {
     const double error = tried(Tao(H, schemes::kahan_li6<double>(), omega), 0.005).error;
     std::cout << "Tao, omega " << omega << ": energy error " << error << '\n';
     worst = std::max(worst, error);
     best = std::min(best, error);
   }
   return evaluations > 1 && product.gradients < paper.gradients && product.error < 2 * paper.error &&
-                 worst > 1000 * best
+                 worst > 1000 * best && broyden.error < 1e-4 && robust.error < 1e-4 && newton.error > 1
              ? 0
              : 1;
 }

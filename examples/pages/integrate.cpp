@@ -1,4 +1,4 @@
-// A run with everything that may watch it: the nonlinear Schrödinger lattice with five sites.
+// A run with many observers: the nonlinear Schrödinger lattice with five sites.
 #include <cstdint>
 #include <cstdio>
 #include <fstream>

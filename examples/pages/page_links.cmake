@@ -1,4 +1,4 @@
-# cmake -P page_links.cmake: every link and picture of the pages leads to a file that is there.
+# cmake -P page_links.cmake: every link and picture of the pages leads to a file that is there, and README.md to every page.
 cmake_minimum_required(VERSION 3.22)
 file(GLOB pages "${CMAKE_CURRENT_LIST_DIR}/*.md")
 set(broken "")
@@ -17,3 +17,13 @@ endforeach()
 if(broken)
   message(FATAL_ERROR "These links of pages lead nowhere:${broken}")
 endif()
+
+# The start page leads to all of them.
+file(READ "${CMAKE_CURRENT_LIST_DIR}/README.md" start)
+foreach(page IN LISTS pages)
+  cmake_path(GET page FILENAME name)
+  string(FIND "${start}" "](${name})" at)
+  if(at EQUAL -1 AND NOT name STREQUAL "README.md")
+    message(FATAL_ERROR "The table of README.md has no line for ${name}.")
+  endif()
+endforeach()

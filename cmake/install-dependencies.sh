@@ -23,6 +23,7 @@ declare -A purpose=(
   [libclang-rt-14-dev]="the run-time part of its sanitizers"
   [clang-format]="checks the formatting"
   [doxygen]="makes the documentation, from examples/pages and the headers"
+  [doxygen-awesome-css]="the theme of the documentation"
   [libjs-mathjax]="MathJax, which draws the formulas of the documentation without a network"
 )
 # The program by which a package is recognised, wherever it comes from; libraries are asked of dpkg.
@@ -40,7 +41,7 @@ for task in "$@"; do
       ;;
     benchmark) packages+=(g++ cmake ninja-build libeigen3-dev libcli11-dev gnuplot-nox libboost-dev libgsl-dev) ;;
     check) packages+=(clang libclang-rt-14-dev libomp-dev clang-format) ;;
-    docs) packages+=(g++ cmake ninja-build libeigen3-dev doxygen libjs-mathjax) ;;
+    docs) packages+=(g++ cmake ninja-build libeigen3-dev doxygen doxygen-awesome-css libjs-mathjax) ;;
     *)
       echo "install-dependencies.sh: unknown task '$task'; give run, test, check, docs or benchmark" >&2
       exit 2

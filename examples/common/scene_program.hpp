@@ -54,7 +54,8 @@ void show_audit(const RuntimeScene<double, Dof>& scene, const PhasePoint<double,
               << joined(found.called_for(accuracy));
     const auto open = found.undecided(accuracy);
     if (!open.empty())
-      std::cout << " (below the numerical error: " << joined(open) << "; take a smaller --dt)";
+      std::cout << " (below the numerical error: " << joined(open)
+                << "; take a smaller --dt, or a shorter --time if that does not help: the orbits part)";
     std::cout << '\n';
   }
 }

@@ -118,7 +118,7 @@ inline Measurement<Eigen::Dynamic> trapping(const Choice& c) {
                 out << "; still falling at the end: no closed form for that, give more --time";
               else if (n == 2)
                 out << "; in closed form, at least "
-                    << formatted("%.6f", std::abs(strength) > 4
+                    << formatted("%.6f", std::abs(strength) >= 4
                                              ? (1 + std::sqrt(1 - 16 / (strength * strength))) / 2
                                              : 0.0);
               else if (n >= 20)

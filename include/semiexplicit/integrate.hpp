@@ -114,7 +114,9 @@ SEMIEXPLICIT_COLD IntegrationOptions<Scalar> with_steps(IntegrationOptions<Scala
   if (!(steps < Scalar(9e18)))
     throw std::invalid_argument("integrate: t_end is more than 9e18 steps of dt away; give a longer dt");
   options.steps = steps < Scalar(1) ? 1 : static_cast<std::int64_t>(steps);
-  options.dt = time / Scalar(options.steps);
+  // A dt that divides the time stays as it is, bit for bit: a longer t_end then goes on with the same steps.
+  const Scalar even = time / Scalar(options.steps);
+  if (abs(even - options.dt) > 4 * epsilon * abs(options.dt)) options.dt = even;
   return options;
 }
 

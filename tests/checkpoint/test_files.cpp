@@ -257,6 +257,28 @@ TEST_CASE("integrate() goes on from an earlier part: times, counts, observers", 
   CHECK(refuses([&] { integrate(stepper, z, options); }, "12 steps are done, and not 0 to 4"));
 }
 
+TEST_CASE("A run to a time is extended with the same steps, or not at all", "[checkpoint]") {
+  const Folder folder;
+  const fs::path file = folder.path / "run.checkpoint";
+  const auto run_to = [&](double dt, double t_end) {
+    Semiexplicit stepper(systems::Product<double>{}, schemes::low_defect6_s13<double>());
+    PhasePoint<double, 1> z(1, 0);
+    IntegrationOptions<double> options{.dt = dt, .t_end = t_end};
+    Checkpoints checkpoints(file, {.every = 10}, stepper, options);
+    options.done = checkpoints.resume(z);
+    integrate(stepper, z, options, checkpoints);
+    return z;
+  };
+  const auto whole = run_to(0.1, 20);
+  fs::remove(file);
+  run_to(0.1, 10);
+  CHECK(run_to(0.1, 20).vector() == whole.vector());
+
+  fs::remove(file);
+  run_to(0.3, 10);  // 34 steps of 0.294
+  CHECK(refuses([&] { run_to(0.3, 20); }, "'dt: 0.29411764705882354' there"));
+}
+
 TEST_CASE("A CSV file goes on where the checkpoint has it, byte for byte", "[checkpoint]") {
   const Folder folder;
   const fs::path file = folder.path / "run.checkpoint", csv = folder.path / "run.csv",

@@ -41,6 +41,8 @@ check(lattice "localises" "--preset anderson --no-plot" FILE out/lattice.csv HEA
   PRINTS "separable: plain explicit splitting.*participation number at the end: 8.4204 .*eigenvectors of the chain: 8.4204; largest difference of a density: [0-9.]+e-09")
 check(lattice "traps on two sites as in closed form" "--preset dnls --sites 2 --time 20 --dt 0.005 --no-plot" FILE out/lattice_trajectory.csv
   HEADER "t,density0,density1" PRINTS "start: 0.7290[0-9]+ at least.*at least 0.7290")
+check(lattice "is half trapped at the threshold" "--preset dnls --sites 2 --g 4 --time 10 --no-plot" FILE out/lattice.csv
+  PRINTS "in closed form, at least 0.500000")
 check(lattice "lets go below the threshold" "--preset dnls --sites 2 --g 3.9 --time 20 --dt 0.005 --no-plot" FILE out/lattice.csv
   PRINTS "start: 0.0000[0-9]+ at least.*at least 0.000000")
 refuses(lattice "half a site" "--sites 2.5" "--sites: '2.5' is not a whole number from 1")

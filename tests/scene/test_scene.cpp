@@ -265,6 +265,18 @@ TEST_CASE("Mercury over a century: what the scene calls for depends on the accur
   CHECK(table.str().find("1pn") != std::string::npos);
 }
 
+TEST_CASE("Shifts and a numerical error of the orbit's size leave every effect undecided", "[scene]") {
+  Audit chaotic;
+  chaotic.noise = 1.9;
+  for (const auto& [name, shift] :
+       std::vector<std::pair<const char*, double>>{{"small", 2.1}, {"large", 1.8}})
+    chaotic.rows.push_back({.name = name, .shift_max = shift, .invariant_shift = {}});
+  CHECK(chaotic.called_for(0.01).empty());
+  CHECK(chaotic.undecided(0.01) == std::vector<std::string>{"small", "large"});
+  chaotic.noise = 0.1;
+  CHECK(chaotic.called_for(0.01) == std::vector<std::string>{"small", "large"});
+}
+
 TEST_CASE("An audit says where its own runs are too coarse, and where nothing runs without an effect",
           "[scene]") {
   const double gm = 39.47841760435743, a = 0.38709893;

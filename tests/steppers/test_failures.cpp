@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <random>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
@@ -198,6 +199,31 @@ TEST_CASE("Broyden's method bears steps that the simplified iteration does not",
   CHECK(dt > 0.1);
   Semiexplicit robust(h, schemes::strang(), Broyden{});
   CHECK(robust.step(z, dt).ok());
+}
+
+TEST_CASE("No solver accepts copies that are far apart: random states and large steps", "[failures]") {
+  const systems::Product<double> h;
+  const auto flung = [&](auto solver, const Scheme<double>& scheme) {
+    std::mt19937_64 random(3);
+    std::uniform_real_distribution<double> entry(-2, 2), exponent(std::log(0.05), std::log(4.0));
+    Semiexplicit stepper(h, scheme, solver);
+    int accepted = 0, far = 0;
+    for (int i = 0; i < 4000; ++i) {
+      const PhasePoint<double, 1> z(entry(random), entry(random));
+      auto y = z;
+      if (!stepper.step(y, std::exp(exponent(random))).ok()) continue;
+      ++accepted;
+      if (y.vector().norm() > 1000 * z.vector().norm()) ++far;
+    }
+    CHECK(accepted > 1500);
+    return far;
+  };
+  for (const auto& scheme : {schemes::strang(), schemes::low_defect4_s7()}) {
+    CHECK(flung(SimplifiedNewton{}, scheme) == 0);
+    CHECK(flung(Broyden{}, scheme) == 0);
+    CHECK(flung(NewtonKrylov{}, scheme) == 0);
+    CHECK(flung(Robust{}, scheme) == 0);
+  }
 }
 
 TEST_CASE("Negative steps go back in time", "[failures]") {

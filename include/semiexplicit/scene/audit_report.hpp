@@ -32,21 +32,24 @@ struct AuditRow {
 enum class Verdict {
   called_for,      ///< the orbit moves by more than the accuracy
   not_called_for,  ///< it does not
-  below_noise  ///< it moves by no more than the numerical error, which is itself above the accuracy: take a smaller dt
+  below_noise  ///< it moves by no more than a few times the numerical error, which is itself above the accuracy
 };
 
 /// What an audit found; see audit().
 struct Audit {
   double t = 0, dt = 0;
-  double noise =
-      0;  ///< numerical error of the orbit, as the shifts are measured: the distance to a run at dt/2
+  /// Numerical error of the orbit, as the shifts are measured: the distance to a run at dt/2. Where a smaller dt does not
+  /// lower it, neighbouring orbits part, and only a shorter time tells the effects apart.
+  double noise = 0;
   std::vector<std::string> invariants;
   std::vector<AuditRow> rows;  ///< in the scene's order
 
+  /// Whether a shift stands out of the numerical error; where orbits part by themselves, both are of the orbit's size.
+  bool above_noise(const AuditRow& row) const { return row.shift_max > 3 * noise; }
   /// `accuracy` is a distance between orbits as in AuditRow::shift_max.
   Verdict verdict(const AuditRow& row, double accuracy) const {
-    if (row.shift_max > std::max(accuracy, noise)) return Verdict::called_for;
-    return noise <= accuracy ? Verdict::not_called_for : Verdict::below_noise;
+    if (row.shift_max > accuracy && above_noise(row)) return Verdict::called_for;
+    return std::max(row.shift_max, noise) <= accuracy ? Verdict::not_called_for : Verdict::below_noise;
   }
   /// The effects that the scene calls for at that accuracy.
   std::vector<std::string> called_for(double accuracy) const { return named(accuracy, Verdict::called_for); }
@@ -62,7 +65,7 @@ struct Audit {
   }
 };
 
-/// A table, an effect a line. An asterisk marks a shift that is no larger than the numerical error.
+/// A table, an effect a line. An asterisk marks a shift that does not stand out of the numerical error.
 inline std::ostream& operator<<(std::ostream& to, const Audit& audit) {
   std::ostringstream out;
   out.imbue(std::locale::classic());
@@ -81,7 +84,7 @@ inline std::ostream& operator<<(std::ostream& to, const Audit& audit) {
         << std::scientific;
     for (const double x : {row.size_max, row.size_mean, row.shift_max, row.shift_final})
       out << "  " << std::setw(9) << x;
-    out << (row.shift_max <= audit.noise ? '*' : ' ');  // takes one of the two places between columns
+    out << (audit.above_noise(row) ? ' ' : '*');  // takes one of the two places between columns
     for (std::size_t k = 0; k < row.invariant_shift.size(); ++k)
       out << (k == 0 ? " " : "  ")
           << std::setw(static_cast<int>(std::max<std::size_t>(10, audit.invariants[k].size())))

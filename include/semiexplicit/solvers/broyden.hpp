@@ -73,6 +73,7 @@ struct Broyden {
       m += work.u;
 
       residual(m, work.f);
+      const Scalar size_f = detail::norm(work.f);
       work.u = work.f / -4;
       for (Eigen::Index j = 0; j + 1 < kept; ++j) {
         const Scalar share =
@@ -91,7 +92,9 @@ struct Broyden {
         }
       }
       length = detail::norm(work.u);
-      if (convergence.done(length, detail::norm(m), residual)) return convergence.report();
+      // The updates may cancel what f still has, so that a short correction alone says nothing.
+      if (convergence.done(std::max(length, size_f / 4), detail::norm(m), residual))
+        return convergence.report();
     }
   }
 };

@@ -1,6 +1,7 @@
 # What the project's own tests and programs are compiled with; nothing here reaches a program that uses the library.
 option(SEMIEXPLICIT_DEVELOPER_WARNINGS "Compile the tests and programs with many warnings, as errors" OFF)
 option(SEMIEXPLICIT_SANITIZE "Compile the tests and programs with the address and undefined-behaviour sanitizers" OFF)
+option(SEMIEXPLICIT_TEST_COMPILERS "Test packages, every header alone and the compilers' messages, too: some minutes more" ON)
 option(SEMIEXPLICIT_NATIVE "Compile the examples and benchmarks for this machine, fully optimised" OFF)
 
 # For code that must be free of warnings whatever the options say.

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# install-dependencies.sh run|test|check|docs|benchmark...: installs what these tasks need and this machine lacks. Where all is there
+# install-dependencies.sh run|test|check|docs|benchmark|libc++|aarch64|mingw...: installs what these tasks need and this machine lacks. Where all is there
 # it does nothing and needs no rights.
 set -euo pipefail
 
@@ -19,8 +19,13 @@ declare -A purpose=(
   [openmpi-bin]="its mpirun"
   [libhdf5-dev]="HDF5, the format of that example's results"
   [libomp-dev]="OpenMP for clang; g++ has its own"
-  [clang]="the second compiler that everything must pass"
+  [clang]="the second compiler that everything must pass, and the quicker one for the tests"
   [libclang-rt-14-dev]="the run-time part of its sanitizers"
+  [libc++-dev]="the other C++ library of clang"
+  [libc++abi-dev]="its run-time part"
+  [g++-aarch64-linux-gnu]="the compiler for 64-bit ARM"
+  [qemu-user]="runs its programs here"
+  [g++-mingw-w64-x86-64]="a compiler for Windows"
   [clang-format]="checks the formatting"
   [doxygen]="makes the documentation, from examples/pages and the headers"
   [doxygen-awesome-css]="the theme of the documentation"
@@ -29,7 +34,8 @@ declare -A purpose=(
 # The program by which a package is recognised, wherever it comes from; libraries are asked of dpkg.
 declare -A program=(
   [g++]=g++ [cmake]=cmake [ninja-build]=ninja [gnuplot-nox]=gnuplot [clang]=clang++ [clang-format]=clang-format
-  [pkg-config]=pkg-config [doxygen]=doxygen [openmpi-bin]=mpirun
+  [pkg-config]=pkg-config [g++-aarch64-linux-gnu]=aarch64-linux-gnu-g++ [qemu-user]=qemu-aarch64
+  [g++-mingw-w64-x86-64]=x86_64-w64-mingw32-g++-posix [doxygen]=doxygen [openmpi-bin]=mpirun
 )
 
 packages=()
@@ -37,13 +43,16 @@ for task in "$@"; do
   case $task in
     run) packages+=(g++ cmake ninja-build libeigen3-dev libcli11-dev gnuplot-nox) ;;
     test)
-      packages+=(g++ cmake ninja-build libeigen3-dev libcli11-dev catch2 libboost-dev pkg-config libopenmpi-dev openmpi-bin libhdf5-dev)
+      packages+=(g++ clang cmake ninja-build libeigen3-dev libcli11-dev catch2 libboost-dev libomp-dev libopenmpi-dev openmpi-bin libhdf5-dev)
       ;;
     benchmark) packages+=(g++ cmake ninja-build libeigen3-dev libcli11-dev gnuplot-nox libboost-dev libgsl-dev) ;;
-    check) packages+=(clang libclang-rt-14-dev libomp-dev clang-format) ;;
+    libc++) packages+=(clang libc++-dev libc++abi-dev libeigen3-dev catch2 libboost-dev) ;;
+    aarch64) packages+=(g++-aarch64-linux-gnu qemu-user libeigen3-dev catch2 libboost-dev) ;;
+    mingw) packages+=(g++-mingw-w64-x86-64 libeigen3-dev libboost-dev) ;;
+    check) packages+=(clang libclang-rt-14-dev libgsl-dev pkg-config clang-format) ;;
     docs) packages+=(g++ cmake ninja-build libeigen3-dev doxygen doxygen-awesome-css libjs-mathjax) ;;
     *)
-      echo "install-dependencies.sh: unknown task '$task'; give run, test, check, docs or benchmark" >&2
+      echo "install-dependencies.sh: unknown task '$task'; give run, test, check, docs, benchmark, libc++, aarch64 or mingw" >&2
       exit 2
       ;;
   esac

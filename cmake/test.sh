@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# test.sh [--all]: installs what is missing, builds the tests and runs them. --all goes on with the formatting, the
-# documentation, and the same tests built by clang++ with the address and undefined-behaviour sanitizers.
+# test.sh [--all]: installs what is missing, builds the tests by clang++ and runs them. --all does more instead: the tests,
+# benchmarks, packages and compilers' messages by g++, the formatting, the documentation, and the tests by clang++ with the
+# address and undefined-behaviour sanitizers.
 set -euo pipefail
 # shellcheck source=cmake/stage.sh
 source "$(dirname "${BASH_SOURCE[0]}")/stage.sh"
@@ -39,14 +40,14 @@ check_format() {
 
 stage "Dependencies"
 bash cmake/install-dependencies.sh test
-build_and_test dev
-
-if $all; then
-  stage "Dependencies of the further checks"
-  bash cmake/install-dependencies.sh check
-  stage "Formatting"
-  check_format
-  stage "Documentation"
-  bash cmake/docs.sh
-  build_and_test asan
+if ! $all; then
+  build_and_test test
+  exit
 fi
+bash cmake/install-dependencies.sh check
+stage "Formatting"
+check_format
+build_and_test dev
+stage "Documentation"
+bash cmake/docs.sh
+build_and_test asan

@@ -19,13 +19,15 @@ std::string text(const std::string& value) { return '"' + value + '"'; }
 
 }  // namespace
 
-void write_csv(const std::filesystem::path& folder, const Result& result) {
-  examples::write_whole(folder / (result.name + ".csv"), [&](std::ostream& out) {
+void write_csv(const std::filesystem::path& file, const Result& result,
+               const std::vector<std::size_t>& rows) {
+  examples::write_whole(file, [&](std::ostream& out) {
     out << "problem,family,method,options,order,dt,tolerance,status,t,steps,gradients,seconds,timings,energy_"
            "error,energy_error_first_half,energy_error_second_half,drift";
     for (const std::string& name : result.invariants) out << ',' << name << "_error";
     out << ",trajectory_error,line_end\n";
-    for (const Row& row : result.rows) {
+    for (const std::size_t i : rows) {
+      const Row& row = result.rows[i];
       out << result.name << ',' << text(row.method.family) << ',' << text(row.method.name) << ','
           << text(row.method.options) << ',' << row.method.order << ',' << digits(row.dt) << ','
           << digits(row.tolerance) << ',' << text(row.outcome.status) << ',' << digits(row.outcome.t) << ','

@@ -16,8 +16,8 @@ struct Result {
   std::vector<Row> rows;
 };
 
-/// `<name>.csv`: every row, in the order in which they were run.
-void write_csv(const std::filesystem::path& folder, const Result& result);
+/// These rows of the result.
+void write_csv(const std::filesystem::path& file, const Result& result, const std::vector<std::size_t>& rows);
 
 /// `<name>.md`: who is first at every target, in CPU time and in gradient calls, and with what.
 void write_tables(const std::filesystem::path& folder, const Result& result);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
+#include <numeric>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -69,9 +71,17 @@ std::vector<std::string> faults(const Task& task, const Result& result) {
 }
 
 void write(const std::filesystem::path& output, const std::vector<Result>& results, bool plot) {
-  for (const char* folder : {"tables", "figures"}) std::filesystem::create_directories(output / folder);
+  for (const char* folder : {"tables", "figures", "scans"})
+    std::filesystem::create_directories(output / folder);
   const Result& last = results.back();
-  write_csv(output / "tables", last);
+  std::vector<std::size_t> all(last.rows.size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  write_csv(output / "scans" / (last.name + ".csv"), last, all);
+  std::set<std::size_t> fronts;  // what the figure shows
+  for (const Family& family : families())
+    for (const Cost cost : {Cost::seconds, Cost::gradients})
+      for (const std::size_t i : front(last.rows, {family.name}, cost)) fronts.insert(i);
+  write_csv(output / "tables" / (last.name + ".csv"), last, {fronts.begin(), fronts.end()});
   write_tables(output / "tables", last);
   if (plot) draw_result(output / "figures", last);
   write_summary(output / "tables", results);

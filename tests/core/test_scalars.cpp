@@ -2,6 +2,7 @@
 
 #include <boost/multiprecision/cpp_bin_float.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -85,8 +86,10 @@ TEST_CASE("long double", "[scalars]") {
   const auto found = errors<long double>(
       Semiexplicit(H{}, schemes::low_defect8_s20<long double>(), SimplifiedNewton{.stop = rule}), 150);
   CHECK(found["mass"].worst <= 50 * epsilon);
-  CHECK(found["energy"].worst <= 100 * epsilon);
-  CHECK(errors<long double>(GaussLegendre(H{}, {.stages = 8}), 30)["energy"].worst <= 100 * epsilon);
+  // Where long double has 113 bits (ARM), the errors of the methods are larger than rounding.
+  CHECK(found["energy"].worst <= std::max(100 * epsilon, 2e-22L));
+  CHECK(errors<long double>(GaussLegendre(H{}, {.stages = 8}), 30)["energy"].worst <=
+        std::max(100 * epsilon, 1e-30L));
   CHECK(order_of<long double>(schemes::kahan_li6<long double>(), 10) == Approx(6).margin(0.3));
 }
 

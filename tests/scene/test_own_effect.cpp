@@ -10,7 +10,6 @@ namespace test_own_effect {
 using namespace semiexplicit;
 using namespace semiexplicit::effects;
 
-// [README]
 struct Trap {  // k|q|²/2
   using Acts = OnPosition<double, 2>;
   static constexpr const char* name = "trap";
@@ -21,7 +20,6 @@ struct Trap {  // k|q|²/2
     dHdq[1] += k * q[1];
   }
 };
-// [README]
 
 TEST_CASE("A user's own effect goes into a scene like any other", "[scene]") {
   static_assert(PositionEffect<Trap>);

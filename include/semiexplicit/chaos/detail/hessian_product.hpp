@@ -85,6 +85,13 @@ class HessianProduct {
     }
   }
 
+  /// What products with columns that are equal but for rounding may differ by, relative to their size; of differences a bound.
+  Scalar rounding() const {
+    using std::sqrt;
+    const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon();
+    return exact || dense_ ? epsilon : sqrt(epsilon);
+  }
+
   /// Throws std::invalid_argument where H.hessian_times and differences of the gradient along v have nothing in common.
   void check([[maybe_unused]] const H& h, [[maybe_unused]] const Vec& z, [[maybe_unused]] const Vec& v) {
     if constexpr (HasHessianTimes<H>) {
@@ -137,15 +144,10 @@ class HessianProduct {
     SEMIEXPLICIT_NOINLINE void times(const H& h, const Vec& z, const Column& v, Eigen::Index j,
                                      Vec& product) {
       const auto by = [&](const Scalar& shift, Vec& to) { difference(h, z, v, shift, to); };
-      if (search_now_ != Search::none) {
-        Scalar own(0);  // the largest rounding of a coordinate that is moved
-        for (Eigen::Index i = 0; i < z.size(); ++i) {
-          using std::abs;
-          own = std::max(own, Scalar(abs(z[i]) * abs(v[i])));
-        }
-        shift_[j] = search_now_ == Search::anew ? search_.best_of_all(size_, own, largest_, by)
-                                                : search_.best_near(size_, own, largest_, shift_[j], by);
-      }
+      // No shift is too small because some coordinate is large: it may be coupled to nothing.
+      if (search_now_ == Search::anew) shift_[j] = search_.best_of_all(size_, Scalar(0), largest_, by);
+      if (search_now_ == Search::near)
+        shift_[j] = search_.best_near(size_, Scalar(0), largest_, shift_[j], by);
       by(shift_[j], product);
     }
 

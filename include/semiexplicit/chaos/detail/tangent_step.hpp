@@ -95,6 +95,7 @@ class DoubledTangents {
   }
 
   HessianProduct<H>& second() { return second_; }
+  const HessianProduct<H>& second() const { return second_; }
   const H& hamiltonian() const { return hamiltonian_; }
   const Scheme<Scalar>& scheme() const { return scheme_; }
 
@@ -173,14 +174,18 @@ class TangentStep<Semiexplicit<H, Solver>> {
     const Scalar *f, *z;
     Eigen::Index count;
     Scalar size, distance;
+    Scalar rounding = Eigen::NumTraits<Scalar>::epsilon();
 
     Scalar state_size() const {
       const Scalar moves = StoppingRule::moves * distance;
       return moves < size ? moves : size;
     }
-    Scalar rounding_level() const { return 100 * Eigen::NumTraits<Scalar>::epsilon() * (size + distance); }
+    Scalar rounding_level() const { return 100 * rounding * (size + distance); }
     bool within_rounding(double multiple) const {
-      return detail::within_rounding(f, z, count, distance, multiple);
+      // An iteration that no longer shrinks is allowed the rounding of differences; one that does is not.
+      const Scalar unit = rounding / Eigen::NumTraits<Scalar>::epsilon();
+      return detail::within_rounding(f, z, count, distance,
+                                     multiple < 1 ? multiple : multiple * static_cast<double>(unit));
     }
   };
   Sizes sizes(const State& z) {
@@ -188,7 +193,8 @@ class TangentStep<Semiexplicit<H, Solver>> {
             detail::state_size(copies_.hamiltonian(), z), copies_.distance(z)};
   }
   Sizes tangent_sizes(const Vectors& v) const {
-    return {copies_.g.data(), v.data(), v.size(), norm(v.reshaped()), copies_.tangent_distance(v)};
+    return {copies_.g.data(),           v.data(), v.size(), norm(v.reshaped()), copies_.tangent_distance(v),
+            copies_.second().rounding()};
   }
 
   void solve_together(const State& z, const Vectors& v, const Scalar& dt, StepReport& report) {

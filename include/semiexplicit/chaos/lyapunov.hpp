@@ -45,6 +45,13 @@ class LyapunovExponents {
   }
   explicit LyapunovExponents(const Stepper& stepper) : LyapunovExponents(stepper, 2 * stepper.dof()) {}
 
+  /// Starts with these vectors, 2d rows and a column each, made orthonormal, in place of those that have a part in every direction: in
+  /// the excited sites of a large lattice, say. Throws std::invalid_argument where they do not fit, or the run has begun.
+  template <class Derived>
+  void start_with(const Eigen::MatrixBase<Derived>& vectors) {
+    run_.start_with(vectors);
+  }
+
   /// Takes in the next state. Throws std::runtime_error, saying what is wrong, where the step has no tangent map,
   /// and std::invalid_argument where the time turns round, another orbit begins or it is not shown every step.
   void operator()(const Scalar& t, const State& z, const IntegrationReport& run = {}) {

@@ -30,6 +30,18 @@ class TangentRun {
     orthonormalise([](Eigen::Index, Eigen::Index, const Scalar&) {});
   }
 
+  /// Other vectors to start with, made orthonormal.
+  template <class Derived>
+  void start_with(const Eigen::MatrixBase<Derived>& vectors) {
+    auto& v = tangents_.vectors();
+    if (vectors.rows() != v.rows() || vectors.cols() != v.cols())
+      refuse("vectors to start with are 2d rows in as many columns as it carries");
+    if (!fresh()) refuse("it has begun; give the vectors to start with before the run");
+    v = vectors;
+    orthonormalise([](Eigen::Index, Eigen::Index, const Scalar&) {});
+    if (!v.allFinite()) refuse("the vectors to start with are not independent");
+  }
+
   /// Takes in the next state; true where that was a step, which the vectors have gone along. Throws what LyapunovExponents says.
   bool follow(const Scalar& t, const State& z, const IntegrationReport& run) {
     using Next = typename RunClock<Scalar>::Next;

@@ -13,6 +13,14 @@
 
 namespace semiexplicit::detail {
 
+/// to += t J product, for 2d numbers. Not inlined where they are many: g++ vectorises the loops on their own, and not within the sweep.
+template <class Scalar>
+SEMIEXPLICIT_NOINLINE void add_to_many(const Scalar& t, const Scalar* __restrict product,
+                                       Scalar* __restrict to, Eigen::Index d) {
+  for (Eigen::Index i = 0; i < d; ++i) to[i] += t * product[d + i];
+  for (Eigen::Index i = 0; i < d; ++i) to[d + i] -= t * product[i];
+}
+
 /// Columns of 2d numbers, tangent vectors of a phase space.
 template <class Scalar, int Dof>
 using Frame = Eigen::Matrix<Scalar, twice(Dof), Eigen::Dynamic>;
@@ -108,10 +116,18 @@ class DoubledTangents {
       second_.prepare(hamiltonian_, from);
       for (Eigen::Index j = 0; j < dfrom.cols(); ++j) {
         second_.times(hamiltonian_, from, dfrom.data() + 2 * d * j, j, gradient_);
-        add(t, gradient_.data(), dto.data() + 2 * d * j, d, d);
+        if constexpr (fits_on_stack(H::Dof))
+          add(t, gradient_.data(), dto.data() + 2 * d * j, d, d);
+        else
+          add_to_many(t, gradient_.data(), dto.data() + 2 * d * j, d);
       }
     }
-    detail::kick(hamiltonian_, t, from.data(), to.data(), gradient_.data(), d);
+    if constexpr (fits_on_stack(H::Dof) || HasRangeGradient<H>) {
+      detail::kick(hamiltonian_, t, from.data(), to.data(), gradient_.data(), d);
+    } else {
+      gradient_at(hamiltonian_, from.data(), gradient_.data(), d);
+      add_to_many(t, gradient_.data(), to.data(), d);
+    }
   }
 
   H hamiltonian_;

@@ -47,7 +47,7 @@ struct Series {
 struct Request {
   Eigen::Index sites = 1000;
   std::int64_t realizations = 1, seed = 1;
-  double dt = 0.2, time = 1e5;
+  double dt = 0.15, time = 3e4;
 };
 
 Series run(const Regime& regime, const Request& request) {
@@ -128,7 +128,9 @@ int main(int argc, char** argv) {
             whole_number(1, 1'000'000), "N");
   add_value(app, "--seed", request.seed, "of the first one", whole_number(0, 1'000'000'000), "N");
   add_output(app, settings, false);
-  app.footer("About a minute. The run of benchmarks/chaos/README.md: --time 1e6 --realizations 2.");
+  app.footer(
+      "About a minute; half an hour, and what benchmarks/chaos/README.md shows: --time 3e5 --realizations "
+      "2.");
 
   return run_program(app, argc, argv, [&] {
     settings.make_output_folder();

@@ -34,13 +34,16 @@ class HessianProduct {
   using State = PhasePoint<Scalar, H::Dof>;
   using Vec = typename State::Storage;
   static constexpr bool exact = HasHessianTimes<H> || HasDualGradient<H>;
+  /// A product by duals comes with the gradient at the point.
+  static constexpr bool gives_gradient = HasDualGradient<H> && !HasHessianTimes<H>;
 
   HessianProduct(Eigen::Index dof, Eigen::Index columns)
       : dense_(!exact && (HasHessian<H> || dof <= 4 || columns >= dof)),
         second_(dense_ ? dof : few),
         differences_(exact || dense_ ? few : dof, columns) {
     if (dense_) matrix_.setZero(2 * dof, 2 * dof);
-    if constexpr (HasDualGradient<H> && !HasHessianTimes<H>) {
+    if constexpr (gives_gradient) {
+      gradient_.setZero(2 * dof);
       at_.resize(static_cast<std::size_t>(2 * dof));
       by_.resize(at_.size());
     }
@@ -65,25 +68,21 @@ class HessianProduct {
   void times(const H& h, const Vec& z, const Scalar* v, Eigen::Index j, Vec& product) {
     const Eigen::Index d = z.size() / 2;
     if constexpr (HasHessianTimes<H>) {
-      OutColumn<H> hq(product.data(), d), hp(product.data() + d, d);
-      h.hessian_times(InColumn<H>(z.data(), d), InColumn<H>(z.data() + d, d), InColumn<H>(v, d),
-                      InColumn<H>(v + d, d), hq, hp);
+      if constexpr (fits_on_stack(H::Dof))
+        call_hessian_times(h, z.data(), v, product.data(), d);
+      else
+        not_inlined(h, z.data(), v, product.data(), d);
     } else if constexpr (HasDualGradient<H>) {
-      for (Eigen::Index i = 0; i < 2 * d; ++i) {
-        Number& x = at_[static_cast<std::size_t>(i)];
-        x.value = z[i];
-        x.derivative[0] = v[i];
-      }
-      const Number *const q = at_.data(), *const p = q + d;
-      Number *const by_q = by_.data(), *const by_p = by_q + d;
-      h.gradient(q, p, by_q, by_p);
-      for (Eigen::Index i = 0; i < 2 * d; ++i) product[i] = by_[static_cast<std::size_t>(i)].derivative[0];
+      by_duals(h, z.data(), v, product.data(), gradient_.data(), d);
     } else if (dense_) {
       product.noalias() = matrix_ * Eigen::Map<const Vec>(v, 2 * d);
     } else {
       differences_.times(h, z, Eigen::Map<const Vec>(v, 2 * d), j, product);
     }
   }
+
+  /// The gradient at the point of the last product, where gives_gradient.
+  const Vec& gradient() const { return gradient_; }
 
   /// What products with columns that are equal but for rounding may differ by, relative to their size; of differences a bound.
   Scalar rounding() const {
@@ -120,6 +119,34 @@ class HessianProduct {
  private:
   using Number = Dual<Scalar, 1>;
   static constexpr Eigen::Index few = H::Dof == Eigen::Dynamic ? 1 : H::Dof;  ///< size of what is not used
+
+  SEMIEXPLICIT_INLINE static void call_hessian_times(const H& h, const Scalar* z, const Scalar* v,
+                                                     Scalar* product, Eigen::Index d) {
+    OutColumn<H> hq(product, d), hp(product + d, d);
+    h.hessian_times(InColumn<H>(z, d), InColumn<H>(z + d, d), InColumn<H>(v, d), InColumn<H>(v + d, d), hq,
+                    hp);
+  }
+  /// For large systems: g++ vectorises the loops on their own, and not within the sweep.
+  SEMIEXPLICIT_NOINLINE static void not_inlined(const H& h, const Scalar* z, const Scalar* v, Scalar* product,
+                                                Eigen::Index d) {
+    call_hessian_times(h, z, v, product, d);
+  }
+
+  void by_duals(const H& h, const Scalar* __restrict z, const Scalar* __restrict v,
+                Scalar* __restrict product, Scalar* __restrict gradient, Eigen::Index d) {
+    for (Eigen::Index i = 0; i < 2 * d; ++i) {
+      Number& x = at_[static_cast<std::size_t>(i)];
+      x.value = z[i];
+      x.derivative[0] = v[i];
+    }
+    const Number *const q = at_.data(), *const p = q + d;
+    Number *const by_q = by_.data(), *const by_p = by_q + d;
+    h.gradient(q, p, by_q, by_p);
+    for (Eigen::Index i = 0; i < 2 * d; ++i) {
+      product[i] = by_[static_cast<std::size_t>(i)].derivative[0];
+      gradient[i] = by_[static_cast<std::size_t>(i)].value;
+    }
+  }
 
   /// Differences along columns.
   class Differences {
@@ -196,6 +223,7 @@ class HessianProduct {
   SecondDerivatives<H> second_;
   typename SecondDerivatives<H>::Matrix matrix_;
   Differences differences_;
+  Vec gradient_;
   std::vector<Number> at_, by_;
 };
 

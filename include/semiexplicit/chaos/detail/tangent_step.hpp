@@ -122,7 +122,9 @@ class DoubledTangents {
           add_to_many(t, gradient_.data(), dto.data() + 2 * d * j, d);
       }
     }
-    if constexpr (fits_on_stack(H::Dof) || HasRangeGradient<H>) {
+    if constexpr (tangents && HessianProduct<H>::gives_gradient) {
+      add(t, second_.gradient().data(), to.data(), d, d);
+    } else if constexpr (fits_on_stack(H::Dof) || HasRangeGradient<H>) {
       detail::kick(hamiltonian_, t, from.data(), to.data(), gradient_.data(), d);
     } else {
       gradient_at(hamiltonian_, from.data(), gradient_.data(), d);
@@ -217,16 +219,17 @@ class TangentStep<Semiexplicit<H, Solver>> {
     Convergence<Scalar> orbit(solver_.stop, solver_.max_iterations), tangent = orbit;
     copies_.m.setZero();
     copies_.w.setZero();
+    Scalar size_m(0), size_w(0);
     for (bool settled = false;;) {
       copies_.template sweep<true>(z, v, dt);
-      if (!settled) settled = orbit.done(norm(copies_.f) / 4, norm(copies_.m), sizes(z));
-      if (tangent.done(norm(copies_.g.reshaped()) / 4, norm(copies_.w.reshaped()), tangent_sizes(v)) &&
-          settled)
-        break;
+      if (!settled) settled = orbit.done(norm(copies_.f) / 4, size_m, sizes(z));
+      if (tangent.done(norm(copies_.g.reshaped()) / 4, size_w, tangent_sizes(v)) && settled) break;
       if (settled && !orbit.report().ok()) break;
       // The point rests once it is found: with it rest the rounding errors of differences, and the equation of w is linear.
       if (!settled) copies_.m -= copies_.f / 4;
       copies_.w -= copies_.g / 4;
+      size_m = norm(copies_.m);
+      size_w = norm(copies_.w.reshaped());
       copies_.second().keep_shifts();
     }
     tell(tangent.report(), report);

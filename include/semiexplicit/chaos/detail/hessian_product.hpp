@@ -73,7 +73,7 @@ class HessianProduct {
       else
         not_inlined(h, z.data(), v, product.data(), d);
     } else if constexpr (HasDualGradient<H>) {
-      by_duals(h, z.data(), v, product.data(), gradient_.data(), d);
+      by_duals(h, z.data(), v, product.data(), j == 0 ? gradient_.data() : nullptr, d);
     } else if (dense_) {
       product.noalias() = matrix_ * Eigen::Map<const Vec>(v, 2 * d);
     } else {
@@ -81,7 +81,7 @@ class HessianProduct {
     }
   }
 
-  /// The gradient at the point of the last product, where gives_gradient.
+  /// The gradient at the point, after the product with the first column, where gives_gradient.
   const Vec& gradient() const { return gradient_; }
 
   /// What products with columns that are equal but for rounding may differ by, relative to their size; of differences a bound.
@@ -142,10 +142,9 @@ class HessianProduct {
     const Number *const q = at_.data(), *const p = q + d;
     Number *const by_q = by_.data(), *const by_p = by_q + d;
     h.gradient(q, p, by_q, by_p);
-    for (Eigen::Index i = 0; i < 2 * d; ++i) {
-      product[i] = by_[static_cast<std::size_t>(i)].derivative[0];
-      gradient[i] = by_[static_cast<std::size_t>(i)].value;
-    }
+    for (Eigen::Index i = 0; i < 2 * d; ++i) product[i] = by_[static_cast<std::size_t>(i)].derivative[0];
+    if (gradient != nullptr)
+      for (Eigen::Index i = 0; i < 2 * d; ++i) gradient[i] = by_[static_cast<std::size_t>(i)].value;
   }
 
   /// Differences along columns.

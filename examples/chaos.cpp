@@ -1,5 +1,4 @@
-// Does chaos die out where a wave packet spreads? The finite-time Lyapunov exponent of a nonlinear chain with disorder, over many
-// decades of time, in the regimes that are called weak and strong chaos.
+// The finite-time Lyapunov exponent of a wave packet that spreads in a disordered nonlinear chain, in weak and strong chaos.
 #include <cmath>
 #include <filesystem>
 #include <iostream>
@@ -128,9 +127,7 @@ int main(int argc, char** argv) {
             whole_number(1, 1'000'000), "N");
   add_value(app, "--seed", request.seed, "of the first one", whole_number(0, 1'000'000'000), "N");
   add_output(app, settings, false);
-  app.footer(
-      "About a minute; half an hour, and what benchmarks/chaos/README.md shows: --time 3e5 --realizations "
-      "2.");
+  app.footer("About a minute. One realization scatters: average over several, with --time 3e5 or more.");
 
   return run_program(app, argc, argv, [&] {
     settings.make_output_folder();

@@ -1,6 +1,8 @@
 #pragma once
 
-/// The derivative of a step, and Lyapunov exponents.
+/// The derivative of a step, Lyapunov exponents, alignment indices.
 
+#include <semiexplicit/chaos/alignment.hpp>
 #include <semiexplicit/chaos/lyapunov.hpp>
 #include <semiexplicit/chaos/tangent_map.hpp>
+#include <semiexplicit/chaos/tangent_vectors.hpp>

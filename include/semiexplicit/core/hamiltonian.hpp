@@ -108,12 +108,23 @@ concept HasRangeGradient = Hamiltonian<H> && std::same_as<typename H::RangeGradi
 };
 
 /// Optional: the symmetric 2d × 2d matrix [H_qq H_qp; H_pq H_pp]. Tangent maps and Newton's method of
-/// GaussLegendre use it; without it they take differences of the gradient.
+/// GaussLegendre use it; without it they take differences of the gradient. Tangent vectors of large systems want HasHessianTimes.
 template <class H>
 concept HasHessian = Hamiltonian<H> &&
     requires(const H& h, const detail::InColumn<H>& q, const detail::InColumn<H>& p,
              Eigen::Ref<Eigen::Matrix<typename H::Scalar, twice(H::Dof), twice(H::Dof)>> hessian) {
   h.hessian(q, p, hessian);
+};
+
+/// Optional: that matrix times a column (dq, dp), written to the halves hq and hp, without the matrix. Tangent vectors use it: their
+/// cost is then that of a few gradients, whatever the size.
+///
+///     void hessian_times(In<double, 1> q, In<double, 1> p, In<double, 1> dq, In<double, 1> dp, Out<double, 1> hq,
+///                        Out<double, 1> hp) const;
+template <class H>
+concept HasHessianTimes = Hamiltonian<H> &&
+    requires(const H& h, const detail::InColumn<H>& at, detail::OutColumn<H>& half) {
+  h.hessian_times(at, at, at, at, half, half);  // q, p, dq, dp, hq, hp
 };
 
 /// Optional: H(q, p) = V(q) + T(p), and each half of the gradient can be had alone. H says so by `static constexpr bool

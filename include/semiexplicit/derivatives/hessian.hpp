@@ -9,130 +9,44 @@
 
 namespace semiexplicit::detail {
 
-/// ∇²H at z, a symmetric 2d × 2d matrix: by H.hessian where there is one, else by central differences of the gradient. NaN or Inf
-/// where the gradient is; what a gradient throws goes through. Memory: eight vectors of length 2d.
-///
-/// The shift of each coordinate is found from the gradient itself: of shifts over all orders of magnitude, the one whose
-/// difference agrees best with its two neighbours'. It is kept from call to call, looked at again, one coordinate every 16 calls, and found
-/// anew where z has gone far since. An entry is off by about (ε max(1, |x|/l))^{2/3} of its size (1e-10 to 1e-9 in double), where l is the
-/// length along which the gradient varies: an angle of 6e6 is known to 1e-9 only, and its derivatives to 1e-6.
+/// Looks for the shift of a central difference of the gradient: of shifts over several orders of magnitude, the one whose
+/// difference agrees best with its two neighbours'. Memory: five vectors of length 2d.
 template <class H>
-class SecondDerivatives {
+class ShiftSearch {
  public:
   using Scalar = typename H::Scalar;
   using State = PhasePoint<Scalar, H::Dof>;
-  using Matrix = Eigen::Matrix<Scalar, twice(H::Dof), twice(H::Dof)>;
-
-  explicit SecondDerivatives(Eigen::Index dof) : at_(dof), above_(at_), below_(at_) {
-    for (Vec* one : {&shift_, &last_, &middle_, &smaller_, &seen_}) *one = at_.vector();
-  }
-
-  /// Gradient calls that the last Hessian took: 4d, and more where shifts were looked for.
-  Eigen::Index gradients() const { return calls_; }
-  /// Gradient calls that a Hessian cannot exceed.
-  static Eigen::Index max_gradients(Eigen::Index dof) {
-    return HasHessian<H> ? 0 : 4 * dof * (2 + most_shifts);
-  }
-
-  void operator()(const H& h, const typename State::Storage& z, Matrix& hessian) {
-    const Eigen::Index d = z.size() / 2;
-    calls_ = 0;
-    if constexpr (HasHessian<H>) {
-      h.hessian(InColumn<H>(z.data(), d), InColumn<H>(z.data() + d, d), hessian);
-    } else {
-      at_.vector() = z;
-      find_shifts(h, z);
-      for (Eigen::Index i = 0; i < z.size(); ++i) {
-        difference(h, z, i, shift_[i], smaller_);
-        hessian.col(i) = smaller_;
-      }
-      // Symmetric to the last bit, so that the tangent map is symplectic although its entries are approximate.
-      for (Eigen::Index i = 0; i < z.size(); ++i)
-        for (Eigen::Index j = 0; j < i; ++j)
-          hessian(i, j) = hessian(j, i) = (hessian(i, j) + hessian(j, i)) / 2;
-    }
-  }
-
-  /// The shifts, which go on from call to call; see CheckpointMemory.
-  template <class Visitor>
-  void visit_memory(Visitor&& visit) {
-    visit(shift_);
-    visit(last_);
-    visit(count_);
-  }
-
- private:
   using Vec = typename State::Storage;
   static constexpr int most_shifts = 48;
-  static constexpr std::int64_t look_again = 16;
 
-  /// The column i of the Hessian by one shift.
-  void difference(const H& h, const Vec& z, Eigen::Index i, const Scalar& shift, Vec& column) {
-    const Eigen::Index d = z.size() / 2;
-    const Scalar right = z[i] + shift, left = z[i] - shift;
-    at_.vector()[i] = right;
-    gradient_at(h, at_.vector().data(), above_.vector().data(), d);
-    at_.vector()[i] = left;
-    gradient_at(h, at_.vector().data(), below_.vector().data(), d);
-    at_.vector()[i] = z[i];
-    column = (above_.vector() - below_.vector()) / (right - left);
-    calls_ += 2;
+  explicit ShiftSearch(Eigen::Index dof) : above_(dof), below_(dof) {
+    for (Vec* one : {&middle_, &smaller_, &seen_}) *one = above_.vector();
   }
 
-  void find_shifts(const H& h, const Vec& z) {
-    using std::abs;
-    // A shift is about 1e-5 of the length along which the gradient varies.
-    bool far = count_ == 0;
-    for (Eigen::Index i = 0; i < z.size(); ++i) far = far || !(abs(z[i] - last_[i]) <= 65536 * shift_[i]);
-    last_ = z;
-    if (far) {
-      for (Eigen::Index i = 0; i < z.size(); ++i) find_shift(h, z, i);
-    } else if (count_ % look_again == 0) {
-      const Eigen::Index i = static_cast<Eigen::Index>(count_ / look_again % z.size());
-      const Scalar from = 512 * shift_[i], to = shift_[i] / 512;
-      const Scalar found = best_shift(h, z, i, from, to, 7);
-      if (found > from / 16 || found < to * 16)
-        find_shift(h, z, i);
-      else
-        shift_[i] = found;
-    }
-    count_ = count_ % (std::int64_t{1} << 40) + 1;
-  }
-
-  /// Looks for the shift of coordinate i from its rounding, or nothing, to its size, that of the others of its half, or 1.
-  void find_shift(const H& h, const Vec& z, Eigen::Index i) {
-    using std::abs;
-    using std::ceil;
-    using std::log;
-    const Eigen::Index d = z.size() / 2;
-    const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon(), own = abs(z[i]);
-    const Scalar others = z.segment(i < d ? 0 : d, d).cwiseAbs().maxCoeff();
-    const Scalar from = std::max<Scalar>(others, 1) / 2;
-    Scalar least = others > Scalar(0) && others < Scalar(1) ? others : Scalar(1);
-    least = std::max(Scalar(16 * epsilon * own), Scalar(epsilon * least));
-    const Scalar count = ceil(log(from / least) / log(Scalar(8)));
-    shift_[i] =
-        best_shift(h, z, i, from, least, count < Scalar(most_shifts) ? static_cast<int>(count) : most_shifts);
-  }
+  /// What a difference writes its two gradients to.
+  Vec& above() { return above_.vector(); }
+  Vec& below() { return below_.vector(); }
 
   /// Of `count` shifts in geometric order from the larger one to the smaller one, that whose differences agree best with those of
-  /// its two neighbours; of equals, as where the gradient is linear or even, that nearest to the usual one for a state of this size.
-  Scalar best_shift(const H& h, const Vec& z, Eigen::Index i, const Scalar& from, const Scalar& to,
-                    int count) {
+  /// its two neighbours; of equals, as where the gradient is linear or even, that nearest to the usual one for a state of this size
+  /// of which `own` is moved. difference(shift, column) writes above(), below() and their difference by the shift.
+  template <class Difference>
+  Scalar best(const Scalar& state_size, const Scalar& own, const Scalar& from, const Scalar& to, int count,
+              const Difference& difference) {
     using std::abs;
     using std::cbrt;
     using std::log;
     using std::pow;
     const Scalar ratio = pow(to / from, Scalar(1) / Scalar(std::max(count - 1, 1)));
-    const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon(), size_or_zero = state_size(h, at_);
-    const Scalar size = size_or_zero > Scalar(0) ? size_or_zero : Scalar(1);
-    const Scalar usual = size * cbrt(epsilon * std::max<Scalar>(1, abs(z[i]) / size));
+    const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon();
+    const Scalar size = state_size > Scalar(0) ? state_size : Scalar(1);
+    const Scalar usual = size * cbrt(epsilon * std::max<Scalar>(1, own / size));
     const auto distance = [&](const Scalar& x) { return abs(log(x / usual)); };
     seen_.setZero();
     Scalar shift = from, best = from * pow(ratio, Scalar(count / 2)), least(1), before(1);
     bool known = false;
     for (int k = 0; k < count; ++k, shift *= ratio) {
-      difference(h, z, i, shift, smaller_);
+      difference(shift, smaller_);
       if (k > 0) {
         const Scalar now = disagreement(middle_, smaller_, shift);
         if (known) {
@@ -151,6 +65,31 @@ class SecondDerivatives {
     return best;
   }
 
+  /// The same over all shifts that may be right: from the size of the state, or 1, to the rounding of what is moved, or nothing.
+  template <class Difference>
+  Scalar best_of_all(const Scalar& state_size, const Scalar& own, const Scalar& others,
+                     const Difference& difference) {
+    using std::ceil;
+    using std::log;
+    const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon();
+    const Scalar from = std::max<Scalar>(others, 1) / 2;
+    Scalar least = others > Scalar(0) && others < Scalar(1) ? others : Scalar(1);
+    least = std::max(Scalar(16 * epsilon * own), Scalar(epsilon * least));
+    const Scalar count = ceil(log(from / least) / log(Scalar(8)));
+    return best(state_size, own, from, least,
+                count < Scalar(most_shifts) ? static_cast<int>(count) : most_shifts, difference);
+  }
+
+  /// A shift that was right a while ago, looked at again.
+  template <class Difference>
+  Scalar best_near(const Scalar& state_size, const Scalar& own, const Scalar& others, const Scalar& shift,
+                   const Difference& difference) {
+    const Scalar from = 512 * shift, to = shift / 512;
+    const Scalar found = best(state_size, own, from, to, 7, difference);
+    return found > from / 16 || found < to * 16 ? best_of_all(state_size, own, others, difference) : found;
+  }
+
+ private:
   /// How far two columns are from each other, the last one by this shift: the mean over the entries, of any size, of the logarithm of
   /// their relative difference, which is no less than what the rounding of the gradient may make of it.
   /// One that has become 0 disagrees: it is below the resolution of the gradient. At most 1.
@@ -174,10 +113,106 @@ class SecondDerivatives {
     return sum / Scalar(a.size());
   }
 
-  State at_, above_, below_;
-  Vec shift_, last_;  ///< of each coordinate, and where it was at the last call
+  State above_, below_;
   Vec middle_, smaller_, seen_;
-  std::int64_t count_ = 0;  ///< of the calls
+};
+
+/// ∇²H at z, a symmetric 2d × 2d matrix: by H.hessian where there is one, else by central differences of the gradient. NaN or Inf
+/// where the gradient is; what a gradient throws goes through. Memory: nine vectors of length 2d.
+///
+/// The shift of each coordinate is found from the gradient itself: of shifts over all orders of magnitude, the one whose
+/// difference agrees best with its two neighbours'. It is kept from call to call, looked at again, one coordinate every 16 calls, and found
+/// anew where z has gone far since. An entry is off by about (ε max(1, |x|/l))^{2/3} of its size (1e-10 to 1e-9 in double), where l is the
+/// length along which the gradient varies: an angle of 6e6 is known to 1e-9 only, and its derivatives to 1e-6.
+template <class H>
+class SecondDerivatives {
+ public:
+  using Scalar = typename H::Scalar;
+  using State = PhasePoint<Scalar, H::Dof>;
+  using Matrix = Eigen::Matrix<Scalar, twice(H::Dof), twice(H::Dof)>;
+
+  explicit SecondDerivatives(Eigen::Index dof)
+      : at_(dof), search_(dof), shift_(at_.vector()), last_(shift_), column_(shift_) {}
+
+  /// Gradient calls that the last Hessian took: 4d, and more where shifts were looked for.
+  Eigen::Index gradients() const { return calls_; }
+  /// Gradient calls that a Hessian cannot exceed.
+  static Eigen::Index max_gradients(Eigen::Index dof) {
+    return HasHessian<H> ? 0 : 4 * dof * (2 + ShiftSearch<H>::most_shifts);
+  }
+
+  /// Without `search` the shifts of the last call are kept, wherever z is.
+  SEMIEXPLICIT_NOINLINE void operator()(const H& h, const typename State::Storage& z, Matrix& hessian,
+                                        bool search = true) {
+    const Eigen::Index d = z.size() / 2;
+    calls_ = 0;
+    if constexpr (HasHessian<H>) {
+      h.hessian(InColumn<H>(z.data(), d), InColumn<H>(z.data() + d, d), hessian);
+    } else {
+      at_.vector() = z;
+      if (search) find_shifts(h, z);
+      for (Eigen::Index i = 0; i < z.size(); ++i) {
+        difference(h, z, i, shift_[i], column_);
+        hessian.col(i) = column_;
+      }
+      // Symmetric to the last bit, so that the tangent map is symplectic although its entries are approximate.
+      for (Eigen::Index i = 0; i < z.size(); ++i)
+        for (Eigen::Index j = 0; j < i; ++j)
+          hessian(i, j) = hessian(j, i) = (hessian(i, j) + hessian(j, i)) / 2;
+    }
+  }
+
+  /// The shifts, which go on from call to call; see CheckpointMemory.
+  template <class Visitor>
+  void visit_memory(Visitor&& visit) {
+    visit(shift_);
+    visit(last_);
+    visit(count_);
+  }
+
+ private:
+  using Vec = typename State::Storage;
+  static constexpr std::int64_t look_again = 16;
+
+  /// The column i of the Hessian by one shift.
+  void difference(const H& h, const Vec& z, Eigen::Index i, const Scalar& shift, Vec& column) {
+    const Eigen::Index d = z.size() / 2;
+    const Scalar right = z[i] + shift, left = z[i] - shift;
+    at_.vector()[i] = right;
+    gradient_at(h, at_.vector().data(), search_.above().data(), d);
+    at_.vector()[i] = left;
+    gradient_at(h, at_.vector().data(), search_.below().data(), d);
+    at_.vector()[i] = z[i];
+    column = (search_.above() - search_.below()) / (right - left);
+    calls_ += 2;
+  }
+
+  void find_shifts(const H& h, const Vec& z) {
+    using std::abs;
+    // A shift is about 1e-5 of the length along which the gradient varies.
+    bool far = count_ == 0;
+    for (Eigen::Index i = 0; i < z.size(); ++i) far = far || !(abs(z[i] - last_[i]) <= 65536 * shift_[i]);
+    last_ = z;
+    const auto find = [&](Eigen::Index i, bool anew) {
+      const Eigen::Index d = z.size() / 2;
+      const Scalar size = state_size(h, at_), own = abs(z[i]);
+      const Scalar others = z.segment(i < d ? 0 : d, d).cwiseAbs().maxCoeff();
+      const auto by = [&](const Scalar& shift, Vec& column) { difference(h, z, i, shift, column); };
+      shift_[i] = anew ? search_.best_of_all(size, own, others, by)
+                       : search_.best_near(size, own, others, shift_[i], by);
+    };
+    if (far) {
+      for (Eigen::Index i = 0; i < z.size(); ++i) find(i, true);
+    } else if (count_ % look_again == 0) {
+      find(static_cast<Eigen::Index>(count_ / look_again % z.size()), false);
+    }
+    count_ = count_ % (std::int64_t{1} << 40) + 1;
+  }
+
+  State at_;
+  ShiftSearch<H> search_;
+  Vec shift_, last_, column_;  ///< of each coordinate, and where it was at the last call
+  std::int64_t count_ = 0;     ///< of the calls
   Eigen::Index calls_ = 0;
 };
 

@@ -1,0 +1,148 @@
+// The finite-time Lyapunov exponent of a wave packet that spreads in a disordered nonlinear chain, in weak and strong chaos.
+#include <cmath>
+#include <filesystem>
+#include <iostream>
+#include <numbers>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <semiexplicit/chaos.hpp>
+#include <semiexplicit/semiexplicit.hpp>
+
+#include "chaos/chain.hpp"
+#include "common/arguments.hpp"
+#include "common/output.hpp"
+
+namespace {
+
+using namespace examples;
+
+/// Of 21 sites with |ψ|² = 1 in a chain with W = 4: Laptyeva, Bodyfelt, Krimer, Skokos, Flach, Europhys. Lett. 91 (2010) 30001.
+/// The slopes: Senyange, Many Manda, Skokos, Phys. Rev. E 98 (2018) 052229.
+struct Regime {
+  std::string name;
+  double beta, published_slope;
+};
+const std::vector<Regime> regimes{{"weak", 0.04, -0.25}, {"strong", 0.72, -0.3}};
+constexpr Eigen::Index excited = 21;
+
+struct Series {
+  std::vector<double> t, log_exponent;  ///< the mean over the realizations of log10 Λ
+
+  /// By least squares over the last two decades.
+  double slope() const {
+    double n = 0, x = 0, y = 0, xx = 0, xy = 0;
+    for (std::size_t i = 0; i < t.size(); ++i) {
+      if (t[i] < t.back() / 100) continue;
+      const double at = std::log10(t[i]);
+      ++n, x += at, y += log_exponent[i], xx += at * at, xy += at * log_exponent[i];
+    }
+    return (n * xy - x * y) / (n * xx - x * x);
+  }
+};
+
+struct Request {
+  Eigen::Index sites = 1000;
+  std::int64_t realizations = 1, seed = 1;
+  double dt = 0.15, time = 3e4;
+};
+
+Series run(const Regime& regime, const Request& request) {
+  Series mean;
+  for (std::int64_t k = 0; k < request.realizations; ++k) {
+    std::mt19937_64 random(static_cast<std::uint64_t>(request.seed + k));
+    const auto uniform = [&] { return std::ldexp(static_cast<double>(random() >> 11), -53); };
+    Eigen::VectorXd energies(request.sites);
+    for (double& energy : energies) energy = 4 * (uniform() - 0.5);
+    PhasePoint<double, Eigen::Dynamic> z(request.sites), direction = z;
+    for (Eigen::Index i = (request.sites - excited) / 2, n = 0; n < excited; ++i, ++n) {
+      const double phase = 2 * std::numbers::pi * uniform();
+      z.q()[i] = std::sqrt(2.0) * std::cos(phase);
+      z.p()[i] = std::sqrt(2.0) * std::sin(phase);
+      direction.q()[i] = uniform() - 0.5;
+      direction.p()[i] = uniform() - 0.5;
+    }
+    const Chain chain(energies, regime.beta);
+    Semiexplicit stepper(chain, schemes::low_defect4_s7<double>());
+    LyapunovExponents lyapunov(stepper, 1);
+    lyapunov.start_with(direction.vector());
+    Invariants invariants(chain);
+    const std::string name = regime.name + " chaos, realization " + std::to_string(k + 1);
+    Progress progress(request.time, name);
+    const auto report = integrate(stepper, z, {.dt = request.dt, .t_end = request.time}, lyapunov,
+                                  every(100, invariants), progress);
+    std::cerr << name << formatted(": %.2g a step", 1e6 * report.seconds / static_cast<double>(report.steps))
+              << formatted(" µs, %.2f evaluations", double(report.evaluations) / double(report.steps))
+              << formatted(", energy error %.1e, %.0f s", invariants["energy"].worst, report.seconds)
+              << std::endl;
+    mean.t = lyapunov.times();
+    mean.log_exponent.resize(mean.t.size());
+    const auto series = lyapunov.series();
+    for (std::size_t i = 0; i < series.size(); ++i)
+      mean.log_exponent[i] += std::log10(series[i]) / static_cast<double>(request.realizations);
+  }
+  return mean;
+}
+
+void write(const std::filesystem::path& csv, const std::vector<Series>& all) {
+  CsvWriter writer(csv, {"t", "weak_exponent", "strong_exponent"});
+  for (std::size_t i = 0; i < all[0].t.size(); ++i)
+    writer.row(std::vector<double>{all[0].t[i], std::pow(10.0, all[0].log_exponent[i]),
+                                   std::pow(10.0, all[1].log_exponent[i])});
+  writer.commit();
+}
+
+std::string picture(const std::filesystem::path& png, const std::filesystem::path& csv,
+                    const std::vector<Series>& all) {
+  std::string script = gnuplot_prologue(png, 1000, 700) +
+                       "set logscale xy\nset format xy '10^{%T}'\nset xlabel 'time'\n"
+                       "set ylabel 'largest Lyapunov exponent up to the time'\nset key bottom left\n"
+                       "set xrange [10:*]\nset yrange [*:1]\nplot ";
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const auto& [name, beta, slope] = regimes[i];
+    const double end = all[i].t.back(), at_end = std::pow(10.0, all[i].log_exponent.back());
+    const std::string color = i == 0 ? "'#08519c'" : "'#cb181d'";
+    script += quoted(csv.string()) + " skip 1 using 1:" + std::to_string(i + 2) + " with lines lw 2 lc rgb " +
+              color + " title '" + name + " chaos, β = " + formatted("%g, slope %.2f", beta, all[i].slope()) +
+              "', \\\n  [" + formatted("%g:%g", end / 1e3, end) + "] " +
+              formatted("%g * (x / %g)**%g", 1.3 * at_end, end, slope) + " dashtype 2 lc rgb " + color +
+              " title 'published: t^{" + formatted("%g", slope) + "}', \\\n  ";
+  }
+  return script + "[10:1e4] 2 / x lc rgb '#999999' title 'order: 1/t'\n";
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{
+      "The finite-time Lyapunov exponent of a wave packet that spreads in a disordered nonlinear chain."};
+  Request request;
+  Settings settings;
+  add_value(app, "--sites", request.sites, "of the chain", whole_number(excited, 10'000'000), "N");
+  add_value(app, "--time", request.time, "time to integrate to", positive());
+  add_value(app, "--dt", request.dt, "step size", positive());
+  add_value(app, "--realizations", request.realizations, "of the disorder, over which log Λ is averaged",
+            whole_number(1, 1'000'000), "N");
+  add_value(app, "--seed", request.seed, "of the first one", whole_number(0, 1'000'000'000), "N");
+  add_output(app, settings, false);
+  app.footer("About a minute. One realization scatters: average over several, with --time 3e5 or more.");
+
+  return run_program(app, argc, argv, [&] {
+    settings.make_output_folder();
+    std::vector<Series> all;
+    for (const Regime& regime : regimes) {
+      all.push_back(run(regime, request));
+      std::cout << regime.name << " chaos: exponent "
+                << formatted("%.3g", std::pow(10.0, all.back().log_exponent.back()))
+                << formatted(" at t = %g; slope %.3f over the last two decades, published %.2f\n",
+                             all.back().t.back(), all.back().slope(), regime.published_slope);
+    }
+    const std::filesystem::path csv = settings.output / "chaos.csv";
+    write(csv, all);
+    if (!settings.no_plot)
+      draw(settings.output / "chaos.png", picture(settings.output / "chaos.png", csv, all));
+    return 0;
+  });
+}

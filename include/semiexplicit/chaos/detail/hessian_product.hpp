@@ -1,0 +1,229 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <concepts>
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <semiexplicit/derivatives/dual.hpp>
+#include <semiexplicit/derivatives/hessian.hpp>
+
+namespace semiexplicit::detail {
+
+/// The gradient takes arrays of dual numbers, as it takes packs; see HasPackGradient.
+template <class H>
+concept HasDualGradient = Hamiltonian<H> && std::same_as<typename H::PackGradientOf, H> &&
+    requires(const H& h, const Dual<typename H::Scalar, 1>* at, Dual<typename H::Scalar, 1>* gradient) {
+  h.gradient(at, at, gradient, gradient);
+};
+
+/// ∇²H(z) times columns v of 2d numbers, of length one, without the matrix: by H.hessian_times, else by duals through a gradient
+/// that is a template (HasDualGradient), both exact to rounding. Else with the matrix, where H gives it or where it is no dearer:
+/// d ≤ 4, or d columns and more. Else by central differences of the gradient along v, two calls a column.
+///
+/// The shift along each column is found as those of SecondDerivatives are: from the gradients themselves, kept from call to call,
+/// looked at again every 16 calls and found anew where z has gone far. The product is off by about 1e-10 to 1e-9 of its size in double, and
+/// by (2e-16 x)^{2/3} where the column moves an angle that has wound up to x. Such a product is not that of a symmetric matrix.
+template <class H>
+class HessianProduct {
+ public:
+  using Scalar = typename H::Scalar;
+  using State = PhasePoint<Scalar, H::Dof>;
+  using Vec = typename State::Storage;
+  static constexpr bool exact = HasHessianTimes<H> || HasDualGradient<H>;
+  /// A product by duals comes with the gradient at the point.
+  static constexpr bool gives_gradient = HasDualGradient<H> && !HasHessianTimes<H>;
+
+  HessianProduct(Eigen::Index dof, Eigen::Index columns)
+      : dense_(!exact && (HasHessian<H> || dof <= 4 || columns >= dof)),
+        second_(dense_ ? dof : few),
+        differences_(exact || dense_ ? few : dof, columns) {
+    if (dense_) matrix_.setZero(2 * dof, 2 * dof);
+    if constexpr (gives_gradient) {
+      gradient_.setZero(2 * dof);
+      at_.resize(static_cast<std::size_t>(2 * dof));
+      by_.resize(at_.size());
+    }
+  }
+
+  /// Before the products of a step; and before a sweep over points that the step has gone over before: with other shifts the
+  /// differences' errors would be others, and an iteration would not come to rest.
+  void begin() { search_ = true; }
+  void keep_shifts() { search_ = false; }
+
+  /// Before the products at a point z.
+  void prepare(const H& h, const Vec& z) {
+    if constexpr (!exact) {
+      if (dense_)
+        second_(h, z, matrix_, search_);
+      else
+        differences_.prepare(h, z, search_);
+    }
+  }
+
+  /// product = ∇²H(z) v for the j-th column v.
+  void times(const H& h, const Vec& z, const Scalar* v, Eigen::Index j, Vec& product) {
+    const Eigen::Index d = z.size() / 2;
+    if constexpr (HasHessianTimes<H>) {
+      if constexpr (fits_on_stack(H::Dof))
+        call_hessian_times(h, z.data(), v, product.data(), d);
+      else
+        not_inlined(h, z.data(), v, product.data(), d);
+    } else if constexpr (HasDualGradient<H>) {
+      by_duals(h, z.data(), v, product.data(), j == 0 ? gradient_.data() : nullptr, d);
+    } else if (dense_) {
+      product.noalias() = matrix_ * Eigen::Map<const Vec>(v, 2 * d);
+    } else {
+      differences_.times(h, z, Eigen::Map<const Vec>(v, 2 * d), j, product);
+    }
+  }
+
+  /// The gradient at the point, after the product with the first column, where gives_gradient.
+  const Vec& gradient() const { return gradient_; }
+
+  /// What products with columns that are equal but for rounding may differ by, relative to their size; of differences a bound.
+  Scalar rounding() const {
+    using std::sqrt;
+    const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon();
+    return exact || dense_ ? epsilon : sqrt(epsilon);
+  }
+
+  /// Throws std::invalid_argument where H.hessian_times and differences of the gradient along v have nothing in common.
+  void check([[maybe_unused]] const H& h, [[maybe_unused]] const Vec& z, [[maybe_unused]] const Vec& v) {
+    if constexpr (HasHessianTimes<H>) {
+      Vec given = z, found = z;
+      times(h, z, v.data(), 0, given);
+      if (!Differences(z.size() / 2, 1).compare(h, z, v, given, found))
+        throw std::invalid_argument(
+            "hessian_times of the Hamiltonian is not the derivative of its gradient: along some direction it "
+            "is off by " +
+            std::to_string(static_cast<double>(norm(given - found) / norm(found))) +
+            " of its size; check both with check_gradient() and with from_energy()");
+    }
+  }
+
+  /// What differences carry from call to call; see CheckpointMemory.
+  template <class Visitor>
+  void visit_memory(Visitor&& visit) {
+    if constexpr (!exact) {
+      if (dense_)
+        second_.visit_memory(visit);
+      else
+        differences_.visit_memory(visit);
+    }
+  }
+
+ private:
+  using Number = Dual<Scalar, 1>;
+  static constexpr Eigen::Index few = H::Dof == Eigen::Dynamic ? 1 : H::Dof;  ///< size of what is not used
+
+  SEMIEXPLICIT_INLINE static void call_hessian_times(const H& h, const Scalar* z, const Scalar* v,
+                                                     Scalar* product, Eigen::Index d) {
+    OutColumn<H> hq(product, d), hp(product + d, d);
+    h.hessian_times(InColumn<H>(z, d), InColumn<H>(z + d, d), InColumn<H>(v, d), InColumn<H>(v + d, d), hq,
+                    hp);
+  }
+  /// For large systems: g++ vectorises the loops on their own, and not within the sweep.
+  SEMIEXPLICIT_NOINLINE static void not_inlined(const H& h, const Scalar* z, const Scalar* v, Scalar* product,
+                                                Eigen::Index d) {
+    call_hessian_times(h, z, v, product, d);
+  }
+
+  void by_duals(const H& h, const Scalar* __restrict z, const Scalar* __restrict v,
+                Scalar* __restrict product, Scalar* __restrict gradient, Eigen::Index d) {
+    for (Eigen::Index i = 0; i < 2 * d; ++i) {
+      Number& x = at_[static_cast<std::size_t>(i)];
+      x.value = z[i];
+      x.derivative[0] = v[i];
+    }
+    const Number *const q = at_.data(), *const p = q + d;
+    Number *const by_q = by_.data(), *const by_p = by_q + d;
+    h.gradient(q, p, by_q, by_p);
+    for (Eigen::Index i = 0; i < 2 * d; ++i) product[i] = by_[static_cast<std::size_t>(i)].derivative[0];
+    if (gradient != nullptr)
+      for (Eigen::Index i = 0; i < 2 * d; ++i) gradient[i] = by_[static_cast<std::size_t>(i)].value;
+  }
+
+  /// Differences along columns.
+  class Differences {
+   public:
+    Differences(Eigen::Index dof, Eigen::Index columns)
+        : at_(dof), search_(dof), last_(at_.vector()), shift_(Shifts::Zero(columns)) {}
+
+    SEMIEXPLICIT_NOINLINE void prepare(const H& h, const Vec& z, bool search) {
+      search_now_ = Search::none;
+      if (!search) return;
+      at_.vector() = z;
+      size_ = state_size(h, at_);
+      largest_ = z.cwiseAbs().maxCoeff();
+      // A shift is about 1e-5 of the length along which the gradient varies.
+      const bool far = count_ == 0 || !(norm(z - last_) <= 65536 * shift_.minCoeff());
+      if (far) last_ = z;
+      search_now_ = far ? Search::anew : count_ % look_again == 0 ? Search::near : Search::none;
+      count_ = count_ % (std::int64_t{1} << 40) + 1;
+    }
+
+    template <class Column>
+    SEMIEXPLICIT_NOINLINE void times(const H& h, const Vec& z, const Column& v, Eigen::Index j,
+                                     Vec& product) {
+      const auto by = [&](const Scalar& shift, Vec& to) { difference(h, z, v, shift, to); };
+      // No shift is too small because some coordinate is large: it may be coupled to nothing.
+      if (search_now_ == Search::anew) shift_[j] = search_.best_of_all(size_, Scalar(0), largest_, by);
+      if (search_now_ == Search::near)
+        shift_[j] = search_.best_near(size_, Scalar(0), largest_, shift_[j], by);
+      by(shift_[j], product);
+    }
+
+    /// Whether a product that H gives is near the difference `found`; also where differences cannot tell.
+    bool compare(const H& h, const Vec& z, const Vec& v, const Vec& given, Vec& found) {
+      prepare(h, z, true);
+      times(h, z, v, 0, found);
+      Vec other = z;
+      difference(h, z, v, shift_[0] / 2, other);
+      const Scalar size = norm(found);
+      return !(norm(found - other) <= size / 1000) || norm(found - given) <= size / 100;
+    }
+
+    template <class Visitor>
+    void visit_memory(Visitor&& visit) {
+      visit(shift_);
+      visit(last_);
+      visit(count_);
+    }
+
+   private:
+    using Shifts = Eigen::Matrix<Scalar, Eigen::Dynamic, 1>;
+    enum class Search { none, near, anew };
+    static constexpr std::int64_t look_again = 16;
+
+    template <class Column>
+    void difference(const H& h, const Vec& z, const Column& v, const Scalar& shift, Vec& to) {
+      const Eigen::Index d = z.size() / 2;
+      at_.vector() = z + shift * v;
+      gradient_at(h, at_.vector().data(), search_.above().data(), d);
+      at_.vector() = z - shift * v;
+      gradient_at(h, at_.vector().data(), search_.below().data(), d);
+      to = (search_.above() - search_.below()) / (2 * shift);
+    }
+
+    State at_;
+    ShiftSearch<H> search_;
+    Vec last_;  ///< where the shifts were found
+    Shifts shift_;
+    Scalar size_ = Scalar(0), largest_ = Scalar(0);
+    Search search_now_ = Search::none;
+    std::int64_t count_ = 0;  ///< of the points
+  };
+
+  bool dense_, search_ = true;
+  SecondDerivatives<H> second_;
+  typename SecondDerivatives<H>::Matrix matrix_;
+  Differences differences_;
+  Vec gradient_;
+  std::vector<Number> at_, by_;
+};
+
+}  // namespace semiexplicit::detail

@@ -1,0 +1,124 @@
+#pragma once
+
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include <semiexplicit/chaos/tangent_vectors.hpp>
+#include <semiexplicit/observers/run_clock.hpp>
+
+namespace semiexplicit::detail {
+
+/// What the observers of tangent vectors share: it follows the run step by step and keeps the vectors orthonormal.
+template <class Stepper>
+class TangentRun {
+ public:
+  using Scalar = typename Stepper::Scalar;
+  using State = PhasePoint<Scalar, Stepper::Dof>;
+
+  /// `who` is the observer's name, for what it throws.
+  TangentRun(const char* who, const Stepper& stepper, Eigen::Index least, Eigen::Index count)
+      : who_(who),
+        tangents_(stepper, require(who, least, count, 2 * stepper.dof())),
+        previous_(stepper.dof()) {
+    // Directions of no symmetry, in which every growth has a part.
+    auto& v = tangents_.vectors();
+    for (Eigen::Index j = 0; j < v.cols(); ++j)
+      for (Eigen::Index i = 0; i < v.rows(); ++i)
+        v(i, j) = Scalar(std::sin(1.0 + static_cast<double>((i + 1) * (i + 1) * (j + 1))));
+    orthonormalise([](Eigen::Index, Eigen::Index, const Scalar&) {});
+  }
+
+  /// Other vectors to start with, made orthonormal.
+  template <class Derived>
+  void start_with(const Eigen::MatrixBase<Derived>& vectors) {
+    auto& v = tangents_.vectors();
+    if (vectors.rows() != v.rows() || vectors.cols() != v.cols())
+      refuse("vectors to start with are 2d rows in as many columns as it carries");
+    if (!fresh()) refuse("it has begun; give the vectors to start with before the run");
+    v = vectors;
+    orthonormalise([](Eigen::Index, Eigen::Index, const Scalar&) {});
+    if (!v.allFinite()) refuse("the vectors to start with are not independent");
+  }
+
+  /// Takes in the next state; true where that was a step, which the vectors have gone along. Throws what LyapunovExponents says.
+  bool follow(const Scalar& t, const State& z, const IntegrationReport& run) {
+    using Next = typename RunClock<Scalar>::Next;
+    const bool equal = clock_.started() && z.vector() == previous_.vector();
+    const Next next = clock_.relation(t, equal, run);
+    if (next == Next::first) tangents_.check(z);
+    if (next == Next::anew && !equal)
+      refuse("another orbit begins; every orbit wants an observer of its own, from its first state on");
+    if (next == Next::follows) {
+      if (clock_.steps_since(run) != 1)
+        refuse("it is shown only some of the steps, and needs every one; take every() away from it");
+      const Scalar dt = clock_.interval(t, run);
+      if (elapsed_ != 0 && (dt > Scalar(0)) != (elapsed_ > 0))
+        refuse("the time turned round; every run wants an observer of its own");
+      const StepReport report = tangents_.advance(previous_, dt);
+      if (!report.ok())
+        throw std::runtime_error(std::string(who_) + ": no tangent map of the step to t = " + in_words(t, 9) +
+                                 ": " + semiexplicit::describe(report.status));
+      elapsed_ += static_cast<double>(dt);
+      ++steps_;
+    }
+    clock_.set(t, run, next);
+    previous_ = z;
+    return next == Next::follows;
+  }
+
+  /// Modified Gram-Schmidt; put(i, j, r) is told the upper triangle R of V = QR, column by column, the diagonal of each last.
+  template <class Put>
+  void orthonormalise(const Put& put) {
+    auto& v = tangents_.vectors();
+    for (Eigen::Index j = 0; j < v.cols(); ++j) {
+      for (Eigen::Index i = 0; i < j; ++i) {
+        const Scalar part = dot(v.col(i), v.col(j));
+        v.col(j) -= part * v.col(i);
+        put(i, j, part);
+      }
+      const Scalar length = norm(v.col(j));
+      v.col(j) /= length;
+      put(j, j, length);
+    }
+  }
+
+  bool fresh() const { return !clock_.started(); }
+  Eigen::Index count() const { return tangents_.count(); }
+  const auto& vectors() const { return tangents_.vectors(); }
+  const auto& scheme() const { return tangents_.scheme(); }
+  /// The time of the run so far, with its sign, and its steps.
+  double elapsed() const { return elapsed_; }
+  std::int64_t steps() const { return steps_; }
+
+  template <class Visitor>
+  void visit_memory(Visitor&& visit) {
+    tangents_.visit_memory(visit);
+    visit(previous_.vector());
+    visit(elapsed_);
+    visit(steps_);
+    clock_.visit_memory(visit);
+  }
+
+ private:
+  static Eigen::Index require(const char* who, Eigen::Index least, Eigen::Index count, Eigen::Index all) {
+    if (count < least || count > all)
+      throw std::invalid_argument(std::string(who) + ": " + std::to_string(count) +
+                                  (least == 1 ? " exponents" : " vectors") + " asked for; there are " +
+                                  (least == 1 ? "" : std::to_string(least) + " to ") + std::to_string(all));
+    return count;
+  }
+  [[noreturn]] void refuse(const char* why) const {
+    throw std::invalid_argument(std::string(who_) + ": " + why);
+  }
+
+  const char* who_;
+  TangentVectors<Stepper> tangents_;
+  State previous_;
+  double elapsed_ = 0;
+  std::int64_t steps_ = 0;
+  RunClock<Scalar> clock_;
+};
+
+}  // namespace semiexplicit::detail

@@ -1,0 +1,391 @@
+#pragma once
+
+#include <cmath>
+#include <concepts>
+#include <utility>
+
+#include <semiexplicit/chaos/detail/hessian_product.hpp>
+#include <semiexplicit/core/stepper.hpp>
+#include <semiexplicit/steppers/detail/kick.hpp>
+#include <semiexplicit/steppers/explicit_splitting.hpp>
+#include <semiexplicit/steppers/midpoint_projection.hpp>
+#include <semiexplicit/steppers/semiexplicit.hpp>
+
+namespace semiexplicit::detail {
+
+/// to += t J product, for 2d numbers. Not inlined where they are many: g++ vectorises the loops on their own, and not within the sweep.
+template <class Scalar>
+SEMIEXPLICIT_NOINLINE void add_to_many(const Scalar& t, const Scalar* __restrict product,
+                                       Scalar* __restrict to, Eigen::Index d) {
+  for (Eigen::Index i = 0; i < d; ++i) to[i] += t * product[d + i];
+  for (Eigen::Index i = 0; i < d; ++i) to[d + i] -= t * product[i];
+}
+
+/// Columns of 2d numbers, tangent vectors of a phase space.
+template <class Scalar, int Dof>
+using Frame = Eigen::Matrix<Scalar, twice(Dof), Eigen::Dynamic>;
+
+/// The derivative of a stepper's step, applied to tangent vectors. Specialised for the steppers whose derivative is known.
+template <class Stepper>
+class TangentStep {
+  template <class T>
+  static constexpr bool known = false;
+  static_assert(known<Stepper>,
+                "the derivative of this stepper's step is not known: give TangentVectors, LyapunovExponents "
+                "and AlignmentIndex a Semiexplicit, a MidpointProjection or an ExplicitSplitting");
+};
+
+/// What the doubled steps share: the kicks on two copies of a phase point and on two copies of its tangent vectors, which
+/// each kick moves by its derivative, db += t J ∇²H(a) da.
+template <class H>
+class DoubledTangents {
+ public:
+  using Scalar = typename H::Scalar;
+  using State = PhasePoint<Scalar, H::Dof>;
+  using Vec = typename State::Storage;
+  using Vectors = Frame<Scalar, H::Dof>;
+
+  DoubledTangents(const H& hamiltonian, const Scheme<Scalar>& scheme, Eigen::Index columns)
+      : hamiltonian_(hamiltonian),
+        scheme_(scheme),
+        second_(dof_of(hamiltonian_), columns),
+        a(State(dof_of(hamiltonian_)).vector()),
+        b(a),
+        m(a),
+        f(a),
+        gradient_(a),
+        da(Vectors::Zero(a.size(), columns)),
+        db(da),
+        w(da),
+        g(da) {}
+
+  /// The copies z ± m and, with `tangents`, v ± w go through all kicks; f and g become the residuals of the projection.
+  template <bool tangents>
+  void sweep(const State& z, const Vectors& v, const Scalar& dt) {
+    a = z.vector() + m;
+    b = z.vector() - m;
+    if constexpr (tangents) {
+      da = v + w;
+      db = v - w;
+    }
+    inlined<Scalar>([&] {
+      detail::sweep(
+          scheme_, dt, [&](const Scalar& t) { kick<tangents>(t, a, da, b, db); },
+          [&](const Scalar& t) { kick<tangents>(t, b, db, a, da); });
+    });
+    f = a - b + 2 * m;
+    drop_time_rounding<H>(z.vector(), f, scheme_.kicks());
+    if constexpr (tangents) g = da - db + 2 * w;
+  }
+
+  /// How far the mean of the copies moved, of the point and of the vectors.
+  Scalar distance(const State& z) {
+    gradient_ = (a + b) / 2 - z.vector();
+    return norm(gradient_);
+  }
+  Scalar tangent_distance(const Vectors& v) const {
+    return norm(((da.reshaped() - v.reshaped()) + (db.reshaped() - v.reshaped())) / 2);
+  }
+
+  /// Whether a step of size dt can start from z.
+  Status check(const State& z, const Scalar& dt) const {
+    if (!valid_step(dt)) return Status::invalid_step;
+    if (scheme_.b.empty()) return Status::invalid_stepper;
+    return z.vector().size() == a.size() && z.vector().allFinite() ? Status::success : Status::invalid_state;
+  }
+
+  /// v becomes the mean of the copies; false, and v untouched, where that is not finite.
+  bool finish(Vectors& v) {
+    g = (da + db) / 2;
+    if (!g.allFinite()) return false;
+    v.swap(g);
+    return true;
+  }
+
+  HessianProduct<H>& second() { return second_; }
+  const HessianProduct<H>& second() const { return second_; }
+  const H& hamiltonian() const { return hamiltonian_; }
+  const Scheme<Scalar>& scheme() const { return scheme_; }
+
+ private:
+  template <bool tangents>
+  SEMIEXPLICIT_INLINE void kick(const Scalar& t, const Vec& from, const Vectors& dfrom, Vec& to,
+                                Vectors& dto) {
+    const Eigen::Index d = from.size() / 2;
+    if constexpr (tangents) {
+      second_.prepare(hamiltonian_, from);
+      for (Eigen::Index j = 0; j < dfrom.cols(); ++j) {
+        second_.times(hamiltonian_, from, dfrom.data() + 2 * d * j, j, gradient_);
+        if constexpr (fits_on_stack(H::Dof))
+          add(t, gradient_.data(), dto.data() + 2 * d * j, d, d);
+        else
+          add_to_many(t, gradient_.data(), dto.data() + 2 * d * j, d);
+      }
+    }
+    if constexpr (tangents && HessianProduct<H>::gives_gradient) {
+      add(t, second_.gradient().data(), to.data(), d, d);
+    } else if constexpr (fits_on_stack(H::Dof) || HasRangeGradient<H>) {
+      detail::kick(hamiltonian_, t, from.data(), to.data(), gradient_.data(), d);
+    } else {
+      gradient_at(hamiltonian_, from.data(), gradient_.data(), d);
+      add_to_many(t, gradient_.data(), to.data(), d);
+    }
+  }
+
+  H hamiltonian_;
+  Scheme<Scalar> scheme_;
+  HessianProduct<H> second_;
+
+ public:
+  Vec a, b, m, f;
+
+ private:
+  Vec gradient_;
+
+ public:
+  Vectors da, db, w, g;
+};
+
+/// Of the projected step: with (a', b') = sweep(z + m, z - m) and f = a' - b' + 2m = 0, a tangent vector v takes w with (da', db') =
+/// tangent sweep(v + w, v - w) and g = da' - db' + 2w = 0, and becomes (da' + db')/2: the same equation, linearised at its
+/// solution, and solved by the stepper's own solver to its own rule, so that vᵀJu is kept as the step keeps symplecticity. The
+/// simplified Newton method solves both in one go: in most steps one sweep of the point with its vectors is all.
+template <class H, class Solver>
+class TangentStep<Semiexplicit<H, Solver>> {
+ public:
+  using Scalar = typename H::Scalar;
+  using State = PhasePoint<Scalar, H::Dof>;
+  using Vectors = Frame<Scalar, H::Dof>;
+
+  TangentStep(const Semiexplicit<H, Solver>& stepper, Eigen::Index columns)
+      : copies_(stepper.hamiltonian(), stepper.scheme(), columns),
+        solver_(stepper.solver()),
+        multiplier_(copies_.m),
+        stacked_(Stacked::Zero(together ? 0 : copies_.w.size())),
+        work_(solver_, multiplier_.size()),
+        tangent_work_(solver_, stacked_.size()) {}
+
+  /// v becomes the image of its columns, which have length one, by the derivative of the step from z; untouched unless ok.
+  StepReport operator()(const State& z, Vectors& v, const Scalar& dt) {
+    StepReport report{.status = copies_.check(z, dt)};
+    if (!report.ok()) return report;
+    copies_.second().begin();
+    if constexpr (together)
+      solve_together(z, v, dt, report);
+    else
+      solve_in_turn(z, v, dt, report);
+    if (report.ok() && !copies_.finish(v)) report.status = Status::not_finite;
+    return report;
+  }
+
+  HessianProduct<H>& second() { return copies_.second(); }
+  const H& hamiltonian() const { return copies_.hamiltonian(); }
+  const Scheme<Scalar>& scheme() const { return copies_.scheme(); }
+
+ private:
+  static constexpr bool together = std::same_as<Solver, SimplifiedNewton>;
+  using Vec = typename State::Storage;
+  using Stacked = Eigen::Matrix<Scalar, Eigen::Dynamic, 1>;
+
+  /// The sizes that the stopping rule judges by, of the point or of the vectors; see Semiexplicit.
+  struct Sizes {
+    const Scalar *f, *z;
+    Eigen::Index count;
+    Scalar size, distance;
+    Scalar rounding = Eigen::NumTraits<Scalar>::epsilon();
+
+    Scalar state_size() const {
+      const Scalar moves = StoppingRule::moves * distance;
+      return moves < size ? moves : size;
+    }
+    Scalar rounding_level() const { return 100 * rounding * (size + distance); }
+    bool within_rounding(double multiple) const {
+      // An iteration that no longer shrinks is allowed the rounding of differences; one that does is not.
+      const Scalar unit = rounding / Eigen::NumTraits<Scalar>::epsilon();
+      return detail::within_rounding(f, z, count, distance,
+                                     multiple < 1 ? multiple : multiple * static_cast<double>(unit));
+    }
+  };
+  Sizes sizes(const State& z) {
+    return {copies_.f.data(), z.vector().data(), copies_.f.size(),
+            detail::state_size(copies_.hamiltonian(), z), copies_.distance(z)};
+  }
+  Sizes tangent_sizes(const Vectors& v) const {
+    return {copies_.g.data(),           v.data(), v.size(), norm(v.reshaped()), copies_.tangent_distance(v),
+            copies_.second().rounding()};
+  }
+
+  void solve_together(const State& z, const Vectors& v, const Scalar& dt, StepReport& report) {
+    Convergence<Scalar> orbit(solver_.stop, solver_.max_iterations), tangent = orbit;
+    copies_.m.setZero();
+    copies_.w.setZero();
+    Scalar size_m(0), size_w(0);
+    for (bool settled = false;;) {
+      copies_.template sweep<true>(z, v, dt);
+      if (!settled) settled = orbit.done(norm(copies_.f) / 4, size_m, sizes(z));
+      if (tangent.done(norm(copies_.g.reshaped()) / 4, size_w, tangent_sizes(v)) && settled) break;
+      if (settled && !orbit.report().ok()) break;
+      // The point rests once it is found: with it rest the rounding errors of differences, and the equation of w is linear.
+      if (!settled) copies_.m -= copies_.f / 4;
+      copies_.w -= copies_.g / 4;
+      size_m = norm(copies_.m);
+      size_w = norm(copies_.w.reshaped());
+      copies_.second().keep_shifts();
+    }
+    tell(tangent.report(), report);
+    if (!orbit.report().ok()) report.status = orbit.report().status;
+  }
+
+  void solve_in_turn(const State& z, const Vectors& v, const Scalar& dt, StepReport& report) {
+    OrbitResidual orbit{*this, z, v, dt, {}};
+    const auto solved = solver_.solve(orbit, multiplier_, work_);
+    report.status = solved.status;
+    if (!solved.ok()) return;
+    TangentResidual tangent{*this, z, v, dt, {}};
+    tell(solver_.solve(tangent, stacked_, tangent_work_), report);
+  }
+
+  static void tell(const SolverReport<Scalar>& solved, StepReport& report) {
+    report.status = solved.status;
+    report.evaluations = solved.evaluations;
+    report.correction = static_cast<double>(solved.correction);
+    report.rate = static_cast<double>(solved.rate);
+    report.escalations = solved.escalations;
+  }
+
+  /// f and g as the solvers see them.
+  struct OrbitResidual {
+    TangentStep& step;
+    const State& z;
+    const Vectors& v;
+    const Scalar& dt;
+    Sizes last;
+
+    void operator()(Vec& f) { evaluate(step.copies_.m.setZero(), f); }
+    void operator()(const Vec& m, Vec& f) { evaluate(step.copies_.m = m, f); }
+    void evaluate(const Vec&, Vec& f) {
+      step.copies_.template sweep<false>(z, v, dt);
+      f = step.copies_.f;
+      last = step.sizes(z);
+    }
+    Scalar state_size() const { return last.state_size(); }
+    Scalar rounding_level() const { return last.rounding_level(); }
+    bool within_rounding(double multiple) const { return last.within_rounding(multiple); }
+  };
+  struct TangentResidual {
+    TangentStep& step;
+    const State& z;
+    const Vectors& v;
+    const Scalar& dt;
+    Sizes last;
+
+    void operator()(Stacked& g) { evaluate(step.copies_.w.setZero(), g); }
+    void operator()(const Stacked& w, Stacked& g) {
+      step.copies_.w.reshaped() = w;
+      evaluate(step.copies_.w, g);
+    }
+    void evaluate(const Vectors&, Stacked& g) {
+      step.copies_.template sweep<true>(z, v, dt);
+      step.copies_.second().keep_shifts();
+      g = step.copies_.g.reshaped();
+      last = step.tangent_sizes(v);
+    }
+    Scalar state_size() const { return last.state_size(); }
+    Scalar rounding_level() const { return last.rounding_level(); }
+    bool within_rounding(double multiple) const { return last.within_rounding(multiple); }
+  };
+
+  DoubledTangents<H> copies_;
+  Solver solver_;
+  Vec multiplier_;
+  Stacked stacked_;
+  typename SolverDoor<Solver, Vec>::Workspace work_;
+  typename SolverDoor<Solver, Stacked>::Workspace tangent_work_;
+};
+
+/// Of the mean of the copies without projection: one tangent sweep from m = w = 0.
+template <class H>
+class TangentStep<MidpointProjection<H>> {
+ public:
+  using Scalar = typename H::Scalar;
+  using State = PhasePoint<Scalar, H::Dof>;
+  using Vectors = Frame<Scalar, H::Dof>;
+
+  TangentStep(const MidpointProjection<H>& stepper, Eigen::Index columns)
+      : copies_(stepper.hamiltonian(), stepper.scheme(), columns) {}
+
+  StepReport operator()(const State& z, Vectors& v, const Scalar& dt) {
+    StepReport report{.status = copies_.check(z, dt)};
+    if (!report.ok()) return report;
+    copies_.second().begin();
+    copies_.template sweep<true>(z, v, dt);
+    report.evaluations = 1;
+    if (!copies_.finish(v)) report.status = Status::not_finite;
+    return report;
+  }
+
+  HessianProduct<H>& second() { return copies_.second(); }
+  const H& hamiltonian() const { return copies_.hamiltonian(); }
+  const Scheme<Scalar>& scheme() const { return copies_.scheme(); }
+
+ private:
+  DoubledTangents<H> copies_;
+};
+
+/// Of drifts q += t ∂T/∂p and kicks p -= t ∂V/∂q: dq += t (∇²H v)_p and dp -= t (∇²H v)_q.
+template <class H>
+class TangentStep<ExplicitSplitting<H>> {
+ public:
+  using Scalar = typename H::Scalar;
+  using State = PhasePoint<Scalar, H::Dof>;
+  using Vec = typename State::Storage;
+  using Vectors = Frame<Scalar, H::Dof>;
+
+  TangentStep(const ExplicitSplitting<H>& stepper, Eigen::Index columns)
+      : hamiltonian_(stepper.hamiltonian()),
+        scheme_(stepper.scheme()),
+        second_(stepper.dof(), columns),
+        at_(State(stepper.dof()).vector()),
+        gradient_(at_),
+        moved_(Vectors::Zero(at_.size(), columns)) {}
+
+  StepReport operator()(const State& z, Vectors& v, const Scalar& dt) {
+    if (!valid_step(dt)) return {.status = Status::invalid_step};
+    if (scheme_.b.empty()) return {.status = Status::invalid_stepper};
+    if (z.vector().size() != at_.size() || !z.vector().allFinite()) return {.status = Status::invalid_state};
+    const Eigen::Index d = z.dof();
+    second_.begin();
+    at_ = z.vector();
+    moved_ = v;
+    const auto flow = [&](const Scalar& t, Eigen::Index from, Eigen::Index to) {
+      second_.prepare(hamiltonian_, at_);
+      for (Eigen::Index j = 0; j < moved_.cols(); ++j) {
+        second_.times(hamiltonian_, at_, moved_.data() + 2 * d * j, j, gradient_);
+        moved_.col(j).segment(to, d) += t * gradient_.segment(from, d);
+      }
+      gradient_at(hamiltonian_, at_.data(), gradient_.data(), d);
+      at_.segment(to, d) += t * gradient_.segment(from, d);
+    };
+    sweep(
+        scheme_, dt, [&](const Scalar& t) { flow(t, d, 0); }, [&](const Scalar& t) { flow(-t, 0, d); });
+    StepReport report{.evaluations = 1};
+    if (moved_.allFinite())
+      v.swap(moved_);
+    else
+      report.status = Status::not_finite;
+    return report;
+  }
+
+  HessianProduct<H>& second() { return second_; }
+  const H& hamiltonian() const { return hamiltonian_; }
+  const Scheme<Scalar>& scheme() const { return scheme_; }
+
+ private:
+  H hamiltonian_;
+  Scheme<Scalar> scheme_;
+  HessianProduct<H> second_;
+  Vec at_, gradient_;
+  Vectors moved_;
+};
+
+}  // namespace semiexplicit::detail

@@ -1,0 +1,168 @@
+#include "catch.hpp"
+
+#include <cmath>
+#include <vector>
+
+#include <semiexplicit/chaos.hpp>
+#include <semiexplicit/checkpoint.hpp>
+#include <semiexplicit/semiexplicit.hpp>
+
+#include "folder.hpp"
+#include "refusal.hpp"
+
+// Alignment indices, and the series of finite-time exponents.
+
+namespace {
+
+using namespace semiexplicit;
+
+/// H = (p² + q²)/2 + x²y - y³/3 (Hénon and Heiles, Astron. J. 69 (1964) 73).
+struct HenonHeiles {
+  using Scalar = double;
+  static constexpr int Dof = 2;
+  void gradient(In<double, 2> q, In<double, 2> p, Out<double, 2> dHdq, Out<double, 2> dHdp) const {
+    dHdq[0] = q[0] + 2 * q[0] * q[1];
+    dHdq[1] = q[1] + q[0] * q[0] - q[1] * q[1];
+    dHdp = p;
+  }
+  void hessian_times(In<double, 2> q, In<double, 2>, In<double, 2> dq, In<double, 2> dp, Out<double, 2> hq,
+                     Out<double, 2> hp) const {
+    hq[0] = dq[0] + 2 * (dq[0] * q[1] + q[0] * dq[1]);
+    hq[1] = dq[1] + 2 * (q[0] * dq[0] - q[1] * dq[1]);
+    hp = dp;
+  }
+  /// The point (0, y; px > 0, 0) of energy 1/8.
+  static PhasePoint<double, 2> point(double y) {
+    return {{0, y}, {std::sqrt(0.25 - y * y + 2 * y * y * y / 3), 0}};
+  }
+};
+const Semiexplicit stepper(HenonHeiles{}, schemes::low_defect6_s13());
+constexpr double chaotic = -0.25, regular = 0.1;
+
+template <class... Observers>
+void run(double y, std::int64_t steps, Observers&&... observers) {
+  auto own = stepper;
+  auto z = HenonHeiles::point(y);
+  integrate(own, z, {.dt = 0.2, .steps = steps}, observers...);
+}
+
+}  // namespace
+
+TEST_CASE("Alignment indices are the volumes of the vectors themselves", "[alignment]") {
+  AlignmentIndex gali(stepper, 4);
+  CHECK(gali.index(2) == 1);
+  CHECK(gali.smaller() == Approx(std::sqrt(2.0)));
+  // The same vectors, carried without being made orthonormal; they agree in some digits only at the end.
+  LyapunovExponents start(stepper, 4);
+  TangentVectors tangents(stepper, 4);
+  tangents.vectors() = start.vectors();
+  auto own = stepper;
+  auto z = HenonHeiles::point(chaotic);
+  for (int n = 0; n < 500; ++n) {
+    gali(0.2 * n, z);
+    REQUIRE(tangents.advance(z, 0.2).ok());
+    REQUIRE(own.step(z, 0.2).ok());
+  }
+  gali(100, z);
+  const Eigen::Matrix4d v = tangents.vectors().colwise().normalized();
+  for (const int k : {2, 3}) {
+    const auto gram = (v.leftCols(k).transpose() * v.leftCols(k)).eval();
+    CHECK(gali.index(k) == Approx(std::sqrt(gram.determinant())).epsilon(1e-4));
+  }
+  const double together = (v.col(0) - v.col(1)).norm(), apart = (v.col(0) + v.col(1)).norm();
+  CHECK(gali.smaller() == Approx(std::min(together, apart)).epsilon(1e-4));
+  CHECK(gali.index(2) < 0.1);
+}
+
+TEST_CASE("In chaos alignment indices decay at the rates of the exponents", "[alignment][long]") {
+  AlignmentIndex gali(stepper, 4);
+  LyapunovExponents lyapunov(stepper);
+  run(chaotic, 50'000, gali, lyapunov);
+  const double t = 1e4;
+  const auto x = lyapunov.exponents();
+  // GALI_2, far below the rounding of the vectors, and below the smallest double.
+  CHECK(-gali.log_index(2) / t == Approx(x[0] - x[1]).epsilon(0.02));
+  CHECK(-gali.log_index(3) / t == Approx(2 * x[0] - x[1] - x[2]).epsilon(0.02));
+  CHECK(-gali.log_index(4) / t == Approx(3 * x[0] - x[1] - x[2] - x[3]).epsilon(0.02));
+  CHECK(gali.log_index(4) < -1000);
+  CHECK(gali.index(4) == 0);
+  CHECK(gali.index(2) < 1e-100);
+}
+
+TEST_CASE("On a torus GALI_2 stays, GALI_3 falls as 1/t² and GALI_4 as 1/t⁴", "[alignment][long]") {
+  AlignmentIndex gali(stepper, 4);
+  std::vector<double> t, means[5];
+  double sums[5] = {};
+  int seen = 0;
+  run(regular, 100'000, gali, [&](double, const auto&, const IntegrationReport& so_far) {
+    // Means of the logarithm over the last tenth before 200, 2000 and 20000, which the revolutions of the torus modulate.
+    for (const std::int64_t end : {1'000, 10'000, 100'000}) {
+      if (so_far.steps <= end - end / 2 || so_far.steps > end) continue;
+      ++seen;
+      for (const int k : {2, 3, 4}) sums[k] += gali.log_index(k) / std::log(10.0);
+      if (so_far.steps == end) {
+        for (const int k : {2, 3, 4}) means[k].push_back(sums[k] / seen), sums[k] = 0;
+        seen = 0;
+      }
+    }
+  });
+  for (const std::size_t decade : {0U, 1U}) {
+    CAPTURE(decade);
+    CHECK(std::abs(means[2][decade + 1] - means[2][decade]) < 0.2);
+    CHECK(means[3][decade + 1] - means[3][decade] == Approx(-2).margin(0.4));
+    CHECK(means[4][decade + 1] - means[4][decade] == Approx(-4).margin(0.5));
+  }
+}
+
+TEST_CASE("Alignment indices say what they cannot do", "[alignment]") {
+  CHECK(refuses([] { AlignmentIndex(stepper, 1); }, "1 vectors asked for; there are 2 to 4"));
+  CHECK(refuses([] { AlignmentIndex(stepper, 5); }, "5 vectors asked for"));
+  const AlignmentIndex gali(stepper, 2);
+  CHECK(refuses([&] { (void)gali.index(3); }, "GALI_3 of 2 vectors"));
+  CHECK(refuses([&] { (void)gali.index(1); }, "GALI_1"));
+}
+
+TEST_CASE("The series of finite-time exponents is that of the estimates on the way", "[lyapunov]") {
+  for (const double dt : {0.1, -0.1}) {
+    LyapunovExponents lyapunov(stepper, 2);
+    auto own = stepper;
+    auto z = HenonHeiles::point(chaotic);
+    std::vector<Eigen::VectorXd> all;
+    integrate(own, z, {.dt = dt, .steps = 3000, .t0 = 7}, lyapunov,
+              [&](double, const auto&) { all.push_back(lyapunov.exponents()); });
+    const auto& t = lyapunov.times();
+    REQUIRE(t.size() > 50);
+    REQUIRE(t.size() < 70);
+    CHECK(t.front() == dt);
+    CHECK(std::abs(t.back()) > 260);
+    for (std::size_t i = 0; i < t.size(); ++i) {
+      const auto n = static_cast<std::size_t>(std::lround(t[i] / dt));
+      for (const int j : {0, 1}) CHECK(lyapunov.series(j)[i] == all[n][j]);
+      if (i > 0) CHECK(t[i] / t[i - 1] > 1);
+      if (i > 20) CHECK(t[i] / t[i - 1] < 1.2);
+    }
+  }
+}
+
+TEST_CASE("A run that is resumed gives the same indices and the same series", "[alignment]") {
+  const Folder folder;
+  const auto go = [&](std::int64_t stop_at) {
+    auto own = stepper;
+    AlignmentIndex gali(own, 3);
+    LyapunovExponents lyapunov(own, 1);
+    auto z = HenonHeiles::point(chaotic);
+    IntegrationOptions<double> options{.dt = 0.1, .steps = 1000};
+    Checkpoints checkpoints(folder.path / "run.checkpoint", {.every = 100}, own, options, gali, lyapunov);
+    options.done = checkpoints.resume(z);
+    integrate(own, z, options, gali, lyapunov, checkpoints,
+              [&](double, const auto&, const IntegrationReport& so_far) { return so_far.steps != stop_at; });
+    auto list = lyapunov.series();
+    list.push_back(gali.log_index(2));
+    list.push_back(gali.log_index(3));
+    return list;
+  };
+  const auto whole = go(-1);
+  std::filesystem::remove(folder.path / "run.checkpoint");
+  go(450);
+  CHECK(go(-1) == whole);
+}

@@ -1,0 +1,353 @@
+#include "catch.hpp"
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include <semiexplicit/chaos.hpp>
+#include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/systems.hpp>
+#include <semiexplicit/time.hpp>
+
+#include "lattice_energy.hpp"
+#include "refusal.hpp"
+
+// Tangent vectors carried along by a step: the dense derivative of the step times them.
+
+namespace {
+
+using namespace semiexplicit;
+
+/// The lattice's gradient, seen as a user's who has nothing more.
+template <class Scalar_, int N>
+struct GradientOnly {
+  using Scalar = Scalar_;
+  static constexpr int Dof = N;
+  systems::NlsLattice<Scalar, N> lattice;
+  Eigen::Index dof() const { return lattice.dof(); }
+  void gradient(const In<Scalar, N>& q, const In<Scalar, N>& p, Out<Scalar, N> dHdq,
+                Out<Scalar, N> dHdp) const {
+    lattice.gradient(q, p, dHdq, dHdp);
+  }
+};
+/// The same with its second derivatives times vectors, off by a factor where that is asked for.
+template <class Scalar_, int N>
+struct WithProduct : GradientOnly<Scalar_, N> {
+  using Scalar = Scalar_;
+  Scalar factor = 1;
+  void hessian_times(const In<Scalar, N>& q, const In<Scalar, N>& p, const In<Scalar, N>& dq,
+                     const In<Scalar, N>& dp, Out<Scalar, N> hq, Out<Scalar, N> hp) const {
+    const Eigen::Index n = this->dof();
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const Scalar density = q[i] * q[i] + p[i] * p[i], grows = 2 * (q[i] * dq[i] + p[i] * dp[i]);
+      Scalar u(0), v(0), du(0), dv(0);
+      for (const Eigen::Index j : {i - 1, i + 1}) {
+        if (j < 0 || j == n) continue;
+        u += 2 * (q[j] * q[j] - p[j] * p[j]);
+        v += 4 * q[j] * p[j];
+        du += 4 * (q[j] * dq[j] - p[j] * dp[j]);
+        dv += 4 * (q[j] * dp[j] + p[j] * dq[j]);
+      }
+      hq[i] = factor * ((density - u) * dq[i] + (grows - du) * q[i] - v * dp[i] - dv * p[i]);
+      hp[i] = factor * ((density + u) * dp[i] + (grows + du) * p[i] - v * dq[i] - dv * q[i]);
+    }
+  }
+};
+static_assert(HasHessianTimes<WithProduct<double, 5>> && !HasHessianTimes<GradientOnly<double, 5>>);
+
+template <class Scalar, int N>
+PhasePoint<Scalar, N> some_point(Eigen::Index n) {
+  PhasePoint<Scalar, N> z(n);
+  for (Eigen::Index i = 0; i < 2 * n; ++i)
+    z.vector()[i] = Scalar(std::sin(1.0 + static_cast<double>(i * i))) / 2;
+  return z;
+}
+template <class Vectors>
+void fill(Vectors& v) {
+  for (Eigen::Index j = 0; j < v.cols(); ++j)
+    for (Eigen::Index i = 0; i < v.rows(); ++i)
+      v(i, j) = typename Vectors::Scalar(std::cos(static_cast<double>((i + 2) * (j + 1) * (i + 1)))) *
+                typename Vectors::Scalar(std::pow(10.0, static_cast<double>(3 * j)));
+}
+
+/// How far the vectors carried by one step are from the dense map times them, relative to their size.
+template <class Stepper, class Exact>
+double error_of_vectors(const Stepper& stepper, const Exact& exact,
+                        const PhasePoint<typename Stepper::Scalar, Stepper::Dof>& z, double dt,
+                        Eigen::Index count = 3) {
+  using Scalar = typename Stepper::Scalar;
+  TangentVectors tangents(stepper, count);
+  fill(tangents.vectors());
+  const auto before = tangents.vectors();
+  REQUIRE(tangents.advance(z, Scalar(dt)).ok());
+  TangentMap dense(exact, stepper.scheme());
+  REQUIRE(dense.at(z, Scalar(dt)) == Status::success);
+  Scalar worst(0);
+  for (Eigen::Index j = 0; j < count; ++j)
+    worst = std::max(
+        worst, (tangents.vectors().col(j) - dense.matrix() * before.col(j)).norm() / before.col(j).norm());
+  return static_cast<double>(worst);
+}
+
+const SimplifiedNewton tight{.stop = StoppingRule::product(1e-32)};
+
+/// vᵀJu.
+template <class V>
+auto area(const V& v, const V& u) {
+  const Eigen::Index d = v.size() / 2;
+  return v.head(d).dot(u.tail(d)) - v.tail(d).dot(u.head(d));
+}
+
+/// Hénon and Heiles' system in halves.
+struct Halves {
+  using Scalar = double;
+  static constexpr int Dof = 2;
+  static constexpr bool separable = true;
+  using SeparableGradientOf = Halves;
+  void position_gradient(In<double, 2> q, Out<double, 2> dVdq) const {
+    dVdq[0] = q[0] + 2 * q[0] * q[1];
+    dVdq[1] = q[1] + q[0] * q[0] - q[1] * q[1];
+  }
+  void momentum_gradient(In<double, 2> p, Out<double, 2> dTdp) const { dTdp = p; }
+  void gradient(In<double, 2> q, In<double, 2> p, Out<double, 2> dHdq, Out<double, 2> dHdp) const {
+    position_gradient(q, dHdq);
+    momentum_gradient(p, dHdp);
+  }
+  void hessian_times(In<double, 2> q, In<double, 2>, In<double, 2> dq, In<double, 2> dp, Out<double, 2> hq,
+                     Out<double, 2> hp) const {
+    hq[0] = dq[0] + 2 * (dq[0] * q[1] + q[0] * dq[1]);
+    hq[1] = dq[1] + 2 * (q[0] * dq[0] - q[1] * dq[1]);
+    hp = dp;
+  }
+};
+
+struct Rotors {  // angles that turn, coupled to their neighbours; the last one to nothing
+  using Scalar = double;
+  static constexpr int Dof = 8;
+  void gradient(In<double, 8> q, In<double, 8> p, Out<double, 8> dHdq, Out<double, 8> dHdp) const {
+    for (int i = 0; i < 7; ++i) dHdq[i] = std::sin(q[i]);
+    for (int i = 0; i < 6; ++i) {
+      const double force = std::sin(q[i] - q[i + 1]);
+      dHdq[i] += force;
+      dHdq[i + 1] -= force;
+    }
+    dHdq[7] = 0;
+    dHdp = p;
+  }
+};
+struct RotorsExactly : Rotors {
+  void hessian_times(In<double, 8> q, In<double, 8>, In<double, 8> dq, In<double, 8> dp, Out<double, 8> hq,
+                     Out<double, 8> hp) const {
+    for (int i = 0; i < 7; ++i) hq[i] = std::cos(q[i]) * dq[i];
+    for (int i = 0; i < 6; ++i) {
+      const double force = std::cos(q[i] - q[i + 1]) * (dq[i] - dq[i + 1]);
+      hq[i] += force;
+      hq[i + 1] -= force;
+    }
+    hq[7] = 0;
+    hp = dp;
+  }
+};
+
+/// An oscillator whose gradient is NaN beyond 1, and throws beyond 2.
+struct Walled {
+  using Scalar = double;
+  static constexpr int Dof = 1;
+  void gradient(In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
+    if (q[0] > 2) throw std::domain_error("beyond 2");
+    dHdq[0] = q[0] > 1 ? std::numeric_limits<double>::quiet_NaN() : q[0];
+    dHdp[0] = p[0];
+  }
+  void hessian_times(In<double, 1>, In<double, 1>, In<double, 1> dq, In<double, 1> dp, Out<double, 1> hq,
+                     Out<double, 1> hp) const {
+    hq = dq;
+    hp = dp;
+  }
+};
+
+/// How far the vectors by differences come from the exact ones in some steps, relative to their size.
+double error_by_differences(PhasePoint<double, 8> z, int steps) {
+  const auto scheme = schemes::low_defect6_s13();
+  Semiexplicit stepper(Rotors{}, scheme);
+  TangentVectors by_differences(stepper, 2);
+  TangentVectors exact(Semiexplicit(RotorsExactly{}, scheme), 2);
+  fill(exact.vectors());
+  by_differences.vectors() = exact.vectors();
+  double worst = 0;
+  for (int n = 0; n < steps; ++n) {
+    REQUIRE(by_differences.advance(z, 0.1).ok());
+    REQUIRE(exact.advance(z, 0.1).ok());
+    REQUIRE(stepper.step(z, 0.1).ok());
+    for (const int j : {0, 1})
+      worst = std::max(worst, (by_differences.vectors().col(j) - exact.vectors().col(j)).norm() /
+                                  exact.vectors().col(j).norm());
+  }
+  return worst;
+}
+
+}  // namespace
+
+TEST_CASE("Tangent vectors are the dense map times vectors", "[chaos]") {
+  const auto exact = from_energy<5>(lattice_energy);
+  const auto z = some_point<double, 5>(5);
+  const auto scheme = schemes::low_defect6_s13();
+  for (const double dt : {0.1, -0.2}) {
+    CAPTURE(dt);
+    const Semiexplicit by_product(WithProduct<double, 5>{}, scheme, tight);
+    CHECK(error_of_vectors(by_product, exact, z, dt) <= 3e-15);
+    const Semiexplicit by_duals(systems::NlsLattice<double, 5>(), scheme, tight);
+    CHECK(error_of_vectors(by_duals, exact, z, dt) <= 3e-15);
+    CHECK(error_of_vectors(by_duals, exact, z, dt, 10) <= 3e-15);
+    const Semiexplicit by_hessian(exact, scheme, tight);
+    CHECK(error_of_vectors(by_hessian, exact, z, dt) <= 3e-15);
+    // By differences along each of few vectors, and by a matrix for many.
+    const Semiexplicit by_differences(GradientOnly<double, 5>{}, scheme, tight);
+    CHECK(error_of_vectors(by_differences, exact, z, dt) <= 1e-8);
+    CHECK(error_of_vectors(by_differences, exact, z, dt, 5) <= 1e-8);
+    // With the usual rule the point is not found to rounding.
+    CHECK(error_of_vectors(Semiexplicit(WithProduct<double, 5>{}, scheme), exact, z, dt) <= 1e-8);
+  }
+}
+
+TEST_CASE("Tangent vectors of any size and precision, and of every solver", "[chaos]") {
+  using Extended = long double;
+  const auto lattice = from_energy<Extended>(4, lattice_energy);
+  const auto wide = some_point<Extended, Eigen::Dynamic>(4);
+  const SimplifiedNewton tighter{.stop = StoppingRule::product(1e-38)};
+  const systems::NlsLattice<Extended> by_duals(4);
+  CHECK(error_of_vectors(Semiexplicit(by_duals, schemes::blanes_moan4<Extended>(), tighter), lattice, wide,
+                         0.1) <= 1e-17);
+  const auto short_lattice = from_energy<float>(4, lattice_energy);
+  const SimplifiedNewton loose{.stop = StoppingRule::product(1e-12)};
+  CHECK(error_of_vectors(Semiexplicit(systems::NlsLattice<float>(4), schemes::blanes_moan4<float>(), loose),
+                         short_lattice, some_point<float, Eigen::Dynamic>(4), 0.1) <= 3e-6);
+
+  const auto exact = from_energy<5>(lattice_energy);
+  const WithProduct<double, 5> h;
+  const auto z = some_point<double, 5>(5);
+  const auto strang = schemes::strang();
+  CHECK(error_of_vectors(Semiexplicit(h, strang, Broyden{.stop = tight.stop}), exact, z, 0.3) <= 1e-14);
+  CHECK(error_of_vectors(Semiexplicit(h, strang, NewtonKrylov{.stop = tight.stop}), exact, z, 0.3) <= 1e-12);
+  CHECK(error_of_vectors(Semiexplicit(h, strang, Robust{}), exact, z, 0.3) <= 1e-7);
+}
+
+TEST_CASE("Tangent vectors of the explicit methods are the limit of differences", "[chaos]") {
+  const auto limit = [](auto stepper, const auto& z) {
+    TangentVectors tangents(stepper, 2);
+    fill(tangents.vectors());
+    const auto before = tangents.vectors();
+    REQUIRE(tangents.advance(z, 0.2).ok());
+    for (const int j : {0, 1}) {
+      const auto slope = [&](double shift) {
+        auto above = z, below = z;
+        above.vector() += shift * before.col(j).normalized();
+        below.vector() -= shift * before.col(j).normalized();
+        REQUIRE(stepper.step(above, 0.2).ok());
+        REQUIRE(stepper.step(below, 0.2).ok());
+        return ((above.vector() - below.vector()) / (2 * shift) * before.col(j).norm()).eval();
+      };
+      const auto found = ((4 * slope(5e-4) - slope(1e-3)) / 3).eval();
+      CHECK((tangents.vectors().col(j) - found).norm() <= 1e-10 * found.norm());
+    }
+  };
+  limit(MidpointProjection(WithProduct<double, 5>{}, schemes::blanes_moan4()), some_point<double, 5>(5));
+  limit(ExplicitSplitting(Halves{}, schemes::blanes_moan4()), some_point<double, 2>(2));
+}
+
+TEST_CASE("Symplecticity holds of tangent vectors over a long run", "[chaos]") {
+  // Close to what the rule allows of each step, 1e-16 of the size of the vectors.
+  const auto drift = [](const auto& h) {
+    Semiexplicit stepper(h, schemes::low_defect6_s13());
+    TangentVectors tangents(stepper, 3);
+    fill(tangents.vectors());
+    tangents.vectors().colwise().normalize();
+    auto z = some_point<double, 5>(5);
+    const auto v = tangents.vectors();
+    double worst = 0;
+    for (int n = 0; n < 20'000; ++n) {
+      REQUIRE(tangents.advance(z, 0.02).ok());
+      REQUIRE(stepper.step(z, 0.02).ok());
+      const auto& u = tangents.vectors();
+      for (const int j : {0, 1})
+        worst = std::max(worst, std::abs(area(u.col(j), u.col(2)) - area(v.col(j), v.col(2))) /
+                                    (u.col(j).norm() * u.col(2).norm()));
+    }
+    return worst;
+  };
+  CHECK(drift(WithProduct<double, 5>{}) <= 1e-12);
+  CHECK(drift(systems::NlsLattice<double, 5>()) <= 1e-12);
+  CHECK(drift(GradientOnly<double, 5>{}) <= 1e-6);
+}
+
+TEST_CASE("Differences along vectors suit angles that have wound up, and one that is coupled to nothing",
+          "[chaos]") {
+  PhasePoint<double, 8> z;
+  for (int i = 0; i < 8; ++i) {
+    z.q()[i] = 0.3 * i;
+    z.p()[i] = 0.2 + 0.1 * i;
+  }
+  const auto allowed = [](double q) { return 3e-8 + 100 * std::pow(2.2e-16 * q, 2.0 / 3); };
+  CHECK(error_by_differences(z, 100) <= allowed(0));
+  for (const double turns : {1e2, 1e4, 1e6}) {
+    CAPTURE(turns);
+    auto wound = z;
+    wound.q().head<7>().array() += turns * 2 * std::acos(-1.0);
+    CHECK(error_by_differences(wound, 100) <= allowed(6.3 * turns));
+    auto one = z;  // only one has wound up
+    one.q()[3] += turns * 2 * std::acos(-1.0);
+    CHECK(error_by_differences(one, 100) <= allowed(6.3 * turns));
+  }
+  for (const double far : {1e6, 1e12}) {
+    auto uncoupled = z;
+    uncoupled.q()[7] = far;
+    CAPTURE(far);
+    CHECK(error_by_differences(uncoupled, 100) <= allowed(0));
+  }
+}
+
+TEST_CASE("Where a step has no derivative the vectors stay", "[chaos]") {
+  const Walled h;
+  TangentVectors tangents(Semiexplicit(h, schemes::strang()), 2);
+  tangents.vectors() << 1e5, 3, 0.1, 1e-9;
+  const Eigen::Matrix2d before = tangents.vectors();
+  CHECK(tangents.advance({1.5, 0}, 0.1).status == Status::not_finite);
+  CHECK(tangents.vectors() == before);
+  CHECK_THROWS_AS(tangents.advance({3, 0}, 0.1), std::domain_error);
+  CHECK(tangents.vectors() == before);
+  CHECK(tangents.advance({0.5, 0}, 0).status == Status::invalid_step);
+  CHECK(tangents.advance({NAN, 0}, 0.1).status == Status::invalid_state);
+  CHECK(tangents.vectors() == before);
+  REQUIRE(tangents.advance({0.5, 0.5}, 0.1).ok());
+  CHECK(tangents.vectors() != before);
+  CHECK(refuses([&] { TangentVectors(Semiexplicit(h, schemes::strang()), 0); }, "give one or more"));
+  // A step far too long.
+  TangentVectors stiff(Semiexplicit(WithProduct<double, 5>{}, schemes::strang()), 1);
+  CHECK(!stiff.advance(some_point<double, 5>(5), 50).ok());
+  CHECK(stiff.vectors() == Eigen::Matrix<double, 10, 1>::Unit(0));
+}
+
+TEST_CASE("A hessian_times that is no derivative of the gradient is refused", "[chaos]") {
+  const auto z = some_point<double, 5>(5);
+  WithProduct<double, 5> h;
+  const auto start = [&] {
+    LyapunovExponents lyapunov(Semiexplicit(h, schemes::strang()), 1);
+    lyapunov(0.0, z);
+  };
+  CHECK_NOTHROW(start());
+  h.factor = 1.001;  // too near for differences to be trusted
+  CHECK_NOTHROW(start());
+  h.factor = 2;
+  CHECK(refuses(start, "hessian_times of the Hamiltonian is not the derivative of its gradient"));
+  h.factor = -1;
+  CHECK(refuses(start, "hessian_times"));
+}
+
+TEST_CASE("Exponents of three hundred degrees of freedom are there in a blink", "[chaos]") {
+  const systems::NlsLattice<double> h(300);
+  Semiexplicit stepper(h, schemes::low_defect6_s13());
+  auto z = some_point<double, Eigen::Dynamic>(300);
+  LyapunovExponents lyapunov(stepper, 2);
+  integrate(stepper, z, {.dt = 0.02, .steps = 2000}, lyapunov);
+  CHECK(lyapunov.exponents()[0] > 0.01);
+  CHECK(lyapunov.exponents()[1] < lyapunov.exponents()[0]);
+}

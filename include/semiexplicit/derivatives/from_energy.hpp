@@ -6,7 +6,9 @@
 #include <utility>
 
 #include <semiexplicit/core/hamiltonian.hpp>
+#include <semiexplicit/derivatives/columns.hpp>
 #include <semiexplicit/derivatives/dual.hpp>
+#include <semiexplicit/derivatives/terms.hpp>
 
 namespace semiexplicit {
 namespace detail {
@@ -55,6 +57,11 @@ class EnergyHamiltonian {
     if (dof < 1)
       throw std::invalid_argument("from_energy: " + std::to_string(dof) +
                                   " degrees of freedom; give one or more");
+    if constexpr (may_use_tape)
+      if (by_tape()) {
+        reserve<Scalar>();
+        reserve<detail::Dual<Scalar, 1>>();
+      }
   }
 
   Eigen::Index dof() const { return dof_; }
@@ -78,29 +85,64 @@ class EnergyHamiltonian {
     return h.derivative[0];
   }
 
-  /// The derivatives of the gradient, by duals of duals: 2d times the work of a gradient.
+  /// The derivatives of the gradient: 2d times the work of hessian_times().
   void hessian(const Half& q, const Half& p,
                Eigen::Ref<Eigen::Matrix<Scalar, twice(Dof), twice(Dof)>> hessian) const requires(!driven) {
-    using Inner = detail::Dual<Scalar, width>;
-    using Outer = detail::Dual<Inner, 1>;
-    for (Eigen::Index column = 0; column < 2 * dof_; ++column)
-      for (Eigen::Index begin = 0; begin <= column; begin += width) {
-        const auto make = [begin, column](const Scalar& value, Eigen::Index i) {
-          Outer x(detail::variable<Scalar, width>(value, i - begin));
-          if (i == column) x.derivative[0].value = Scalar(1);
-          return x;
-        };
-        const Outer h = energy_(detail::as_duals(q, 0, make), detail::as_duals(p, dof_, make));
-        for (Eigen::Index i = begin, k = 0; k < width && i <= column; ++i, ++k)
-          hessian(i, column) = hessian(column, i) = h.derivative[0].derivative[k];
+    if constexpr (may_use_tape)
+      if (by_tape()) {
+        for (Eigen::Index column = 0; column < 2 * dof_; ++column) {
+          auto both = hessian.col(column);  // the direction, and then the result
+          both.setZero();
+          both[column] = Scalar(1);
+          Scalar* const to = &hessian(0, column);
+          backwards<detail::Dual<Scalar, 1>>(energy_, {q.data(), to}, {p.data(), to + dof_}, to, to + dof_);
+          for (Eigen::Index i = 0; i < column; ++i) both[i] = hessian(column, i);
+        }
+        return;
       }
+    if constexpr (may_use_duals)
+      for (Eigen::Index column = 0; column < 2 * dof_; ++column)
+        second_derivatives(
+            q, p, column + 1, [column](Eigen::Index i) { return Scalar(i == column ? 1 : 0); },
+            [&](Eigen::Index i, const Scalar& slope) { hessian(i, column) = hessian(column, i) = slope; });
+  }
+
+  /// The Hessian times (dq, dp), written to out_q and out_p, of d numbers each: the derivative of the gradient along that
+  /// direction. A few times the work of a gradient. The outputs must not overlap the inputs.
+  void hessian_times(const Half& q, const Half& p, const Half& dq, const Half& dp, HalfGradient out_q,
+                     HalfGradient out_p) const requires(!driven) {
+    if constexpr (may_use_tape)
+      if (by_tape())
+        return backwards<detail::Dual<Scalar, 1>>(energy_, {q.data(), dq.data()}, {p.data(), dp.data()},
+                                                  out_q.data(), out_p.data());
+    if constexpr (may_use_duals)
+      second_derivatives(
+          q, p, 2 * dof_, [&](Eigen::Index i) { return i < dof_ ? dq[i] : dp[i - dof_]; },
+          [&](Eigen::Index i, const Scalar& slope) { (i < dof_ ? out_q[i] : out_p[i - dof_]) = slope; });
   }
 
  private:
   static constexpr int width = detail::dual_width(twice(Dof));
+  /// Up to so many degrees of freedom carrying all derivatives along costs less than a tape.
+  static constexpr int few = 8;
+  static constexpr bool may_use_tape = Dof == Eigen::Dynamic || Dof > few;
+  static constexpr bool may_use_duals = Dof == Eigen::Dynamic || Dof <= few;
+  bool by_tape() const { return Dof == Eigen::Dynamic ? dof_ > few : may_use_tape; }
+
+  template <class T>
+  void reserve() const {
+    detail::Tape<T>::use([&](detail::Tape<T>& tape) { tape.reserve(2 * dof_, 1024, 4); });
+  }
 
   template <class F>
   void differentiate(const F& f, const Half& q, const Half& p, HalfGradient& dHdq, HalfGradient& dHdp) const {
+    if constexpr (may_use_tape)
+      if (by_tape()) return backwards<Scalar>(f, {q.data()}, {p.data()}, dHdq.data(), dHdp.data());
+    if constexpr (may_use_duals) forwards(f, q, p, dHdq, dHdp);
+  }
+
+  template <class F>
+  void forwards(const F& f, const Half& q, const Half& p, HalfGradient& dHdq, HalfGradient& dHdp) const {
     using Number = detail::Dual<Scalar, width>;
     for (Eigen::Index begin = 0; begin < 2 * dof_; begin += width) {
       const auto make = [begin](const Scalar& value, Eigen::Index i) {
@@ -110,6 +152,47 @@ class EnergyHamiltonian {
       for (Eigen::Index i = begin, k = 0; k < width && i < 2 * dof_; ++i, ++k)
         (i < dof_ ? dHdq[i] : dHdp[i - dof_]) = h.derivative[k];
     }
+  }
+
+  /// put(i, the derivative of ∂H/∂xᵢ along the direction) for the first `count` variables, by duals of duals.
+  template <class Direction, class Put>
+  void second_derivatives(const Half& q, const Half& p, Eigen::Index count, const Direction& direction,
+                          const Put& put) const {
+    using Inner = detail::Dual<Scalar, width>;
+    using Outer = detail::Dual<Inner, 1>;
+    for (Eigen::Index begin = 0; begin < count; begin += width) {
+      const auto make = [begin, &direction](const Scalar& value, Eigen::Index i) {
+        Outer x(detail::variable<Scalar, width>(value, i - begin));
+        x.derivative[0].value = direction(i);
+        return x;
+      };
+      const Outer h = energy_(detail::as_duals(q, 0, make), detail::as_duals(p, dof_, make));
+      for (Eigen::Index i = begin, k = 0; k < width && i < count; ++i, ++k)
+        put(i, h.derivative[0].derivative[k]);
+    }
+  }
+
+  template <class T, class F>
+  void backwards(const F& f, detail::autodiff::HalfPoint<T> q, detail::autodiff::HalfPoint<T> p, Scalar* to_q,
+                 Scalar* to_p) const {
+    using detail::autodiff::EnergyColumn;
+    thread_local constinit bool values = true;  // whether this energy needs those of its sums
+    detail::Tape<T>::use([&](detail::Tape<T>& tape) {
+      const auto once = [&] {
+        tape.start(2 * dof_);
+        tape.values = values;
+        return detail::Traced<T>(
+            f(EnergyColumn<T, Dof, 0>(&tape, q, dof_), EnergyColumn<T, Dof, 1>(&tape, p, dof_)));
+      };
+      detail::Traced<T> h = once();
+      if (!values && tape.values_used) {
+        values = true;
+        h = once();
+      } else {
+        values = tape.values_used;
+      }
+      tape.gradient(h, to_q, to_p);
+    });
   }
 
   Eigen::Index dof_;

@@ -96,6 +96,20 @@ struct LaneIndex {
     if (i.last() >= count) i.wrap = count;
     return i;
   }
+#define SEMIEXPLICIT_WITH_NUMBERS(op)                                                     \
+  template <std::floating_point F>                                                        \
+  friend SEMIEXPLICIT_INTO_TERM LanePack<S> operator op(const LaneIndex& i, const F& x) { \
+    return LanePack<S>(i) op x;                                                           \
+  }                                                                                       \
+  template <std::floating_point F>                                                        \
+  friend SEMIEXPLICIT_INTO_TERM LanePack<S> operator op(const F& x, const LaneIndex& i) { \
+    return x op LanePack<S>(i);                                                           \
+  }
+  SEMIEXPLICIT_WITH_NUMBERS(+)
+  SEMIEXPLICIT_WITH_NUMBERS(-)
+  SEMIEXPLICIT_WITH_NUMBERS(*)
+  SEMIEXPLICIT_WITH_NUMBERS(/)
+#undef SEMIEXPLICIT_WITH_NUMBERS
   SEMIEXPLICIT_INTO_TERM LaneIndex& operator++() { return *this = *this + 1; }
   SEMIEXPLICIT_INTO_TERM LaneIndex& operator--() { return *this = *this - 1; }
   template <std::integral I>

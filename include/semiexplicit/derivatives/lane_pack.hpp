@@ -54,6 +54,13 @@ struct LanePack {
   requires(std::is_arithmetic_v<U>) SEMIEXPLICIT_INTO_TERM LanePack(const U& all)
       : lanes(static_cast<S>(all) - Lanes{}) {}  // NOLINT: the same in all lanes
 
+  /// The numbers of the terms themselves.
+  template <class Index>
+  requires requires(const Index& i) { i.place().of_lane(0); }
+  SEMIEXPLICIT_INTO_TERM LanePack(const Index& i) {  // NOLINT
+    for (int k = 0; k < size; ++k) lanes[k] = static_cast<S>(i.place().of_lane(k));
+  }
+
   static SEMIEXPLICIT_INTO_TERM LanePack load(const S* from) {
     LanePack x;
     __builtin_memcpy(&x.lanes, from, sizeof(Lanes));
@@ -125,12 +132,10 @@ struct LanePack {
   }
 
   friend SEMIEXPLICIT_INTO_TERM LanePack sqrt(const LanePack& x) {
-    using Array = Eigen::Array<S, size, 1>;
-    LanePack root;
-    Array in, out;
-    __builtin_memcpy(&in, &x.lanes, sizeof(Lanes));
-    out = in.sqrt();
-    __builtin_memcpy(&root.lanes, &out, sizeof(Lanes));
+    Eigen::Array<S, size, 1> root_of;
+    for (int k = 0; k < size; ++k) root_of[k] = x.lanes[k];
+    root_of = root_of.sqrt().eval();
+    LanePack root = load(root_of.data());
     return root;
   }
   friend SEMIEXPLICIT_INTO_TERM LanePack abs(const LanePack& x) {

@@ -20,6 +20,7 @@ struct Planes {
   using Plain = T;
   static constexpr int planes = 1;
   static T join(const T* from, Eigen::Index) { return *from; }
+  static const T& plain(const T& x) { return x; }
 };
 template <class T>
 struct Planes<Dual<T, 1>> {
@@ -30,6 +31,7 @@ struct Planes<Dual<T, 1>> {
     x.derivative[0] = from[distance];
     return x;
   }
+  static const T& plain(const Dual<T, 1>& x) { return x.value; }
 };
 
 template <class T>

@@ -120,6 +120,13 @@ struct TermNumber : Operators<TermNumber<L>, L> {
     lanes_part() = true;
     return first_lane(value);
   }
+  template <class T>
+  requires(std::same_as<typename LanesFor<T>::type, L>) TermNumber& operator=(const Traced<T>& x) {
+    lanes_part() = true;
+    active = 0;
+    value = L(Planes<T>::plain(x.value));
+    return *this;
+  }
 
  private:
   template <class F, int... K>

@@ -340,4 +340,17 @@ SEMIEXPLICIT_INTO_TERM auto at(const Array& array, const detail::autodiff::LaneI
   return Pack::of([&](int k) { return static_cast<S>(at(array, place.of_lane(k))); });
 }
 
+/// matrix(i, j), of a matrix of Eigen.
+template <class Matrix, std::integral I, std::integral J>
+auto at(const Matrix& matrix, I i, J j) {
+  return matrix.coeff(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+}
+template <class Matrix, class S>
+SEMIEXPLICIT_INTO_TERM auto at(const Matrix& matrix, const detail::autodiff::LaneIndex<S>& i,
+                               const detail::autodiff::LaneIndex<S>& j) {
+  const detail::autodiff::Place row = i.place(), column = j.place();
+  return detail::autodiff::LanePack<S>::of(
+      [&](int k) { return static_cast<S>(at(matrix, row.of_lane(k), column.of_lane(k))); });
+}
+
 }  // namespace semiexplicit

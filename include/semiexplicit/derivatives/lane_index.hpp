@@ -24,8 +24,8 @@ struct Place {
 struct TouchedPlaces {
   static constexpr int slots = 16;
   unsigned used = 0;
-  Eigen::Index first[slots], stride[slots],
-      wrap[slots];  // copied as places, which takes two stores at once, they stall
+  // Not as places: to copy one of those two stores at a time stalls.
+  Eigen::Index first[slots] = {}, stride[slots] = {}, wrap[slots] = {};
 
   SEMIEXPLICIT_INTO_TERM void touch(int slot, const Place& at) {
     if ((used >> slot & 1u) == 0)

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <semiexplicit/core/hamiltonian.hpp>
+#include <semiexplicit/core/inlined.hpp>
 #include <semiexplicit/derivatives/columns.hpp>
 #include <semiexplicit/derivatives/dual.hpp>
 #include <semiexplicit/derivatives/terms.hpp>
@@ -172,26 +173,32 @@ class EnergyHamiltonian {
     }
   }
 
+  /// Not part of a step: with it a compiler takes minutes.
   template <class T, class F>
-  void backwards(const F& f, detail::autodiff::HalfPoint<T> q, detail::autodiff::HalfPoint<T> p, Scalar* to_q,
-                 Scalar* to_p) const {
+  SEMIEXPLICIT_NOINLINE void backwards(const F& f, detail::autodiff::HalfPoint<T> q,
+                                       detail::autodiff::HalfPoint<T> p, Scalar* to_q, Scalar* to_p) const {
     using detail::autodiff::EnergyColumn;
-    thread_local constinit bool values = true;  // whether this energy needs those of its sums
-    detail::Tape<T>::use([&](detail::Tape<T>& tape) {
-      const auto once = [&] {
-        tape.start(2 * dof_);
-        tape.values = values;
-        return detail::Traced<T>(
-            f(EnergyColumn<T, Dof, 0>(&tape, q, dof_), EnergyColumn<T, Dof, 1>(&tape, p, dof_)));
+    using Tape = detail::Tape<T>;
+    struct Memory {
+      bool values = true;                // whether this energy needs the values of its sums
+      typename Tape::Weights weights{};  // which else enter it with these
+    };
+    thread_local constinit Memory memory;
+    Tape::use([&](Tape& tape) {
+      const auto once = [&](bool direct) {
+        tape.start(2 * dof_, to_q, to_p, direct ? &memory.weights : nullptr);
+        tape.values = memory.values;
+        const detail::Traced<T> h =
+            f(EnergyColumn<T, Dof, 0>(&tape, q, dof_), EnergyColumn<T, Dof, 1>(&tape, p, dof_));
+        if (memory.values || !tape.values_used) return tape.sweep(h, memory.weights);
+        memory.values = true;
+        return false;
       };
-      detail::Traced<T> h = once();
-      if (!values && tape.values_used) {
-        values = true;
-        h = once();
-      } else {
-        values = tape.values_used;
-      }
-      tape.gradient(h, to_q, to_p);
+      // Derivatives of duals have their inputs where the outputs come to lie.
+      const bool direct = std::is_same_v<T, Scalar> && std::is_floating_point_v<Scalar> && !memory.values;
+      if (!once(direct) && !once(direct && !memory.values)) once(false);
+      memory.values = tape.values_used;
+      tape.write();
     });
   }
 
@@ -205,12 +212,15 @@ class EnergyHamiltonian {
 ///
 /// The energy is called with numbers of other types than double, so it has to be a template: `auto` parameters, and `auto` or
 /// `typename std::decay_t<decltype(q)>::Scalar` for sums. Functions are called without `std::` in front (`using std::sqrt;
-/// sqrt(x)`); there are sqrt, cbrt, exp, expm1, log, log1p, the trigonometric and hyperbolic ones with their inverses, hypot,
-/// pow and abs. q and p are columns of Eigen: q.squaredNorm(), q.dot(p), q.head(3) work, q.data() does not.
+/// sqrt(x)`); there are sqrt, cbrt, exp, exp2, expm1, log, log2, log10, log1p, the trigonometric and hyperbolic ones with their
+/// inverses, atan2, hypot, pow, erf, erfc, abs, fabs, min, max, fmin and fmax. q and p are columns of Eigen: q.squaredNorm(), q.dot(p), q.head(3) work, q.data() does not.
 ///
-/// A gradient takes the energy once with all 2d derivatives carried along, beyond d = 12 several times with eight of them, so its
-/// cost grows with d times that of the energy. A step with it, over one with a gradient by hand (bench_autodiff, AVX-512):
-/// 2.3 in one degree of freedom, 7 on a lattice of five sites, 16 for ten vortices, 90 on a lattice of 100. No heap use.
+/// Up to eight degrees of freedom the energy is evaluated once or twice with all derivatives carried along. Beyond that it is
+/// recorded and gone through backwards, for a few times the cost of the energy however many variables there are; an energy
+/// written with sum_over() and sum_over_pairs() is differentiated term by term, which is faster again (terms.hpp). Gradients by terms
+/// take 4 to 6 times as long as a vectorised loop by hand on a lattice of 100 or 400 sites (backwards: 50 to 65 times), 2.5 times
+/// for pairs of 200 vortices; see benchmarks/autodiff. Memory is kept, one piece for each thread; no heap use once it is large
+/// enough, and none where all of the energy are sums.
 template <int Dof, class Scalar = double, class Energy>
 requires(Dof > 0) auto from_energy(Energy energy) {
   return EnergyHamiltonian<Scalar, Dof, Energy>(Dof, std::move(energy));

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 #include <stdexcept>
+#include <type_traits>
 #include <vector>
 
 #include <Eigen/Core>
@@ -116,9 +117,20 @@ class Tape {
   bool values = true;        ///< find the values of sums, too
   bool values_used = false;  ///< a value of a sum was needed
 
-  /// Starts over for so many variables.
-  void start(Eigen::Index variables) {
+  /// With which weight every sum is expected to enter the result: it can then be added to the result at once.
+  struct Weights {
+    static constexpr std::size_t most = 4;
+    double of[most] = {1, 1, 1, 1};
+  };
+
+  /// Starts over for so many variables. With `weights` gradients of sums go to the outputs at once.
+  void start(Eigen::Index variables, Plain* to_q, Plain* to_p, const Weights* weights) {
     variables_ = variables;
+    weights_ = weights;
+    outputs_[0] = to_q;
+    outputs_[1] = to_p;
+    if (weights != nullptr)
+      for (Plain* const to : outputs_) std::fill(to, to + variables / 2, Plain(0));
     rewind(0);
     sums_.clear();
     gradients_.clear();
@@ -142,25 +154,32 @@ class Tape {
   std::size_t length() const { return length_; }
   void rewind(std::size_t length) { length_ = length; }
 
-  /// A place for the gradient of a sum, zeros: in every plane a half for q and one for p, each half distance() from the last. It
-  /// moves when the next one is made.
+  /// A place for the gradient of a sum: in every plane a half for q and one for p. It may move when the next one is made.
   std::size_t new_sum() {
-    const std::size_t at = gradients_.size();
-    gradients_.resize(at + static_cast<std::size_t>(Planes<T>::planes * 2 * distance()), Plain(0));
-    return at;
+    const bool direct = weights_ != nullptr && sums_.size() < Weights::most;
+    const std::size_t weight = sums_.size(), at = gradients_.size();
+    sums_.push_back({0, at, direct, direct ? Plain(weights_->of[weight]) : Plain(1)});
+    if (!direct)
+      gradients_.resize(at + static_cast<std::size_t>(Planes<T>::planes * 2 * distance()), Plain(0));
+    return sums_.size() - 1;
   }
-  Eigen::Index distance() const { return (variables_ / 2 + 15) / 16 * 16; }  // whole cache lines
-  Plain* gradient_of(std::size_t sum) { return gradients_.data() + sum; }
+  Plain* gradient_of(std::size_t sum, Eigen::Index plane, Eigen::Index half) {
+    if (sums_[sum].direct) return outputs_[half];
+    return gradients_.data() + sums_[sum].gradient + (2 * plane + half) * distance();
+  }
+  /// What the gradient is to be multiplied with before.
+  const Plain& weight_of(std::size_t sum) const { return sums_[sum].weight; }
   /// The sum, whose gradient is there now.
   Traced<T> finished(std::size_t sum, const T& value) {
     Traced<T> result = record(value, T(0), 0, T(0), 0);
     result.of_sum = true;
-    sums_.push_back({result.index, sum});
+    sums_[sum].index = result.index;
     return result;
   }
 
-  /// Writes the derivatives of the result, of duals those along the direction, to both halves: q and p.
-  void gradient(const Traced<T>& result, Plain* to_q, Plain* to_p) {
+  /// Finds what the result changes by with every operation. False where a sum has entered it with another weight than expected;
+  /// `found` then has the right ones.
+  bool sweep(const Traced<T>& result, Weights& found) {
     const std::size_t first = static_cast<std::size_t>(variables_) + 1;
     if (adjoint_.size() < first + length_) adjoint_.resize(first + length_);
     const auto steps_begin = adjoint_.begin() + static_cast<std::ptrdiff_t>(first);
@@ -175,8 +194,21 @@ class Tape {
       adjoint_[static_cast<std::size_t>(step.x)] += step.slope_x * weight;
       adjoint_[static_cast<std::size_t>(step.y)] += step.slope_y * weight;
     }
-    write(0, to_q);
-    write(1, to_p);
+    bool as_expected = true;
+    if constexpr (std::is_floating_point_v<T>)
+      for (std::size_t k = 0; k < sums_.size() && sums_[k].direct; ++k) {
+        const T weight = sums_[k].index == 0 ? T(0) : adjoint_[static_cast<std::size_t>(sums_[k].index)];
+        if (sums_[k].index == 0 || weight == sums_[k].weight) continue;
+        found.of[k] = static_cast<double>(weight);
+        as_expected = false;
+      }
+    return as_expected;
+  }
+
+  /// Writes the derivatives of the result after sweep(), of duals those along the direction.
+  void write() const {
+    write(0, outputs_[0]);
+    write(1, outputs_[1]);
   }
 
   /// Memory for such a computation, so that it takes none from the heap.
@@ -213,6 +245,8 @@ class Tape {
   }
 
  private:
+  Eigen::Index distance() const { return (variables_ / 2 + 15) / 16 * 16; }  // whole cache lines
+
   static Tape& of_this_thread() {
     thread_local Tape tape;
     return tape;
@@ -223,8 +257,10 @@ class Tape {
     std::int32_t x, y;  // 0: no number, whose adjoint nobody reads
   };
   struct Sum {
-    std::int32_t index;
-    std::size_t gradient;
+    std::int32_t index;    // 0: not finished
+    std::size_t gradient;  // where it is, unless direct
+    bool direct;
+    Plain weight;
   };
 
   void write(Eigen::Index half, Plain* __restrict to) const {
@@ -235,13 +271,13 @@ class Tape {
       else
         return x.derivative[0];
     };
+    if (weights_ == nullptr) std::fill(to, to + count, Plain(0));
     if (read_) {
       const T* const from = adjoint_.data() + 1 + half * count;
-      for (Eigen::Index k = 0; k < count; ++k) to[k] = outward(from[k]);
-    } else {
-      std::fill(to, to + count, Plain(0));
+      for (Eigen::Index k = 0; k < count; ++k) to[k] += outward(from[k]);
     }
     for (const Sum& sum : sums_) {
+      if (sum.direct || sum.index == 0) continue;
       const T weight = adjoint_[static_cast<std::size_t>(sum.index)];
       const Plain* const __restrict from = gradients_.data() + sum.gradient + half * distance();
       if constexpr (Planes<T>::planes == 1) {
@@ -264,6 +300,8 @@ class Tape {
   }
 
   Eigen::Index variables_ = 0;
+  Plain* outputs_[2] = {nullptr, nullptr};
+  const Weights* weights_ = nullptr;
   bool read_ = false;        ///< some variable, not by terms in lanes
   std::vector<Step> steps_;  ///< the first length_ of them
   std::size_t length_ = 0;

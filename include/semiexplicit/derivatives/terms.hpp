@@ -49,14 +49,16 @@ class LaneSum {
       tape_.rewind(length);
       return false;
     }
-    if (blocks_ == most_blocks || !goes_on(result, touched)) flush();
-    if (blocks_ == 0) begin(result, touched);
-    const Eigen::Index at = blocks_ * lanes;
+    // Those added before come out as they are there, and are written once more.
+    if (terms_ + lanes - skip > block || !goes_on(result, touched, skip)) flush();
+    const bool alone = terms_ == 0;
+    if (alone) begin(result, touched);
+    const Eigen::Index at = alone ? 0 : terms_ - skip;
     TermNumber<L>::each_slot([&](auto k) SEMIEXPLICIT_INLINE_LAMBDA {
       if (result.varies(k)) store(result.derivative[k], derivatives_[k] + at);
     });
-    if (skip > 0) forget(at, skip);
-    ++blocks_;
+    if (alone && skip > 0) forget(skip);
+    terms_ = at + lanes;
     return true;
   }
   /// The values of these terms.
@@ -78,7 +80,7 @@ class LaneSum {
 
  private:
   static constexpr int slots = TouchedPlaces::slots;
-  static constexpr Eigen::Index most_blocks = 32, block = most_blocks * lanes;
+  static constexpr Eigen::Index block = 32 * lanes;  // terms to collect
 
   template <class Term>
   static SEMIEXPLICIT_INTO_TERM TermNumber<L> in_lanes(const Term& term, TouchedPlaces& touched,
@@ -92,14 +94,15 @@ class LaneSum {
     x.derivative[0].store(to + block);
   }
 
-  /// Whether the variables are those next to the last block's.
-  SEMIEXPLICIT_INTO_TERM bool goes_on(const TermNumber<L>& result, const TouchedPlaces& touched) {
-    bool same = result.active == active_;
+  /// Whether the variables are those next to the ones before.
+  SEMIEXPLICIT_INTO_TERM bool goes_on(const TermNumber<L>& result, const TouchedPlaces& touched,
+                                      Eigen::Index skip) {
+    bool same = result.active == active_ && terms_ >= skip;
     TermNumber<L>::each_slot([&](auto k) SEMIEXPLICIT_INLINE_LAMBDA {
       if (result.varies(k)) {
         same = same && touched.stride[k] == places_.stride[k] && touched.wrap[k] == 0 &&
                places_.wrap[k] == 0 &&
-               touched.first[k] == places_.first[k] + places_.stride[k] * lanes * blocks_;
+               touched.first[k] == places_.first[k] + places_.stride[k] * (terms_ - skip);
       }
     });
     return same;
@@ -110,45 +113,49 @@ class LaneSum {
       if (result.varies(k)) places_.put(k, touched.first[k], touched.stride[k], touched.wrap[k]);
     });
   }
-  SEMIEXPLICIT_NOINLINE void forget(Eigen::Index from, Eigen::Index count) {
+  /// Of the terms collected the first ones.
+  SEMIEXPLICIT_NOINLINE void forget(Eigen::Index count) {
     for (unsigned left = active_; left != 0; left &= left - 1)
       for (Eigen::Index plane = 0; plane < Planes<T>::planes; ++plane)
         for (Eigen::Index i = 0; i < count; ++i)
-          derivatives_[std::countr_zero(left)][plane * block + from + i] = Plain(0);
+          derivatives_[std::countr_zero(left)][plane * block + i] = Plain(0);
   }
 
-  /// Adds the blocks to the gradient.
+  /// Adds what has been collected to the gradient.
   SEMIEXPLICIT_NOINLINE void flush() {
-    const Eigen::Index count = blocks_ * lanes, distance = tape_.distance();
     for (unsigned left = active_; left != 0; left &= left - 1) {
       const int k = std::countr_zero(left);
       for (Eigen::Index plane = 0; plane < Planes<T>::planes; ++plane)
-        add_to(tape_.gradient_of(sum_) + (2 * plane + (k >= slots / 2 ? 1 : 0)) * distance,
+        add_to(tape_.gradient_of(sum_, plane, k >= slots / 2 ? 1 : 0), tape_.weight_of(sum_),
                {places_.first[k], places_.stride[k], places_.wrap[k]}, derivatives_[k] + plane * block,
-               count);
+               terms_);
     }
-    blocks_ = 0;
+    terms_ = 0;
   }
-  static void add_to(Plain* __restrict to, const Place& place, const Plain* __restrict from,
+  static void add_to(Plain* __restrict to, Plain weight, const Place& place, const Plain* __restrict from,
                      Eigen::Index count) {
+    using Pack = LanePack<Plain>;
+    Eigen::Index i = 0;
     if (place.wrap != 0) {
-      for (Eigen::Index i = 0; i < count; ++i) to[place.of_lane(i)] += from[i];
+      for (; i < count; ++i) to[place.of_lane(i)] += weight * from[i];
     } else if (place.stride == 1) {
       to += place.first;
-      for (Eigen::Index i = 0; i < count; i += lanes)
-        (LanePack<Plain>::load(to + i) + LanePack<Plain>::load(from + i)).store(to + i);
+      for (; i + lanes <= count; i += lanes)
+        (Pack::load(to + i) + weight * Pack::load(from + i)).store(to + i);
+      for (; i < count; ++i) to[i] += weight * from[i];
     } else if (place.stride == 0) {
-      LanePack<Plain> sum(0);
-      for (Eigen::Index i = 0; i < count; i += lanes) sum += LanePack<Plain>::load(from + i);
-      for (int i = 0; i < lanes; ++i) to[place.first] += sum.lanes[i];
+      Pack sum(0);
+      for (; i + lanes <= count; i += lanes) sum += Pack::load(from + i);
+      for (int k = 0; k < lanes; ++k) to[place.first] += weight * sum.lanes[k];
+      for (; i < count; ++i) to[place.first] += weight * from[i];
     } else {
-      for (Eigen::Index i = 0; i < count; ++i) to[place.first + place.stride * i] += from[i];
+      for (; i < count; ++i) to[place.first + place.stride * i] += weight * from[i];
     }
   }
 
   Tape<T>& tape_;
   std::size_t sum_;
-  Eigen::Index blocks_ = 0;
+  Eigen::Index terms_ = 0;
   unsigned active_ = 0;
   TouchedPlaces places_;
   alignas(64) Plain derivatives_[slots][std::size_t(Planes<T>::planes * block)];

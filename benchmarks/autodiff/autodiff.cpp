@@ -2,6 +2,9 @@
 // in short batches, so that a busy machine disturbs both alike; the ratio of each pair of batches is taken, and their
 // median and quartiles are printed.
 //
+// The second table has large systems: what the gradient by terms, backwards and forwards takes, in terms of a plain loop by hand
+// that the compiler vectorises.
+//
 //     bench_autodiff [rounds]          pin it to a core: taskset -c 1 bench_autodiff
 
 #include <algorithm>
@@ -11,7 +14,9 @@
 #include <cstdlib>
 #include <numbers>
 #include <random>
+#include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include <semiexplicit/scene.hpp>
@@ -104,6 +109,212 @@ struct VortexEnergy {
   }
 };
 
+/// The gradient of the lattice as one would write it.
+struct PlainLattice {
+  using Scalar = double;
+  static constexpr int Dof = Eigen::Dynamic;
+  Eigen::Index n;
+
+  Eigen::Index dof() const { return n; }
+  void gradient(const In<double, Dof>& q, const In<double, Dof>& p, Out<double, Dof> dHdq,
+                Out<double, Dof> dHdp) const {
+    const double* const __restrict x = q.data(), * const __restrict y = p.data();
+    double* const __restrict by_x = dHdq.data(), * const __restrict by_y = dHdp.data();
+    const auto site = [&](Eigen::Index i, double u, double v) {
+      const double density = x[i] * x[i] + y[i] * y[i];
+      by_x[i] = (density - 2 * u) * x[i] - 4 * v * y[i];
+      by_y[i] = (density + 2 * u) * y[i] - 4 * v * x[i];
+    };
+    const auto u = [&](Eigen::Index i) { return x[i] * x[i] - y[i] * y[i]; };
+    const auto v = [&](Eigen::Index i) { return x[i] * y[i]; };
+    site(0, u(1), v(1));
+    for (Eigen::Index i = 1; i + 1 < n; ++i) site(i, u(i - 1) + u(i + 1), v(i - 1) + v(i + 1));
+    site(n - 1, u(n - 2), v(n - 2));
+  }
+};
+
+auto lattice_by_terms(Eigen::Index n) {
+  return [n](const auto& q, const auto& p) {
+    return sum_over(n,
+                    [&](auto i) {
+                      const auto density = q[i] * q[i] + p[i] * p[i];
+                      return density * density / 4;
+                    }) -
+           sum_over(n - 1, [&](auto i) {
+             const auto u = q[i] * q[i] - p[i] * p[i], v = q[i] * p[i];
+             const auto next_u = q[i + 1] * q[i + 1] - p[i + 1] * p[i + 1], next_v = q[i + 1] * p[i + 1];
+             return u * next_u + 4 * (v * next_v);
+           });
+  };
+}
+
+/// The gradient of vortices as one would write it: every pair twice, in a loop that vectorises.
+struct PlainVortices {
+  using Scalar = double;
+  static constexpr int Dof = Eigen::Dynamic;
+  Eigen::VectorXd gamma, x_per_q, y_per_p;
+
+  Eigen::Index dof() const { return gamma.size(); }
+  void gradient(const In<double, Dof>& q, const In<double, Dof>& p, Out<double, Dof> dHdq,
+                Out<double, Dof> dHdp) const {
+    const Eigen::Index n = dof();
+    const double* const __restrict x = q.data(), * const __restrict y = p.data();
+    const double* const __restrict sx = x_per_q.data(), * const __restrict sy = y_per_p.data();
+    double* const __restrict by_x = dHdq.data(), * const __restrict by_y = dHdp.data();
+    dHdq.setZero();
+    dHdp.setZero();
+    for (Eigen::Index j = 0; j < n; ++j) {
+      const double xj = x[j] * sx[j], yj = y[j] * sy[j], strength = gamma[j];
+      const auto add = [&](Eigen::Index begin, Eigen::Index end) {
+        for (Eigen::Index i = begin; i < end; ++i) {
+          const double dx = x[i] * sx[i] - xj, dy = y[i] * sy[i] - yj;
+          const double weight = strength / (dx * dx + dy * dy);
+          by_x[i] += dx * weight;
+          by_y[i] += dy * weight;
+        }
+      };
+      add(0, j);
+      add(j + 1, n);
+    }
+    for (Eigen::Index i = 0; i < n; ++i) {
+      by_x[i] *= -gamma[i] * sx[i] / (2 * std::numbers::pi);
+      by_y[i] *= -gamma[i] * sy[i] / (2 * std::numbers::pi);
+    }
+  }
+};
+
+template <bool by_pairs>
+auto vortex_energy(const PlainVortices& of) {
+  return [=](const auto& q, const auto& p) {
+    using std::log;
+    const auto pair = [&](auto i, auto j) {
+      const auto dx = q[i] * at(of.x_per_q, i) - q[j] * at(of.x_per_q, j);
+      const auto dy = p[i] * at(of.y_per_p, i) - p[j] * at(of.y_per_p, j);
+      return at(of.gamma, i) * at(of.gamma, j) * log(dx * dx + dy * dy);
+    };
+    if constexpr (by_pairs) {
+      return sum_over_pairs(of.dof(), pair) / (-4 * std::numbers::pi);
+    } else {
+      typename std::decay_t<decltype(q)>::Scalar sum(0);
+      for (Eigen::Index j = 1; j < of.dof(); ++j)
+        for (Eigen::Index i = 0; i < j; ++i) sum += pair(i, j);
+      return sum / (-4 * std::numbers::pi);
+    }
+  };
+}
+
+/// An energy in which all hangs together: cos of partial sums, Σ cos(Σ_{k ≤ i} q_k p_k) (1 + p_i²).
+constexpr auto unstructured = [](const auto& q, const auto& p) {
+  using std::cos;
+  typename std::decay_t<decltype(q)>::Scalar sum(0), partial(0);
+  for (Eigen::Index i = 0; i < q.size(); ++i) {
+    partial += q[i] * p[i];
+    sum += cos(partial) * (1 + p[i] * p[i]);
+  }
+  return sum;
+};
+struct PlainUnstructured {
+  using Scalar = double;
+  static constexpr int Dof = Eigen::Dynamic;
+  Eigen::Index n;
+
+  Eigen::Index dof() const { return n; }
+  double energy(const In<double, Dof>& q, const In<double, Dof>& p) const { return unstructured(q, p); }
+  void gradient(const In<double, Dof>& q, const In<double, Dof>& p, Out<double, Dof> dHdq,
+                Out<double, Dof> dHdp) const {
+    double partial = 0, later = 0;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      partial += q[i] * p[i];
+      dHdq[i] = partial;
+    }
+    for (Eigen::Index i = n; i-- > 0;) {
+      const double weight = 1 + p[i] * p[i], at = dHdq[i];
+      later -= std::sin(at) * weight;
+      dHdq[i] = later * p[i];
+      dHdp[i] = later * q[i] + 2 * p[i] * std::cos(at);
+    }
+  }
+};
+
+/// One derivative in each of the variables after the other's, eight at a time: what from_energy() did with any energy once.
+template <class Energy>
+class Forwards {
+ public:
+  using Scalar = double;
+  static constexpr int Dof = Eigen::Dynamic;
+  Forwards(Eigen::Index dof, Energy energy) : dof_(dof), energy_(std::move(energy)) {}
+  Eigen::Index dof() const { return dof_; }
+  void gradient(const In<double, Dof>& q, const In<double, Dof>& p, Out<double, Dof> dHdq,
+                Out<double, Dof> dHdp) const {
+    using Number = semiexplicit::detail::Dual<double, 8>;
+    for (Eigen::Index begin = 0; begin < 2 * dof_; begin += 8) {
+      const auto make = [begin](double value, Eigen::Index i) {
+        return semiexplicit::detail::variable<double, 8>(value, i - begin);
+      };
+      const Number h =
+          energy_(semiexplicit::detail::as_duals(q, 0, make), semiexplicit::detail::as_duals(p, dof_, make));
+      for (Eigen::Index i = begin; i < std::min(begin + 8, 2 * dof_); ++i)
+        (i < dof_ ? dHdq[i] : dHdp[i - dof_]) = h.derivative[i - begin];
+    }
+  }
+
+ private:
+  Eigen::Index dof_;
+  Energy energy_;
+};
+
+PhasePoint<double, Eigen::Dynamic> random_point(Eigen::Index n) {
+  PhasePoint<double, Eigen::Dynamic> z(n);
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> normal;
+  for (auto& value : z.vector()) value = normal(random);
+  return z;
+}
+
+template <class Hand, class Other>
+void compare_gradients(const char* name, const char* what, int rounds, const Hand& hand, const Other& other) {
+  const auto z = random_point(hand.dof());
+  Gradient hand_gradient(hand, z);
+  Gradient other_gradient(other, z);
+  other_gradient();
+  compare(
+      name, what, rounds, [&] { hand_gradient(); }, [&] { other_gradient(); });
+}
+
+void large_systems(int rounds) {
+  for (const Eigen::Index n : {10, 100, 400}) {
+    const std::string name = "NLS " + std::to_string(n);
+    const PlainLattice hand{n};
+    compare_gradients(name.c_str(), "forwards", std::min(rounds, 50), hand, Forwards(n, lattice_energy));
+    compare_gradients(name.c_str(), "backwards", rounds, hand, from_energy(n, lattice_energy));
+    compare_gradients(name.c_str(), "by terms", rounds, hand, from_energy(n, lattice_by_terms(n)));
+  }
+  PlainVortices vortices{random_point(100).vector(), {}, {}};
+  vortices.x_per_q = vortices.gamma.cwiseAbs().cwiseSqrt().cwiseInverse();
+  vortices.y_per_p = vortices.x_per_q.cwiseProduct(vortices.gamma.cwiseSign());
+  const char* const name = "200 vortices";
+  compare_gradients(name, "forwards", std::min(rounds, 10), vortices,
+                    Forwards(200, vortex_energy<false>(vortices)));
+  compare_gradients(name, "backwards", std::min(rounds, 100), vortices,
+                    from_energy(200, vortex_energy<false>(vortices)));
+  compare_gradients(name, "by pairs", rounds, vortices, from_energy(200, vortex_energy<true>(vortices)));
+  for (const Eigen::Index n : {10, 100, 1000}) {
+    const std::string any = "unstruct. " + std::to_string(n);
+    const PlainUnstructured hand{n};
+    compare_gradients(any.c_str(), "forwards", std::min(rounds, 20), hand, Forwards(n, unstructured));
+    compare_gradients(any.c_str(), "backwards", rounds, hand, from_energy(n, unstructured));
+    const auto z = random_point(n);
+    Gradient backwards(from_energy(n, unstructured), z);
+    compare(
+        any.c_str(), "/ energy", rounds,
+        [&] {
+          const double h = hand.energy(z.q(), z.p());
+          asm volatile("" : : "g"(&h) : "memory");
+        },
+        [&] { backwards(); });
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -146,10 +357,9 @@ int main(int argc, char** argv) {
                                Vector<double, 10>{-5, -6, 0, -2, 0, 10, 2, 9, 0, -1}),
           1e-2);
 
-  PhasePoint<double, Eigen::Dynamic> lattice(100);
-  std::mt19937_64 random(1);
-  std::normal_distribution<double> normal;
-  for (auto& value : lattice.vector()) value = normal(random);
-  compare("NLS 100", rounds, systems::NlsLattice<double>(100), from_energy(100, lattice_energy), lattice,
-          1e-3);
+  compare("NLS 100", rounds, systems::NlsLattice<double>(100), from_energy(100, lattice_by_terms(100)),
+          random_point(100), 1e-3);
+
+  std::printf("\n");
+  large_systems(rounds);
 }

@@ -5,3 +5,4 @@
 #include <semiexplicit/derivatives/check_gradient.hpp>
 #include <semiexplicit/derivatives/dual.hpp>
 #include <semiexplicit/derivatives/from_energy.hpp>
+#include <semiexplicit/derivatives/terms.hpp>

@@ -10,6 +10,8 @@
 #include "folder.hpp"
 #include "refusal.hpp"
 
+namespace test_alignment {
+
 // Alignment indices, and the series of finite-time exponents.
 
 namespace {
@@ -166,3 +168,5 @@ TEST_CASE("A run that is resumed gives the same indices and the same series", "[
   go(450);
   CHECK(go(-1) == whole);
 }
+
+}  // namespace test_alignment

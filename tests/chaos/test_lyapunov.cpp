@@ -3,9 +3,11 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <stdexcept>
 
 #include <boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp>
 #include <semiexplicit/chaos.hpp>
+#include <semiexplicit/derivatives.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 #include <semiexplicit/systems.hpp>
 #include <semiexplicit/time.hpp>
@@ -212,6 +214,42 @@ TEST_CASE("A driven chaotic oscillator has the exponent that was published", "[l
   // A second run that goes on from here, at times that meet but for rounding.
   integrate(stepper, z, {.dt = 0.1, .steps = 1000, .t0 = driven.time(z) * (1 + 2e-16)}, lyapunov);
   CHECK(lyapunov.exponents()[0] == Approx(0.163).epsilon(0.1));
+}
+
+/// A quarter of a unit of time for each of s.
+struct Quarter {
+  double operator()(const auto&, auto&& derivative) const {
+    derivative.setZero();
+    return 0.25;
+  }
+};
+
+TEST_CASE("Exponents of a run in another variable than the time are growth in time", "[chaos]") {
+  const auto saddle =
+      from_energy<1>([](const auto& q, const auto& p) { return p[0] * p[0] / 2 - q[0] * q[0] / 2; });
+  const TimeTransformed transformed(saddle, Quarter{}, 0.0);
+  Semiexplicit stepper(transformed, schemes::low_defect6_s13<double>());
+  auto z = transformed.extended(PhasePoint<double, 1>(0, 0), 0.0);
+  LyapunovExponents lyapunov(stepper, 1);
+  integrate(stepper, z, {.dt = 0.2, .steps = 4000}, lyapunov);
+  REQUIRE(transformed.time(z) == Approx(200));
+  CHECK(lyapunov.exponents()[0] == Approx(1).epsilon(0.03));
+  CHECK(lyapunov.times().back() <= 200.001);
+}
+
+/// A saddle, with the second derivatives of another Hamiltonian.
+struct Inherits : systems::Product<double> {
+  void gradient(In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
+    dHdq[0] = -3 * q[0];
+    dHdp[0] = p[0];
+  }
+};
+
+TEST_CASE("Second derivatives that a type inherits beside another gradient are refused", "[chaos]") {
+  Semiexplicit stepper(Inherits{}, schemes::low_defect6_s13<double>());
+  PhasePoint<double, 1> z(0.1, 0.2);
+  LyapunovExponents lyapunov(stepper, 2);
+  CHECK_THROWS_AS(integrate(stepper, z, {.dt = 0.1, .steps = 10}, lyapunov), std::invalid_argument);
 }
 
 }  // namespace test_lyapunov

@@ -12,6 +12,8 @@
 #include "lattice_energy.hpp"
 #include "refusal.hpp"
 
+namespace test_tangent_vectors {
+
 // Tangent vectors carried along by a step: the dense derivative of the step times them.
 
 namespace {
@@ -351,3 +353,5 @@ TEST_CASE("Exponents of three hundred degrees of freedom are there in a blink", 
   CHECK(lyapunov.exponents()[0] > 0.01);
   CHECK(lyapunov.exponents()[1] < lyapunov.exponents()[0]);
 }
+
+}  // namespace test_tangent_vectors

@@ -18,6 +18,8 @@
 #include "lattice_energy.hpp"
 #include "refusal.hpp"
 
+namespace test_tape {
+
 // Energies of many variables: gradients backwards, Hessians, and their use by the rest of the library.
 
 namespace {
@@ -278,3 +280,5 @@ TEST_CASE("A driven energy of many variables has both gradients", "[tape]") {
   CHECK(check_gradient(K, Z).ok());
   CHECK(check_gradient(K, Z).judged());
 }
+
+}  // namespace test_tape

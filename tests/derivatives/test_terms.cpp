@@ -14,6 +14,8 @@
 
 #include "forward_gradient.hpp"
 
+namespace test_terms {
+
 // Sums of terms: against gradients by hand and against dual numbers.
 
 namespace {
@@ -375,3 +377,5 @@ TEST_CASE("Terms have the precision of their numbers", "[terms]") {
   CHECK(precise(boost::multiprecision::number<boost::multiprecision::cpp_dec_float<40>,
                                               boost::multiprecision::et_off>(1)) <= 100);
 }
+
+}  // namespace test_terms

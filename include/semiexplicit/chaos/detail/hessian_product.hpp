@@ -91,15 +91,17 @@ class HessianProduct {
     return exact || dense_ ? epsilon : sqrt(epsilon);
   }
 
-  /// Throws std::invalid_argument where H.hessian_times and differences of the gradient along v have nothing in common.
+  /// Throws std::invalid_argument where H.hessian_times or H.hessian and differences of the gradient along v have nothing in
+  /// common, as where a type inherits them and has another gradient.
   void check([[maybe_unused]] const H& h, [[maybe_unused]] const Vec& z, [[maybe_unused]] const Vec& v) {
-    if constexpr (HasHessianTimes<H>) {
+    if constexpr (HasHessianTimes<H> || (HasHessian<H> && !exact)) {
       Vec given = z, found = z;
+      prepare(h, z);
       times(h, z, v.data(), 0, given);
       if (!Differences(z.size() / 2, 1).compare(h, z, v, given, found))
         throw std::invalid_argument(
-            "hessian_times of the Hamiltonian is not the derivative of its gradient: along some direction it "
-            "is off by " +
+            std::string(HasHessianTimes<H> ? "hessian_times" : "hessian") +
+            " of the Hamiltonian is not the derivative of its gradient: along some direction it is off by " +
             std::to_string(static_cast<double>(norm(given - found) / norm(found))) +
             " of its size; check both with check_gradient() and with from_energy()");
     }

@@ -1,11 +1,14 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <utility>
 
 #include <semiexplicit/chaos/tangent_vectors.hpp>
+#include <semiexplicit/core/extended_phase_space.hpp>
 #include <semiexplicit/observers/run_clock.hpp>
 
 namespace semiexplicit::detail {
@@ -54,13 +57,13 @@ class TangentRun {
       if (clock_.steps_since(run) != 1)
         refuse("it is shown only some of the steps, and needs every one; take every() away from it");
       const Scalar dt = clock_.interval(t, run);
-      if (elapsed_ != 0 && (dt > Scalar(0)) != (elapsed_ > 0))
+      if (steps_ > 0 && (dt > Scalar(0)) != (elapsed_ > 0))
         refuse("the time turned round; every run wants an observer of its own");
       const StepReport report = tangents_.advance(previous_, dt);
       if (!report.ok())
         throw std::runtime_error(std::string(who_) + ": no tangent map of the step to t = " + in_words(t, 9) +
                                  ": " + semiexplicit::describe(report.status));
-      elapsed_ += static_cast<double>(dt);
+      elapsed_ += passed(z, dt);
       ++steps_;
     }
     clock_.set(t, run, next);
@@ -102,6 +105,22 @@ class TangentRun {
   }
 
  private:
+  using Hamiltonian = std::remove_cvref_t<decltype(std::declval<const Stepper&>().hamiltonian())>;
+
+  /// The time from the previous state to z. In an extended phase space the states have it, and dt may be another variable's; what
+  /// differs by no more than a time's rounding does not differ.
+  double passed(const State& z, const Scalar& dt) const {
+    using std::abs;
+    if constexpr (InExtendedPhaseSpace<Hamiltonian>) {
+      const Scalar before = previous_.q()[z.dof() - 1], now = z.q()[z.dof() - 1];
+      const Scalar rounding =
+          4 * Eigen::NumTraits<Scalar>::epsilon() * std::max<Scalar>(abs(before), abs(now));
+      if (!(abs(now - before - dt) <= rounding))
+        return static_cast<double>(now) - static_cast<double>(before);
+    }
+    return static_cast<double>(dt);
+  }
+
   static Eigen::Index require(const char* who, Eigen::Index least, Eigen::Index count, Eigen::Index all) {
     if (count < least || count > all)
       throw std::invalid_argument(std::string(who) + ": " + std::to_string(count) +

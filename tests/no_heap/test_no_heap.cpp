@@ -193,6 +193,11 @@ TEST_CASE("Nor do automatic derivatives, of fixed or dynamic size", "[heap]") {
   };
   derivatives_use_no_heap(from_energy<3>(energy));
   derivatives_use_no_heap(from_energy(9, energy));
+  derivatives_use_no_heap(from_energy<20>(energy));
+  derivatives_use_no_heap(from_energy(30, [](const auto& q, const auto& p) {
+    const auto square = [](const auto& x) { return sum_over(30, [&](auto i) { return x[i] * x[i]; }); };
+    return square(q) * square(p) + q[0];
+  }));
 }
 
 TEST_CASE("Nor does a step of a pack", "[heap]") {

@@ -108,7 +108,7 @@ struct Traced : Operators<Traced<T>, T> {
 /// Every operation on numbers that depend on the variables, with its slopes, and the gradients of sums that sum_over() has found
 /// on its own. Memory is kept from call to call; there is one tape a thread.
 ///
-/// Not a library: ADOL-C, the one in Debian, has double only, global tapes by number, and allocates in every sweep.
+/// Not a library: ADOL-C, a library of Debian, has double only, global tapes by number, and allocates in every sweep.
 template <class T>
 class Tape {
  public:

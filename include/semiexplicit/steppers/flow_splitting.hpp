@@ -115,16 +115,7 @@ class FlowSplitting {
     work_.start = z.vector();
     work_.at = work_.start;
     work_.moved.setZero();
-    if constexpr (has_position || has_momentum || has_coupled) {
-      const std::size_t n = list_.b.size();
-      for (std::size_t i = 0; i < n && report.ok(); ++i) {
-        exactly(dt * list_.a[i], report);
-        if (report.ok()) kick(dt * list_.b[i], report);
-      }
-      if (report.ok()) exactly(dt * list_.a[n], report);
-    } else {
-      exactly(dt, report);
-    }
+    detail::inlined<Scalar>([&] { flows(dt, report); });
     report.gradients = (halves_ + 1) / 2;
     if constexpr (!has_coupled) report.evaluations = 1;
     if (report.ok() && !update_.update(z, [moved = work_.moved.data()](Eigen::Index i) { return moved[i]; }))
@@ -193,10 +184,26 @@ class FlowSplitting {
     return halves_of_kick(evaluations) * static_cast<std::int64_t>(list_.b.size());
   }
 
-  void exactly(const Scalar& t, StepReport& report) {
+  SEMIEXPLICIT_INLINE void flows(const Scalar& dt, StepReport& report) {
+    if constexpr (has_position || has_momentum || has_coupled) {
+      const std::size_t n = list_.b.size();
+      for (std::size_t i = 0;; ++i) {
+        exactly(dt * list_.a[i], report);
+        if (i == n || !report.ok()) return;
+        kick(dt * list_.b[i], report);
+        if (!report.ok()) return;
+      }
+    } else {
+      exactly(dt, report);
+    }
+  }
+
+  SEMIEXPLICIT_INLINE void exactly(const Scalar& t, StepReport& report) {
     const Eigen::Index d = dof();
-    work_.q = work_.at.head(d);
-    work_.p = work_.at.tail(d);
+    for (Eigen::Index i = 0; i < d; ++i) {
+      work_.q[i] = work_.at[i];
+      work_.p[i] = work_.at[d + i];
+    }
     report.status = hamiltonian_.flow(t, work_.q, work_.p, work_.dq, work_.dp);
     if (report.ok()) {
       for (Eigen::Index i = 0; i < d; ++i) {
@@ -211,7 +218,7 @@ class FlowSplitting {
     work_.at[i] = work_.start[i] + work_.moved[i];
   }
 
-  void kick(const Scalar& t, StepReport& report) {
+  SEMIEXPLICIT_INLINE void kick(const Scalar& t, StepReport& report) {
     if constexpr (has_coupled) {
       if constexpr (has_position) kick_p(t / 2);
       if constexpr (has_momentum) drift_q(t / 2);
@@ -229,26 +236,22 @@ class FlowSplitting {
     }
   }
 
-  void kick_p(const Scalar& t) {
+  SEMIEXPLICIT_INLINE void kick_p(const Scalar& t) {
     const Eigen::Index d = dof();
-    detail::inlined<Scalar>([&] {
-      hamiltonian_.rest_position_gradient(Eigen::Map<const Column>(work_.at.data(), d),
-                                          Eigen::Map<Column>(work_.dq.data(), d));
-    });
+    hamiltonian_.rest_position_gradient(Eigen::Map<const Column>(work_.at.data(), d),
+                                        Eigen::Map<Column>(work_.dq.data(), d));
     for (Eigen::Index i = 0; i < d; ++i) move(d + i, -t * work_.dq[i]);
     ++halves_;
   }
-  void drift_q(const Scalar& t) {
+  SEMIEXPLICIT_INLINE void drift_q(const Scalar& t) {
     const Eigen::Index d = dof();
-    detail::inlined<Scalar>([&] {
-      hamiltonian_.rest_momentum_gradient(Eigen::Map<const Column>(work_.at.data() + d, d),
-                                          Eigen::Map<Column>(work_.dp.data(), d));
-    });
+    hamiltonian_.rest_momentum_gradient(Eigen::Map<const Column>(work_.at.data() + d, d),
+                                        Eigen::Map<Column>(work_.dp.data(), d));
     for (Eigen::Index i = 0; i < d; ++i) move(i, t * work_.dp[i]);
     ++halves_;
   }
 
-  void kick_coupled(const Scalar& t, StepReport& report) {
+  SEMIEXPLICIT_INLINE void kick_coupled(const Scalar& t, StepReport& report) {
     Residual<Coupled> residual{hamiltonian_.coupled_rest(), work_, t};
     const auto solved = solver_.solve(residual, work_.m, solver_work_);
     report.status = solved.status;
@@ -274,23 +277,34 @@ class FlowSplitting {
     void operator()(Vec& f) { evaluate(nullptr, f); }
     void operator()(const Vec& m, Vec& f) { evaluate(&m, f); }
     void evaluate(const Vec* m, Vec& f) {
-      const Eigen::Index d = dof_of(coupled);
-      if (m) {
-        work.a = work.at + *m;
-        work.b = work.at - *m;
+      if constexpr (detail::fits_on_stack(Dof)) {
+        detail::inlined<Scalar>([&] {
+          typename detail::StackPoint<Scalar, Dof> a, b, gradient, kicked;
+          map(m, f, a.data, b.data, gradient.data, kicked.data, a.d);
+          kicked.store(work.kicked.data());
+        });
       } else {
-        work.a = work.at;
-        work.b = work.at;
+        map(m, f, work.a.data(), work.b.data(), work.gradient.data(), work.kicked.data(), dof_of(coupled));
       }
-      work.kicked.setZero();
-      detail::inlined<Scalar>([&] {
-        detail::kick(coupled, t, work.a.data(), work.b.data(), work.gradient.data(), d, work.kicked.data());
-        detail::kick(coupled, t, work.b.data(), work.a.data(), work.gradient.data(), d, work.kicked.data());
-      });
-      f = work.a - work.b;
-      if (m) f += *m + *m;
       last = &f;
       distance = detail::norm(work.kicked) / 2;
+    }
+    template <class Size>
+    SEMIEXPLICIT_INLINE void map(const Vec* m, Vec& f, Scalar* a, Scalar* b, Scalar* gradient, Scalar* kicked,
+                                 Size d) {
+      const auto both = detail::twice_of(d);
+      detail::for_each_index(both, [&](Eigen::Index i) {
+        const Scalar apart = m ? Scalar((*m)[i]) : Scalar(0);
+        a[i] = work.at[i] + apart;
+        b[i] = work.at[i] - apart;
+        kicked[i] = Scalar(0);
+      });
+      detail::kick(coupled, t, a, b, gradient, d, kicked);
+      detail::kick(coupled, t, b, a, gradient, d, kicked);
+      detail::for_each_index(both, [&](Eigen::Index i) {
+        const Scalar apart = m ? Scalar((*m)[i] + (*m)[i]) : Scalar(0);
+        f[i] = (a[i] - b[i]) + apart;
+      });
     }
 
     Scalar state_size() const {

@@ -49,7 +49,7 @@ class UniversalKepler {
         root_(root),
         per_root_(1 / root) {
     if constexpr (std::is_floating_point_v<Scalar>)
-      excess_ = std::fma(root, root, beta < 0 ? beta : -beta) / (beta < 0 ? -2 * beta : 2 * beta);
+      excess_ = std::fma(root, root, beta < 0 ? beta : -beta) * (per_root_ * per_root_ / 2);
   }
 
   /// Finds s, and the functions of it, for a time t > 0 (of an ellipse: up to half a period). False: not found.
@@ -110,10 +110,14 @@ class UniversalKepler {
   /// The root of f + slope x + bend x²/2 + turn x³/6 by the reverted series.
   static SEMIEXPLICIT_INLINE Scalar reverted(const Scalar& f, const Scalar& slope, const Scalar& bend,
                                              const Scalar& turn) {
-    const Scalar per = 1 / slope, x = -f * per, second = bend * per / 2, third = turn * per / 6;
+    return reverted_per(-f, Scalar(1 / slope), bend, turn);
+  }
+  static SEMIEXPLICIT_INLINE Scalar reverted_per(const Scalar& t, const Scalar& per_slope, const Scalar& bend,
+                                                 const Scalar& turn) {
+    const Scalar x = t * per_slope, second = bend * per_slope / 2, third = turn * per_slope / 6;
     return x * (1 - x * (second - x * (2 * second * second - third)));
   }
-  static Scalar laguerre(const Scalar& f, const Scalar& slope, const Scalar& bend) {
+  static SEMIEXPLICIT_NOINLINE Scalar laguerre(const Scalar& f, const Scalar& slope, const Scalar& bend) {
     using std::sqrt;
     const Scalar inner = 16 * slope * slope - 20 * f * bend;
     return -5 * f / (slope + sqrt(inner < 0 ? -inner : inner));
@@ -124,7 +128,7 @@ class UniversalKepler {
     const Scalar s = t * inverse_;
     const auto size = [](const Scalar& x) { return x < 0 ? Scalar(-x) : x; };
     if (size(eta0_) * s < r0_ / 2 && size(beta_) * s * s < 1 && size(zeta_) * s * s < r0_ / 2)
-      return polished(polished(s, t), t);
+      return polished(reverted_per(t, inverse_, eta0_, zeta_), t);
     if (beta_ > 0 && gm_ > 0) return elliptic_start(t);
     const Scalar from_cubic = cubic_start(t, s);
     return size(beta_) * from_cubic * from_cubic < 4 ? from_cubic : hyperbolic_start(t, from_cubic);
@@ -141,7 +145,7 @@ class UniversalKepler {
   }
 
   /// From the eccentric anomaly, M + 0.85 e with a sign (Danby).
-  Scalar elliptic_start(const Scalar& t) const {
+  SEMIEXPLICIT_NOINLINE Scalar elliptic_start(const Scalar& t) const {
     using std::cos;
     using std::sin;
     using std::sqrt;
@@ -154,7 +158,7 @@ class UniversalKepler {
   }
 
   /// Of the three powers of s in t(s) the one that is reached first.
-  Scalar cubic_start(const Scalar& t, const Scalar& linear) const {
+  SEMIEXPLICIT_NOINLINE Scalar cubic_start(const Scalar& t, const Scalar& linear) const {
     using std::cbrt;
     using std::sqrt;
     Scalar s = linear;
@@ -171,7 +175,7 @@ class UniversalKepler {
 
   /// The growing exponential alone: t = (A + B)/2 e^x - B - Cx with x = √-β s. A + B is e times an exponential, which
   /// its product with A - B gives where the sum itself would cancel.
-  Scalar hyperbolic_start(const Scalar& t, const Scalar& otherwise) const {
+  SEMIEXPLICIT_NOINLINE Scalar hyperbolic_start(const Scalar& t, const Scalar& otherwise) const {
     using std::log;
     const Scalar k2 = -beta_, k3 = k2 * root_;
     const Scalar a = (r0_ * k2 + gm_) / k3, b = eta0_ / k2, c = gm_ / k3;
@@ -211,7 +215,7 @@ class UniversalKepler {
       c1_ = 1 - quarter / 2;
     }
     narrow_ = quarter <= tiny && quarter >= -tiny;
-    double_angle();
+    double_angle(narrow_ ? s1_ : s1_ * per_root_);
     g3_ = quarter < Scalar(0.25) && quarter > Scalar(-0.25) ? s * s * s * c3(4 * quarter) : (s - g1_) / beta_;
   }
 
@@ -227,8 +231,7 @@ class UniversalKepler {
   }
 
   /// The functions of s from those of s/2; cos - 1 from the sine itself, for the same reason.
-  SEMIEXPLICIT_INLINE void double_angle() {
-    const Scalar h1 = half_function();
+  SEMIEXPLICIT_INLINE void double_angle(const Scalar& h1) {
     g1_ = 2 * c1_ * h1;
     g2_ = 2 * h1 * h1;
     g0_ =
@@ -238,15 +241,12 @@ class UniversalKepler {
   /// (√z - sin √z)/√z³ for |z| < 1.
   static SEMIEXPLICIT_INLINE Scalar c3(const Scalar& z) {
     if constexpr (std::numeric_limits<Scalar>::digits <= 64) {
-      constexpr auto one = Scalar(1);
-      return one / 6 -
-             z * (one / 120 -
-                  z * (one / 5040 -
-                       z * (one / 362880 -
-                            z * (one / 39916800 - z * (one / Scalar(6227020800.0) -
-                                                       z * (one / Scalar(1307674368000.0) -
-                                                            z * (one / Scalar(355687428096000.0) -
-                                                                 z / Scalar(121645100408832000.0))))))));
+      constexpr auto term = [](double factorial) { return Scalar(1) / Scalar(factorial); };
+      const Scalar z2 = z * z, z4 = z2 * z2;
+      return ((term(6) - z * term(120)) + z2 * (term(5040) - z * term(362880))) +
+             z4 * (((term(39916800) - z * term(6227020800)) +
+                    z2 * (term(1307674368000) - z * term(355687428096000))) +
+                   z4 * term(121645100408832000));
     } else {
       Scalar term = Scalar(1) / 6, sum = term;
       for (int k = 4; term + sum != sum && k < 400; k += 2) {
@@ -266,7 +266,7 @@ class UniversalKepler {
     const Scalar s1 = s1_ + (c1_ * sine - s1_ * less);
     c1_ -= sign * s1_ * sine + c1_ * less;
     s1_ = s1;
-    double_angle();
+    double_angle(half_function());
   }
 
   Scalar gm_, r0_, inverse_, eta0_, beta_, zeta_, root_, per_root_;

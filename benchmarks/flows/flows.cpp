@@ -1,7 +1,7 @@
 // What an exact flow for the dominant effects saves: Mercury with relativity, where Kepler's motion is exact, and a star in a
 // rotating bar, where free motion in the turning frame is. For each accuracy the fastest of the methods without exact flows is
 // set against the fastest with them; the two then alternate, so that a busy machine disturbs both alike, and the median of
-// the ratios of neighbouring runs and their quartiles are printed.
+// the ratios of neighbouring runs and their quartiles are printed. Times are those of the processor, not of the clock.
 //
 //     bench_flows [rounds]          pin it to a core: taskset -c 1 bench_flows
 
@@ -9,10 +9,9 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <functional>
-#include <initializer_list>
 #include <numbers>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -24,10 +23,16 @@
 
 using namespace semiexplicit;
 using bench::quantile;
-using bench::seconds;
 namespace orbits = effects::orbits;
 
 namespace {
+
+template <class Work>
+double seconds(const Work& work) {
+  const std::clock_t begin = std::clock();
+  work();
+  return static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+}
 
 /// What a run with so many steps came to: the errors, its work and its time.
 struct Result {
@@ -58,7 +63,8 @@ struct Problem {
 };
 
 template <class Split>
-bool runs(Split& stepper, PhasePoint<double, Split::Dof>& z, double t_end, std::int64_t steps, auto&... observers) {
+bool runs(Split& stepper, PhasePoint<double, Split::Dof>& z, double t_end, std::int64_t steps,
+          auto&... observers) {
   return integrate(stepper, z,
                    {.dt = t_end / static_cast<double>(steps), .steps = steps, .on_failure = OnFailure::stop},
                    observers...)
@@ -73,9 +79,9 @@ Method method(std::string name, bool exact, S stepper, const H& hamiltonian,
     Result result{.steps = steps};
     PhasePoint<double, H::Dof> z = start;
     Invariants invariants(hamiltonian);
-    const IntegrationReport report =
-        integrate(stepper, z,
-                  {.dt = t_end / static_cast<double>(steps), .steps = steps, .on_failure = OnFailure::stop}, invariants);
+    const IntegrationReport report = integrate(
+        stepper, z, {.dt = t_end / static_cast<double>(steps), .steps = steps, .on_failure = OnFailure::stop},
+        invariants);
     result.ok = report.ok();
     result.gradients = static_cast<double>(report.gradients);
     if (result.ok) result.errors = errors(invariants, z);
@@ -92,24 +98,28 @@ Method method(std::string name, bool exact, S stepper, const H& hamiltonian,
 template <class H, class Errors>
 void add_without(std::vector<Method>& methods, const H& hamiltonian, const PhasePoint<double, H::Dof>& start,
                  double t_end, const Errors& errors) {
-  for (const char* name : {"blanes_moan4", "low_defect4_s7", "low_defect4_s11", "blanes_moan6", "low_defect6_s13",
+  for (const char* name : {"low_defect4_s7", "low_defect4_s11", "blanes_moan6", "low_defect6_s13",
                            "low_defect6_s15", "kahan_li8", "low_defect8_s20", "sofroniou_spaletta10"})
     methods.push_back(method(std::string("semiexplicit ") + name, false,
                              Semiexplicit(hamiltonian, schemes::by_name<double>(name)), hamiltonian, start,
                              t_end, errors));
-  for (const int stages : {2, 3, 4, 6, 8})
+  for (const int stages : {4, 6, 8})
     methods.push_back(method("gauss " + std::to_string(stages), false,
-                             GaussLegendre(hamiltonian, {.stages = stages}), hamiltonian, start, t_end, errors));
+                             GaussLegendre(hamiltonian, {.stages = stages}), hamiltonian, start, t_end,
+                             errors));
   for (const char* name : {"blanes_moan6", "low_defect6_s13"})
     methods.push_back(method(std::string("midpoint ") + name, false,
-                             MidpointProjection(hamiltonian, schemes::by_name<double>(name)), hamiltonian, start,
-                             t_end, errors));
+                             MidpointProjection(hamiltonian, schemes::by_name<double>(name)), hamiltonian,
+                             start, t_end, errors));
 }
 
 void compare(const Problem& problem, int rounds) {
-  std::printf("\n%s\n\n| error | bound | without: method | steps | gradients | ms | with: method | steps | gradients | "
-              "ms | time ratio | quartiles | gradients ratio |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
-              problem.name.c_str());
+  std::printf(
+      "\n%s\n\n| error | bound | without: method | steps | gradients | ms | with: method | steps | gradients "
+      "| "
+      "ms | time ratio | quartiles | gradients ratio "
+      "|\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
+      problem.name.c_str());
   std::vector<std::vector<Result>> all;
   for (const Method& m : problem.methods) {
     all.emplace_back();
@@ -126,7 +136,7 @@ void compare(const Problem& problem, int rounds) {
         const Method& m = problem.methods[i];
         if (result.seconds == 0) {
           std::vector<double> times;
-          for (int k = 0; k < 5; ++k) times.push_back(seconds(1, [&] { m.run(result.steps); }));
+          for (int k = 0; k < 3; ++k) times.push_back(seconds([&] { m.run(result.steps); }));
           result.seconds = quantile(times, 0);
         }
         Best& b = best[m.exact ? 1 : 0];
@@ -142,7 +152,7 @@ void compare(const Problem& problem, int rounds) {
     std::vector<double> times[2], ratios;
     for (int k = 0; k < rounds; ++k) {
       for (int side = 0; side < 2; ++side)
-        times[side].push_back(seconds(1, [&] { best[side].method->run(best[side].result.steps); }));
+        times[side].push_back(seconds([&] { best[side].method->run(best[side].result.steps); }));
       ratios.push_back(times[0].back() / times[1].back());
     }
     std::printf("| %s | %.0e |", target.what.c_str(), target.bound);
@@ -195,8 +205,9 @@ Problem mercury() {
                            schemes::aba864<double>(), schemes::aba1064<double>()})
     problem.methods.push_back(
         method("exact " + list.name, true, stepper_for(scene, kepler, list), scene, start, century, errors));
-  for (const double an_orbit : {3., 4., 5., 6., 7., 8., 10., 12., 14., 16., 18., 20., 24., 28., 32., 36., 40., 48., 56., 64.,
-                                72., 80., 96., 112., 128., 160., 200., 256., 320., 400.})
+  for (const double an_orbit :
+       {2.7, 3.3, 3.7, 4.2, 4.7, 5.3, 6.,  7.,  8.,  9.,  10.,  12.,  14.,  16.,  18.,  20.,  24.,
+        28., 32., 36., 40., 48., 56., 64., 72., 80., 96., 112., 128., 160., 200., 256., 320., 400.})
     problem.steps.push_back(static_cast<std::int64_t>(std::ceil(an_orbit * orbits_a_century)));
   return problem;
 }
@@ -223,18 +234,20 @@ Problem bar() {
   const Scene scene(orbits::Kinetic<double, 2>{}, orbits::RotatingFrame<double, 2>{.omega = 0.9}, Bar{});
   const PhasePoint<double, 2> start({0.6, 0}, {0, 0.5});
   constexpr auto frame = exactly<orbits::Kinetic<double, 2>, orbits::RotatingFrame<double, 2>>();
-  const double t_end = 2000;
+  const double t_end = 400;
   const auto errors = [](const auto& invariants, const PhasePoint<double, 2>&) {
     return std::vector<double>{invariants["energy"].worst};
   };
-  Problem problem{.name = "A star in a rotating bar, to t = 2000",
-                  .targets = {{"energy", 0, 1e-4}, {"energy", 0, 1e-6}, {"energy", 0, 1e-8}, {"energy", 0, 1e-10}}};
+  Problem problem{
+      .name = "A star in a rotating bar, to t = 400",
+      .targets = {{"energy", 0, 1e-4}, {"energy", 0, 1e-6}, {"energy", 0, 1e-8}, {"energy", 0, 1e-10}}};
   add_without(problem.methods, scene, start, t_end, errors);
-  for (const char* name : {"blanes_moan4", "blanes_moan6", "kahan_li8", "sofroniou_spaletta8", "sofroniou_spaletta10"})
+  for (const char* name :
+       {"blanes_moan4", "blanes_moan6", "kahan_li8", "sofroniou_spaletta8", "sofroniou_spaletta10"})
     problem.methods.push_back(method(std::string("exact ") + name, true,
-                                     stepper_for(scene, frame, schemes::by_name<double>(name)), scene, start, t_end,
-                                     errors));
-  for (double dt = 2; dt > 0.004; dt /= 1.1)
+                                     stepper_for(scene, frame, schemes::by_name<double>(name)), scene, start,
+                                     t_end, errors));
+  for (double dt = 2; dt > 0.015; dt /= 1.12)
     problem.steps.push_back(static_cast<std::int64_t>(std::ceil(t_end / dt)));
   return problem;
 }

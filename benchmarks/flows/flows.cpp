@@ -5,6 +5,7 @@
 //
 //     bench_flows [rounds]          pin it to a core: taskset -c 1 bench_flows
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -132,7 +133,12 @@ void compare(const Problem& problem, int rounds) {
     } best[2];
     for (std::size_t i = 0; i < problem.methods.size(); ++i)
       for (Result& result : all[i]) {
-        if (!result.ok || !(result.errors[target.error] <= target.bound)) continue;
+        // This and the next two numbers of steps: no lucky one.
+        const std::size_t at = static_cast<std::size_t>(&result - all[i].data());
+        bool good = true;
+        for (std::size_t k = at; k < std::min(at + 3, all[i].size()); ++k)
+          good = good && all[i][k].ok && all[i][k].errors[target.error] <= target.bound;
+        if (!good) continue;
         const Method& m = problem.methods[i];
         if (result.seconds == 0) {
           std::vector<double> times;
@@ -230,24 +236,26 @@ struct Bar {
   }
 };
 
-Problem bar() {
-  const Scene scene(orbits::Kinetic<double, 2>{}, orbits::RotatingFrame<double, 2>{.omega = 0.9}, Bar{});
-  const PhasePoint<double, 2> start({0.6, 0}, {0, 0.5});
+/// A potential in a turning frame: free motion is exact.
+template <class Potential>
+Problem in_turning_frame(std::string name, const Potential& potential, double omega,
+                         const PhasePoint<double, 2>& start, double t_end) {
+  const Scene scene(orbits::Kinetic<double, 2>{}, orbits::RotatingFrame<double, 2>{.omega = omega},
+                    potential);
   constexpr auto frame = exactly<orbits::Kinetic<double, 2>, orbits::RotatingFrame<double, 2>>();
-  const double t_end = 400;
   const auto errors = [](const auto& invariants, const PhasePoint<double, 2>&) {
     return std::vector<double>{invariants["energy"].worst};
   };
   Problem problem{
-      .name = "A star in a rotating bar, to t = 400",
+      .name = std::move(name),
       .targets = {{"energy", 0, 1e-4}, {"energy", 0, 1e-6}, {"energy", 0, 1e-8}, {"energy", 0, 1e-10}}};
   add_without(problem.methods, scene, start, t_end, errors);
-  for (const char* name :
+  for (const char* scheme :
        {"blanes_moan4", "blanes_moan6", "kahan_li8", "sofroniou_spaletta8", "sofroniou_spaletta10"})
-    problem.methods.push_back(method(std::string("exact ") + name, true,
-                                     stepper_for(scene, frame, schemes::by_name<double>(name)), scene, start,
-                                     t_end, errors));
-  for (double dt = 2; dt > 0.015; dt /= 1.12)
+    problem.methods.push_back(method(std::string("exact ") + scheme, true,
+                                     stepper_for(scene, frame, schemes::by_name<double>(scheme)), scene,
+                                     start, t_end, errors));
+  for (double dt = 1; dt > 0.01; dt /= 1.12)
     problem.steps.push_back(static_cast<std::int64_t>(std::ceil(t_end / dt)));
   return problem;
 }
@@ -257,5 +265,10 @@ Problem bar() {
 int main(int argc, char** argv) {
   const int rounds = argc > 1 ? std::atoi(argv[1]) : 31;
   compare(mercury(), rounds);
-  compare(bar(), rounds);
+  compare(in_turning_frame("A star in a rotating bar, to t = 400", Bar{}, 0.9, {{0.6, 0}, {0, 0.5}}, 400),
+          rounds);
+  compare(in_turning_frame("Restricted three-body problem, about the larger mass, to t = 200",
+                           orbits::TwoCentres<double, 2>::restricted(0.0121505856), 1, {{0.45, 0}, {0, 1.4}},
+                           200),
+          rounds);
 }

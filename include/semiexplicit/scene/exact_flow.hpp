@@ -27,7 +27,8 @@ namespace semiexplicit {
 ///
 /// q, p, dq and dp are columns of length Dof. For a small t compute the increments themselves (1 - cos as 2 sin² of the half)
 /// and not the difference of two states, which has the rounding error of a state. The order of the group does not matter in
-/// exactly<...>(). `rest_is_small` (true where it is not said) is whether the group dominates what it is used with: the
+/// exactly<...>(). A flow with much to compute from t alone may also have `prepared(t)`, whose result has `increments(q, p, dq, dp)`
+/// and can be default-constructed; it is made once for each time of a step (RotatingFlow). `rest_is_small` (true where it is not said) is whether the group dominates what it is used with: the
 /// splitting is a list of generalised order then, else an ordinary scheme (see stepper_for).
 ///
 /// Flows of this library: Kinetic + Attraction, Kinetic + RotatingFrame, Kinetic + Attraction + RotatingFrame (orbits).

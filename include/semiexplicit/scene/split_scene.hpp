@@ -105,6 +105,8 @@ class SplitScene<Scene<Effects...>, Group...> {
   Status flow(const Scalar& t, const X& q, const X& p, DX& dq, DX& dp) const {
     return flow_.increments(t, q, p, dq, dp);
   }
+  auto prepared(const Scalar& t) const requires requires(const Flow& f) { f.prepared(t); }
+  { return flow_.prepared(t); }
   std::string flow_name() const {
     std::string text;
     for_each_exact([&](const auto& effect) { text += (text.empty() ? "" : " + ") + effect_name(effect); });

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 #include <semiexplicit/core/checkpointable.hpp>
 #include <semiexplicit/core/gradient_size.hpp>
@@ -36,6 +37,20 @@ concept HasCoupledRest = requires(const H& h) {
   requires Hamiltonian<std::remove_cvref_t<decltype(h.coupled_rest())>>;
 };
 template <class H>
+concept HasPreparedFlow = requires(const H& h, const typename H::Scalar& t) {
+  h.prepared(t);
+};
+struct NothingPrepared {};
+template <class H>
+struct PreparedFlowOf {
+  using Type = NothingPrepared;
+};
+template <HasPreparedFlow H>
+struct PreparedFlowOf<H> {
+  using Type =
+      std::remove_cvref_t<decltype(std::declval<const H&>().prepared(std::declval<typename H::Scalar>()))>;
+};
+template <class H>
 struct CoupledRestOf {
   using Type = void;
 };
@@ -51,6 +66,7 @@ struct CoupledRestOf<H> {
 ///
 ///     Status flow(t, q, p, dq, dp) const;              // what q and p move by under A in the time t; see ExactFlow
 ///     std::string flow_name() const;                   // for words
+///     auto prepared(t) const;                          // optional: the flow of one t, with increments(q, p, dq, dp)
 ///     void rest_position_gradient(q, dHdq) const;      // ∂V/∂q, if there is a V
 ///     void rest_momentum_gradient(p, dHdp) const;      // ∂T/∂p, if there is a T
 ///     const C& coupled_rest() const;                   // a Hamiltonian, if there is a C
@@ -96,10 +112,12 @@ class FlowSplitting {
       : hamiltonian_(std::move(hamiltonian)),
         list_(std::move(list)),
         solver_(std::move(solver)),
-        work_(State(dof()).vector(), State(dof()).q()),
+        moving_(State(dof()).vector(), State(dof()).q()),
+        work_(State(dof()).vector()),
         update_(dof()),
         solver_work_(solver_, work_.m.size()) {
     list_.check();
+    flows_.resize(list_.a.size());
   }
 
   /// One step of size dt, which may be negative. z is untouched unless the report is ok(); so it stays where a gradient throws.
@@ -109,16 +127,27 @@ class FlowSplitting {
   StepReport step(State& z, const Scalar& dt) {
     if (!detail::valid_step(dt)) return {.status = Status::invalid_step};
     if (list_.b.empty()) return {.status = Status::invalid_stepper};  // moved from
-    if (z.vector().size() != work_.at.size()) return {.status = Status::invalid_state};
+    if (z.vector().size() != work_.m.size()) return {.status = Status::invalid_state};
     StepReport report;
     halves_ = 0;
-    work_.start = z.vector();
-    work_.at = work_.start;
-    work_.moved.setZero();
-    detail::inlined<Scalar>([&] { flows(dt, report); });
+    if constexpr (detail::HasPreparedFlow<H>)
+      if (!(prepared_dt_ == dt)) prepare(dt);
+    detail::inlined<Scalar>([&] {
+      if constexpr (detail::fits_on_stack(Dof)) {
+        Moving moving(z.vector(), Column::Zero());
+        flows(moving, dt, report);
+        moving_.moved = moving.moved;
+      } else {
+        moving_.start = z.vector();
+        moving_.at = moving_.start;
+        moving_.moved.setZero();
+        flows(moving_, dt, report);
+      }
+    });
     report.gradients = (halves_ + 1) / 2;
     if constexpr (!has_coupled) report.evaluations = 1;
-    if (report.ok() && !update_.update(z, [moved = work_.moved.data()](Eigen::Index i) { return moved[i]; }))
+    if (report.ok() &&
+        !update_.update(z, [moved = moving_.moved.data()](Eigen::Index i) { return moved[i]; }))
       report.status = Status::not_finite;
     if (!report.ok() && !z.vector().allFinite()) report.status = Status::invalid_state;
     return report;
@@ -156,24 +185,21 @@ class FlowSplitting {
   using Column = Vector<Scalar, Dof>;
   using Coupled = typename detail::CoupledRestOf<H>::Type;
 
-  /// What a step works on. `at` is always the rounded start + moved, so that many small moves have the rounding errors of the
-  /// moves only.
-  struct Work {
-    Work(const Vec& zero, const Column& half)
-        : start(zero),
-          at(zero),
-          moved(zero),
-          m(zero),
-          a(zero),
-          b(zero),
-          gradient(zero),
-          kicked(zero),
-          q(half),
-          p(half),
-          dq(half),
-          dp(half) {}
-    Vec start, at, moved, m, a, b, gradient, kicked;
+  /// What is moved. `at` is always the rounded start + moved, so that many small moves have the rounding errors of the moves only.
+  struct Moving {
+    Moving(const Vec& z, const Column& half)
+        : start(z), at(z), moved(Vec::Zero(z.size())), q(half), p(half), dq(half), dp(half) {}
+    SEMIEXPLICIT_INLINE void move(Eigen::Index i, const Scalar& by) {
+      moved[i] += by;
+      at[i] = start[i] + moved[i];
+    }
+    Vec start, at, moved;
     Column q, p, dq, dp;
+  };
+  /// What the doubled map of the coupled rest works on.
+  struct Work {
+    explicit Work(const Vec& zero) : m(zero), a(zero), b(zero), gradient(zero), kicked(zero) {}
+    Vec m, a, b, gradient, kicked;
   };
 
   std::int64_t halves_of_kick(std::int64_t evaluations) const {
@@ -184,75 +210,81 @@ class FlowSplitting {
     return halves_of_kick(evaluations) * static_cast<std::int64_t>(list_.b.size());
   }
 
-  SEMIEXPLICIT_INLINE void flows(const Scalar& dt, StepReport& report) {
-    if constexpr (has_position || has_momentum || has_coupled) {
+  void prepare(const Scalar& dt) {
+    for (std::size_t i = 0; i < flows_.size(); ++i)
+      flows_[i] = hamiltonian_.prepared(splits() ? dt * list_.a[i] : dt);
+    prepared_dt_ = dt;
+  }
+
+  static constexpr bool splits() { return has_position || has_momentum || has_coupled; }
+
+  SEMIEXPLICIT_INLINE void flows(Moving& z, const Scalar& dt, StepReport& report) {
+    if constexpr (splits()) {
       const std::size_t n = list_.b.size();
       for (std::size_t i = 0;; ++i) {
-        exactly(dt * list_.a[i], report);
+        exactly(z, dt * list_.a[i], i, report);
         if (i == n || !report.ok()) return;
-        kick(dt * list_.b[i], report);
+        kick(z, dt * list_.b[i], report);
         if (!report.ok()) return;
       }
     } else {
-      exactly(dt, report);
+      exactly(z, dt, 0, report);
     }
   }
 
-  SEMIEXPLICIT_INLINE void exactly(const Scalar& t, StepReport& report) {
+  SEMIEXPLICIT_INLINE void exactly(Moving& z, const Scalar& t, [[maybe_unused]] std::size_t which,
+                                   StepReport& report) {
     const Eigen::Index d = dof();
     for (Eigen::Index i = 0; i < d; ++i) {
-      work_.q[i] = work_.at[i];
-      work_.p[i] = work_.at[d + i];
+      z.q[i] = z.at[i];
+      z.p[i] = z.at[d + i];
     }
-    report.status = hamiltonian_.flow(t, work_.q, work_.p, work_.dq, work_.dp);
-    if (report.ok()) {
-      for (Eigen::Index i = 0; i < d; ++i) {
-        move(i, work_.dq[i]);
-        move(d + i, work_.dp[i]);
-      }
+    if constexpr (detail::HasPreparedFlow<H>)
+      report.status = flows_[which].increments(z.q, z.p, z.dq, z.dp);
+    else
+      report.status = hamiltonian_.flow(t, z.q, z.p, z.dq, z.dp);
+    if (!report.ok()) return;
+    for (Eigen::Index i = 0; i < d; ++i) {
+      z.move(i, z.dq[i]);
+      z.move(d + i, z.dp[i]);
     }
   }
 
-  SEMIEXPLICIT_INLINE void move(Eigen::Index i, const Scalar& by) {
-    work_.moved[i] += by;
-    work_.at[i] = work_.start[i] + work_.moved[i];
-  }
-
-  SEMIEXPLICIT_INLINE void kick(const Scalar& t, StepReport& report) {
+  SEMIEXPLICIT_INLINE void kick(Moving& z, const Scalar& t, StepReport& report) {
     if constexpr (has_coupled) {
-      if constexpr (has_position) kick_p(t / 2);
-      if constexpr (has_momentum) drift_q(t / 2);
-      kick_coupled(t, report);
-      if constexpr (has_momentum) drift_q(t / 2);
-      if constexpr (has_position) kick_p(t / 2);
+      if constexpr (has_position) kick_p(z, t / 2);
+      if constexpr (has_momentum) drift_q(z, t / 2);
+      kick_coupled(z, t, report);
+      if constexpr (has_momentum) drift_q(z, t / 2);
+      if constexpr (has_position) kick_p(z, t / 2);
     } else if constexpr (has_position && has_momentum) {
-      kick_p(t / 2);
-      drift_q(t);
-      kick_p(t / 2);
+      kick_p(z, t / 2);
+      drift_q(z, t);
+      kick_p(z, t / 2);
     } else if constexpr (has_position) {
-      kick_p(t);
+      kick_p(z, t);
     } else {
-      drift_q(t);
+      drift_q(z, t);
     }
   }
 
-  SEMIEXPLICIT_INLINE void kick_p(const Scalar& t) {
+  SEMIEXPLICIT_INLINE void kick_p(Moving& z, const Scalar& t) {
     const Eigen::Index d = dof();
-    hamiltonian_.rest_position_gradient(Eigen::Map<const Column>(work_.at.data(), d),
-                                        Eigen::Map<Column>(work_.dq.data(), d));
-    for (Eigen::Index i = 0; i < d; ++i) move(d + i, -t * work_.dq[i]);
+    hamiltonian_.rest_position_gradient(Eigen::Map<const Column>(z.at.data(), d),
+                                        Eigen::Map<Column>(z.dq.data(), d));
+    for (Eigen::Index i = 0; i < d; ++i) z.move(d + i, -t * z.dq[i]);
     ++halves_;
   }
-  SEMIEXPLICIT_INLINE void drift_q(const Scalar& t) {
+  SEMIEXPLICIT_INLINE void drift_q(Moving& z, const Scalar& t) {
     const Eigen::Index d = dof();
-    hamiltonian_.rest_momentum_gradient(Eigen::Map<const Column>(work_.at.data() + d, d),
-                                        Eigen::Map<Column>(work_.dp.data(), d));
-    for (Eigen::Index i = 0; i < d; ++i) move(i, t * work_.dp[i]);
+    hamiltonian_.rest_momentum_gradient(Eigen::Map<const Column>(z.at.data() + d, d),
+                                        Eigen::Map<Column>(z.dp.data(), d));
+    for (Eigen::Index i = 0; i < d; ++i) z.move(i, t * z.dp[i]);
     ++halves_;
   }
 
-  SEMIEXPLICIT_INLINE void kick_coupled(const Scalar& t, StepReport& report) {
-    Residual<Coupled> residual{hamiltonian_.coupled_rest(), work_, t};
+  SEMIEXPLICIT_INLINE void kick_coupled(Moving& z, const Scalar& t, StepReport& report) {
+    Residual<Coupled> residual{hamiltonian_.coupled_rest(), work_, z.at, t};
     const auto solved = solver_.solve(residual, work_.m, solver_work_);
     report.status = solved.status;
     report.evaluations += solved.evaluations;
@@ -261,7 +293,7 @@ class FlowSplitting {
     report.escalations = std::max(report.escalations, solved.escalations);
     halves_ += 4 * solved.evaluations;
     if (!report.ok()) return;
-    for (Eigen::Index i = 0; i < work_.at.size(); ++i) move(i, work_.kicked[i] / 2);
+    for (Eigen::Index i = 0; i < z.at.size(); ++i) z.move(i, work_.kicked[i] / 2);
   }
 
   /// f as the solvers see it; see Semiexplicit.
@@ -269,8 +301,9 @@ class FlowSplitting {
   struct Residual {
     const C& coupled;
     Work& work;
+    const Vec& at;
     const Scalar& t;
-    Scalar size = detail::norm(work.at);
+    Scalar size = detail::norm(at);
     const Vec* last = nullptr;
     Scalar distance{};
 
@@ -295,8 +328,8 @@ class FlowSplitting {
       const auto both = detail::twice_of(d);
       detail::for_each_index(both, [&](Eigen::Index i) {
         const Scalar apart = m ? Scalar((*m)[i]) : Scalar(0);
-        a[i] = work.at[i] + apart;
-        b[i] = work.at[i] - apart;
+        a[i] = at[i] + apart;
+        b[i] = at[i] - apart;
         kicked[i] = Scalar(0);
       });
       detail::kick(coupled, t, a, b, gradient, d, kicked);
@@ -313,17 +346,20 @@ class FlowSplitting {
     }
     Scalar rounding_level() const { return 100 * Eigen::NumTraits<Scalar>::epsilon() * (size + distance); }
     bool within_rounding(double multiple) const {
-      return detail::within_rounding(last->data(), work.at.data(), work.at.size(), distance, multiple);
+      return detail::within_rounding(last->data(), at.data(), at.size(), distance, multiple);
     }
   };
 
   H hamiltonian_;
   NearIntegrable<Scalar> list_;
   Solver solver_;
+  Moving moving_;
   Work work_;
   CompensatedUpdate<Scalar, Dof> update_;
   typename detail::SolverDoor<Solver, Vec>::Workspace solver_work_;
   std::int64_t halves_ = 0;
+  std::vector<typename detail::PreparedFlowOf<H>::Type> flows_;  ///< where they can be prepared
+  Scalar prepared_dt_{};
 };
 
 }  // namespace semiexplicit

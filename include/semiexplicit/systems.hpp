@@ -5,9 +5,11 @@
 #include <semiexplicit/systems/black_hole.hpp>
 #include <semiexplicit/systems/charges.hpp>
 #include <semiexplicit/systems/electrostatics.hpp>
+#include <semiexplicit/systems/kepler_flow.hpp>
 #include <semiexplicit/systems/nls_lattice.hpp>
 #include <semiexplicit/systems/orbits.hpp>
 #include <semiexplicit/systems/post_newtonian.hpp>
 #include <semiexplicit/systems/product.hpp>
+#include <semiexplicit/systems/rotating_flow.hpp>
 #include <semiexplicit/systems/vortex_walls.hpp>
 #include <semiexplicit/systems/vortices.hpp>

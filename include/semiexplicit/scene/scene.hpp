@@ -92,6 +92,7 @@ class Scene {
     });
   }
 
+  const std::tuple<Effects...>& effects() const { return effects_; }
   /// Calls visit(effect) for each effect, in order.
   template <class Visit>
   void for_each(const Visit& visit) const {

@@ -1,0 +1,131 @@
+#pragma once
+
+#include <string>
+
+#include <semiexplicit/core/cold.hpp>
+#include <semiexplicit/core/phase_point.hpp>
+#include <semiexplicit/core/words.hpp>
+#include <semiexplicit/scene/scene.hpp>
+#include <semiexplicit/scene/split_scene.hpp>
+#include <semiexplicit/steppers/explicit_splitting.hpp>
+#include <semiexplicit/steppers/flow_splitting.hpp>
+#include <semiexplicit/steppers/semiexplicit.hpp>
+
+namespace semiexplicit {
+
+namespace detail {
+
+/// |∇effect| and |∇H| at a state.
+template <class E, class H, class Scalar, int Dof>
+SEMIEXPLICIT_COLD std::string share_of_gradient(const E& effect, const H& whole,
+                                                const PhasePoint<Scalar, Dof>& z) {
+  using Column = Vector<Scalar, Dof>;
+  const Column q = z.q(), p = z.p();
+  PhasePoint<Scalar, Dof> one(z.dof()), all(z.dof());
+  Column by_q = Column::Zero(z.dof()), by_p = by_q;
+  add_effect(effect, q, p, by_q, by_p);
+  one.q() = by_q;
+  one.p() = by_p;
+  gradient_at(whole, z.vector().data(), all.vector().data(), z.dof());
+  return ", " + in_words(static_cast<double>(norm(one.vector()) / norm(all.vector())), 2) +
+         " of the gradient";
+}
+
+/// Lists effects: a + b, and with a state their sizes.
+template <class H, class State>
+class EffectWords {
+ public:
+  EffectWords(const H& whole, const State* z) : whole_(whole), z_(z) {}
+  template <class E>
+  void add(const E& effect, bool with_size = true) {
+    text_ += (text_.empty() ? "" : " + ") + effect_name(effect);
+    if (z_ && with_size) text_ += share_of_gradient(effect, whole_, *z_);
+  }
+  const std::string& text() const { return text_; }
+
+ private:
+  const H& whole_;
+  const State* z_;
+  std::string text_;
+};
+
+inline std::string calls_in_words(std::int64_t n) {
+  return std::to_string(n) + " gradient call" + (n == 1 ? "" : "s");
+}
+
+template <class H, class Solver>
+SEMIEXPLICIT_COLD std::string explained(const FlowSplitting<H, Solver>& stepper,
+                                        const typename FlowSplitting<H, Solver>::State* z) {
+  using Stepper = FlowSplitting<H, Solver>;
+  const H& split = stepper.hamiltonian();
+  std::string text = "exact: " + split.flow_name();
+  if constexpr (requires { split.scene(); }) {
+    EffectWords<typename H::Whole, typename Stepper::State> kicked(split.scene(), z),
+        doubled(split.scene(), z);
+    split.for_each_of_rest([&]<class E>(const E& effect) {
+      if constexpr (CoupledEffect<E>)
+        doubled.add(effect);
+      else
+        kicked.add(effect);
+    });
+    if (!kicked.text().empty()) text += "; kicked: " + kicked.text();
+    text += doubled.text().empty() ? "; nothing doubled" : "; doubled: " + doubled.text();
+  } else {
+    if constexpr (Stepper::has_position || Stepper::has_momentum) text += "; the rest on q or p alone kicked";
+    text += Stepper::has_coupled ? "; the coupled rest doubled" : "; nothing doubled";
+  }
+  if constexpr (Stepper::has_position || Stepper::has_momentum || Stepper::has_coupled) {
+    text += "; " + stepper.list().name + " of order " + stepper.list().order_in_words() + ", " +
+            std::to_string(stepper.list().b.size()) + " kicks a step";
+    if constexpr (Stepper::has_coupled)
+      text += ", " + calls_in_words(stepper.gradients_of_kick()) + " a kick";
+    else
+      text += ", " + calls_in_words(stepper.max_gradients()) + " a step";
+  }
+  return text;
+}
+
+}  // namespace detail
+
+/// In words, what a stepper does to each effect of its scene, and what that costs:
+///
+///     exact: kinetic + attraction (Kepler); doubled: 1pn, 2.6e-08 of the gradient; aba82 of order (8,2), ...
+///
+/// The sizes stand there where a state is given, explain(stepper, z): |∇effect|/|∇H| at z, Euclidean.
+template <class H, class Solver>
+std::string explain(const FlowSplitting<H, Solver>& stepper) {
+  return detail::explained(stepper, nullptr);
+}
+template <class H, class Solver>
+std::string explain(const FlowSplitting<H, Solver>& stepper,
+                    const typename FlowSplitting<H, Solver>::State& z) {
+  return detail::explained(stepper, &z);
+}
+
+/// For the steppers that stepper_for(scene) gives: why all effects are doubled, or none.
+template <class... Effects, class Solver>
+SEMIEXPLICIT_COLD std::string explain(const Semiexplicit<Scene<Effects...>, Solver>& stepper) {
+  using State = typename Semiexplicit<Scene<Effects...>, Solver>::State;
+  detail::EffectWords<Scene<Effects...>, State> all(stepper.hamiltonian(), nullptr), why = all;
+  stepper.hamiltonian().for_each([&]<class E>(const E& effect) {
+    all.add(effect);
+    if constexpr (CoupledEffect<E>) why.add(effect);
+  });
+  constexpr int coupled = (int(CoupledEffect<Effects>) + ...);
+  const std::string verb = coupled == 1 ? " couples q and p" : " couple q and p";
+  return "doubled: " + all.text() +
+         (coupled == 0 ? ", though nothing couples q and p" : ", because " + why.text() + verb) + "; " +
+         stepper.scheme().name + " of order " + std::to_string(stepper.scheme().order) + ", " +
+         detail::calls_in_words(static_cast<std::int64_t>(stepper.scheme().kicks())) + " an evaluation";
+}
+template <class... Effects>
+SEMIEXPLICIT_COLD std::string explain(const ExplicitSplitting<Scene<Effects...>>& stepper) {
+  using State = typename ExplicitSplitting<Scene<Effects...>>::State;
+  detail::EffectWords<Scene<Effects...>, State> all(stepper.hamiltonian(), nullptr);
+  stepper.hamiltonian().for_each([&](const auto& effect) { all.add(effect); });
+  return "drifts and kicks: " + all.text() + "; nothing doubled, because nothing couples q and p; " +
+         stepper.scheme().name + " of order " + std::to_string(stepper.scheme().order) + ", " +
+         detail::calls_in_words(stepper.max_gradients()) + " a step";
+}
+
+}  // namespace semiexplicit

@@ -1,0 +1,365 @@
+#pragma once
+
+#include <algorithm>
+#include <concepts>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include <semiexplicit/core/checkpointable.hpp>
+#include <semiexplicit/core/gradient_size.hpp>
+#include <semiexplicit/core/hamiltonian_door.hpp>
+#include <semiexplicit/core/phase_point.hpp>
+#include <semiexplicit/core/solver.hpp>
+#include <semiexplicit/core/stepper.hpp>
+#include <semiexplicit/schemes/near_integrable.hpp>
+#include <semiexplicit/solvers/simplified_newton.hpp>
+#include <semiexplicit/steppers/detail/compensated_update.hpp>
+#include <semiexplicit/steppers/detail/kick.hpp>
+
+namespace semiexplicit {
+
+namespace detail {
+
+template <class H>
+concept HasPositionRest = requires(const H& h, const InColumn<H>& q, OutColumn<H>& dHdq) {
+  h.rest_position_gradient(q, dHdq);
+};
+template <class H>
+concept HasMomentumRest = requires(const H& h, const InColumn<H>& p, OutColumn<H>& dHdp) {
+  h.rest_momentum_gradient(p, dHdp);
+};
+template <class H>
+concept HasCoupledRest = requires(const H& h) {
+  requires Hamiltonian<std::remove_cvref_t<decltype(h.coupled_rest())>>;
+};
+template <class H>
+concept HasPreparedFlow = requires(const H& h, const typename H::Scalar& t) {
+  h.prepared(t);
+};
+struct NothingPrepared {};
+template <class H>
+struct PreparedFlowOf {
+  using Type = NothingPrepared;
+};
+template <HasPreparedFlow H>
+struct PreparedFlowOf<H> {
+  using Type =
+      std::remove_cvref_t<decltype(std::declval<const H&>().prepared(std::declval<typename H::Scalar>()))>;
+};
+template <class H>
+struct CoupledRestOf {
+  using Type = void;
+};
+template <HasCoupledRest H>
+struct CoupledRestOf<H> {
+  using Type = std::remove_cvref_t<decltype(std::declval<const H&>().coupled_rest())>;
+};
+
+}  // namespace detail
+
+/// A Hamiltonian A + V(q) + T(p) + C(q, p) whose part A has an exact flow, with each of the other parts or without it.
+/// Beside what any Hamiltonian has:
+///
+///     Status flow(t, q, p, dq, dp) const;              // what q and p move by under A in the time t; see ExactFlow
+///     std::string flow_name() const;                   // for words
+///     auto prepared(t) const;                          // optional: the flow of one t, with increments(q, p, dq, dp)
+///     void rest_position_gradient(q, dHdq) const;      // ∂V/∂q, if there is a V
+///     void rest_momentum_gradient(p, dHdp) const;      // ∂T/∂p, if there is a T
+///     const C& coupled_rest() const;                   // a Hamiltonian, if there is a C
+///
+/// stepper_for(scene, exactly<...>()) makes one of a scene.
+template <class H>
+concept SplitHamiltonian = Hamiltonian<H> &&
+    requires(const H& h, const typename H::Scalar& t, const Vector<typename H::Scalar, H::Dof>& x,
+             Vector<typename H::Scalar, H::Dof>& dx) {
+  { h.flow(t, x, x, dx, dx) } -> std::same_as<Status>;
+  { h.flow_name() } -> std::convertible_to<std::string>;
+};
+
+/// Splitting of H = A + V + T + C where A has an exact flow: A(a₀dt) B(b₀dt) A(a₁dt) ... on one copy of the phase space with
+/// the list of a NearIntegrable. A kick B(t) of the rest is V(t/2) T(t/2) C(t) T(t/2) V(t/2), of what there is; where there is no C,
+/// V(t/2) T(t) V(t/2) or one of the two. Only C, which couples q and p, is doubled, for the length of the kick: its semiexplicit
+/// map
+///
+///     a = z + m, b = z - m;   b += t X(a);   a += t X(b);   f(m) = a - b + 2m = 0;   z' = (a + b)/2,
+///
+/// takes two gradient calls an evaluation. It is its own adjoint, because the copies change places, and symplectic; and as C is
+/// small, the first evaluation is nearly always the only one. The step is symplectic to the accuracy of the solve, and
+/// reversible. Its error is that of the list, and where B has several parts or a C, ε³ dt² from within the kicks.
+///
+/// Sources: R. McLachlan, BIT 35 (1995) 258; J. Wisdom and M. Holman, Astron. J. 102 (1991) 1528; the map of C: see
+/// Semiexplicit. Memory: nine vectors of length 2d and the solver's.
+template <class H, class Solver = SimplifiedNewton>
+class FlowSplitting {
+ public:
+  using Scalar = typename detail::HamiltonianDoor<H>::Scalar;
+  static constexpr int Dof = detail::HamiltonianDoor<H>::Dof;
+  static_assert(SplitHamiltonian<H>,
+                "FlowSplitting needs a Hamiltonian with an exact flow of a part: take stepper_for(scene, "
+                "exactly<...>()), or see SplitHamiltonian");
+  using State = PhasePoint<Scalar, Dof>;
+  static constexpr const char* name = "FlowSplitting";
+  static constexpr bool has_position = detail::HasPositionRest<H>, has_momentum = detail::HasMomentumRest<H>,
+                        has_coupled = detail::HasCoupledRest<H>;
+
+  /// Throws std::invalid_argument, saying what is wrong, unless the list passes its own check and the solver's options make
+  /// sense.
+  FlowSplitting(H hamiltonian, NearIntegrable<Scalar> list, Solver solver = {})
+      : hamiltonian_(std::move(hamiltonian)),
+        list_(std::move(list)),
+        solver_(std::move(solver)),
+        moving_(State(dof()).vector(), State(dof()).q()),
+        work_(State(dof()).vector()),
+        update_(dof()),
+        solver_work_(solver_, work_.m.size()) {
+    list_.check();
+    flows_.resize(list_.a.size());
+  }
+
+  /// One step of size dt, which may be negative. z is untouched unless the report is ok(); so it stays where a gradient throws.
+  /// No heap use. In the report `evaluations` are those of all kicks together (1 where nothing is doubled), `correction` and
+  /// `rate` the largest of a kick; `gradients` counts the calls of the coupled rest, and a gradient in q or in p alone as
+  /// half a call, rounded up.
+  StepReport step(State& z, const Scalar& dt) {
+    if (!detail::valid_step(dt)) return {.status = Status::invalid_step};
+    if (list_.b.empty()) return {.status = Status::invalid_stepper};  // moved from
+    if (z.vector().size() != work_.m.size()) return {.status = Status::invalid_state};
+    StepReport report;
+    halves_ = 0;
+    if constexpr (detail::HasPreparedFlow<H>)
+      if (!(prepared_dt_ == dt)) prepare(dt);
+    detail::inlined<Scalar>([&] {
+      if constexpr (detail::fits_on_stack(Dof)) {
+        Moving moving(z.vector(), Column::Zero());
+        flows(moving, dt, report);
+        moving_.moved = moving.moved;
+      } else {
+        moving_.start = z.vector();
+        moving_.at = moving_.start;
+        moving_.moved.setZero();
+        flows(moving_, dt, report);
+      }
+    });
+    report.gradients = (halves_ + 1) / 2;
+    if constexpr (!has_coupled) report.evaluations = 1;
+    if (report.ok() &&
+        !update_.update(z, [moved = moving_.moved.data()](Eigen::Index i) { return moved[i]; }))
+      report.status = Status::not_finite;
+    if (!report.ok() && !z.vector().allFinite()) report.status = Status::invalid_state;
+    return report;
+  }
+
+  /// Gradient calls that a step cannot exceed.
+  std::int64_t max_gradients() const requires std::same_as<Solver, SimplifiedNewton> {
+    return (halves_of_step(solver_.max_iterations) + 1) / 2;
+  }
+  /// Gradient calls of a kick whose map of the coupled rest needs one evaluation.
+  std::int64_t gradients_of_kick() const { return (halves_of_kick(1) + 1) / 2; }
+
+  Eigen::Index dof() const { return dof_of(hamiltonian_); }
+  const H& hamiltonian() const { return hamiltonian_; }
+  const NearIntegrable<Scalar>& list() const { return list_; }
+  const Solver& solver() const { return solver_; }
+
+  /// See Describable.
+  template <class List>
+  void describe(List& list) const {
+    list("degrees of freedom", dof());
+    list("flow", std::string(hamiltonian_.flow_name()));
+    list("list", list_);
+    list("solver", solver_);
+    list.function("Hamiltonian", detail::GradientSize(hamiltonian_));
+  }
+  /// Hands visit() every number that goes on from step to step; see CheckpointMemory.
+  template <class Visitor>
+  void visit_memory(Visitor&& visit) {
+    update_.visit_memory(visit);
+  }
+
+ private:
+  using Vec = typename State::Storage;
+  using Column = Vector<Scalar, Dof>;
+  using Coupled = typename detail::CoupledRestOf<H>::Type;
+
+  /// What is moved. `at` is always the rounded start + moved, so that many small moves have the rounding errors of the moves only.
+  struct Moving {
+    Moving(const Vec& z, const Column& half)
+        : start(z), at(z), moved(Vec::Zero(z.size())), q(half), p(half), dq(half), dp(half) {}
+    SEMIEXPLICIT_INLINE void move(Eigen::Index i, const Scalar& by) {
+      moved[i] += by;
+      at[i] = start[i] + moved[i];
+    }
+    Vec start, at, moved;
+    Column q, p, dq, dp;
+  };
+  /// What the doubled map of the coupled rest works on.
+  struct Work {
+    explicit Work(const Vec& zero) : m(zero), a(zero), b(zero), gradient(zero), kicked(zero) {}
+    Vec m, a, b, gradient, kicked;
+  };
+
+  std::int64_t halves_of_kick(std::int64_t evaluations) const {
+    if (has_coupled) return (has_position ? 2 : 0) + (has_momentum ? 2 : 0) + 4 * evaluations;
+    return has_position && has_momentum ? 3 : has_position || has_momentum ? 1 : 0;
+  }
+  std::int64_t halves_of_step(std::int64_t evaluations) const {
+    return halves_of_kick(evaluations) * static_cast<std::int64_t>(list_.b.size());
+  }
+
+  void prepare(const Scalar& dt) {
+    for (std::size_t i = 0; i < flows_.size(); ++i)
+      flows_[i] = hamiltonian_.prepared(splits() ? dt * list_.a[i] : dt);
+    prepared_dt_ = dt;
+  }
+
+  static constexpr bool splits() { return has_position || has_momentum || has_coupled; }
+
+  SEMIEXPLICIT_INLINE void flows(Moving& z, const Scalar& dt, StepReport& report) {
+    if constexpr (splits()) {
+      const std::size_t n = list_.b.size();
+      for (std::size_t i = 0;; ++i) {
+        exactly(z, dt * list_.a[i], i, report);
+        if (i == n || !report.ok()) return;
+        kick(z, dt * list_.b[i], report);
+        if (!report.ok()) return;
+      }
+    } else {
+      exactly(z, dt, 0, report);
+    }
+  }
+
+  SEMIEXPLICIT_INLINE void exactly(Moving& z, const Scalar& t, [[maybe_unused]] std::size_t which,
+                                   StepReport& report) {
+    const Eigen::Index d = dof();
+    for (Eigen::Index i = 0; i < d; ++i) {
+      z.q[i] = z.at[i];
+      z.p[i] = z.at[d + i];
+    }
+    if constexpr (detail::HasPreparedFlow<H>)
+      report.status = flows_[which].increments(z.q, z.p, z.dq, z.dp);
+    else
+      report.status = hamiltonian_.flow(t, z.q, z.p, z.dq, z.dp);
+    if (!report.ok()) return;
+    for (Eigen::Index i = 0; i < d; ++i) {
+      z.move(i, z.dq[i]);
+      z.move(d + i, z.dp[i]);
+    }
+  }
+
+  SEMIEXPLICIT_INLINE void kick(Moving& z, const Scalar& t, StepReport& report) {
+    if constexpr (has_coupled) {
+      if constexpr (has_position) kick_p(z, t / 2);
+      if constexpr (has_momentum) drift_q(z, t / 2);
+      kick_coupled(z, t, report);
+      if constexpr (has_momentum) drift_q(z, t / 2);
+      if constexpr (has_position) kick_p(z, t / 2);
+    } else if constexpr (has_position && has_momentum) {
+      kick_p(z, t / 2);
+      drift_q(z, t);
+      kick_p(z, t / 2);
+    } else if constexpr (has_position) {
+      kick_p(z, t);
+    } else {
+      drift_q(z, t);
+    }
+  }
+
+  SEMIEXPLICIT_INLINE void kick_p(Moving& z, const Scalar& t) {
+    const Eigen::Index d = dof();
+    hamiltonian_.rest_position_gradient(Eigen::Map<const Column>(z.at.data(), d),
+                                        Eigen::Map<Column>(z.dq.data(), d));
+    for (Eigen::Index i = 0; i < d; ++i) z.move(d + i, -t * z.dq[i]);
+    ++halves_;
+  }
+  SEMIEXPLICIT_INLINE void drift_q(Moving& z, const Scalar& t) {
+    const Eigen::Index d = dof();
+    hamiltonian_.rest_momentum_gradient(Eigen::Map<const Column>(z.at.data() + d, d),
+                                        Eigen::Map<Column>(z.dp.data(), d));
+    for (Eigen::Index i = 0; i < d; ++i) z.move(i, t * z.dp[i]);
+    ++halves_;
+  }
+
+  SEMIEXPLICIT_INLINE void kick_coupled(Moving& z, const Scalar& t, StepReport& report) {
+    Residual<Coupled> residual{hamiltonian_.coupled_rest(), work_, z.at, t};
+    const auto solved = solver_.solve(residual, work_.m, solver_work_);
+    report.status = solved.status;
+    report.evaluations += solved.evaluations;
+    report.correction = std::max(report.correction, static_cast<double>(solved.correction));
+    report.rate = std::max(report.rate, static_cast<double>(solved.rate));
+    report.escalations = std::max(report.escalations, solved.escalations);
+    halves_ += 4 * solved.evaluations;
+    if (!report.ok()) return;
+    for (Eigen::Index i = 0; i < z.at.size(); ++i) z.move(i, work_.kicked[i] / 2);
+  }
+
+  /// f as the solvers see it; see Semiexplicit.
+  template <class C>
+  struct Residual {
+    const C& coupled;
+    Work& work;
+    const Vec& at;
+    const Scalar& t;
+    Scalar size = detail::norm(at);
+    const Vec* last = nullptr;
+    Scalar distance{};
+
+    void operator()(Vec& f) { evaluate(nullptr, f); }
+    void operator()(const Vec& m, Vec& f) { evaluate(&m, f); }
+    void evaluate(const Vec* m, Vec& f) {
+      if constexpr (detail::fits_on_stack(Dof)) {
+        detail::inlined<Scalar>([&] {
+          typename detail::StackPoint<Scalar, Dof> a, b, gradient, kicked;
+          map(m, f, a.data, b.data, gradient.data, kicked.data, a.d);
+          kicked.store(work.kicked.data());
+        });
+      } else {
+        map(m, f, work.a.data(), work.b.data(), work.gradient.data(), work.kicked.data(), dof_of(coupled));
+      }
+      last = &f;
+      distance = detail::norm(work.kicked) / 2;
+    }
+    template <class Size>
+    SEMIEXPLICIT_INLINE void map(const Vec* m, Vec& f, Scalar* a, Scalar* b, Scalar* gradient, Scalar* kicked,
+                                 Size d) {
+      const auto both = detail::twice_of(d);
+      detail::for_each_index(both, [&](Eigen::Index i) {
+        const Scalar apart = m ? Scalar((*m)[i]) : Scalar(0);
+        a[i] = at[i] + apart;
+        b[i] = at[i] - apart;
+        kicked[i] = Scalar(0);
+      });
+      detail::kick(coupled, t, a, b, gradient, d, kicked);
+      detail::kick(coupled, t, b, a, gradient, d, kicked);
+      detail::for_each_index(both, [&](Eigen::Index i) {
+        const Scalar apart = m ? Scalar((*m)[i] + (*m)[i]) : Scalar(0);
+        f[i] = (a[i] - b[i]) + apart;
+      });
+    }
+
+    Scalar state_size() const {
+      const Scalar moves = StoppingRule::moves * distance;
+      return moves < size ? moves : size;
+    }
+    Scalar rounding_level() const { return 100 * Eigen::NumTraits<Scalar>::epsilon() * (size + distance); }
+    bool within_rounding(double multiple) const {
+      return detail::within_rounding(last->data(), at.data(), at.size(), distance, multiple);
+    }
+  };
+
+  H hamiltonian_;
+  NearIntegrable<Scalar> list_;
+  Solver solver_;
+  Moving moving_;
+  Work work_;
+  CompensatedUpdate<Scalar, Dof> update_;
+  typename detail::SolverDoor<Solver, Vec>::Workspace solver_work_;
+  std::int64_t halves_ = 0;
+  std::vector<typename detail::PreparedFlowOf<H>::Type> flows_;  ///< where they can be prepared
+  Scalar prepared_dt_{};
+};
+
+}  // namespace semiexplicit

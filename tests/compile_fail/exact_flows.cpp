@@ -1,0 +1,37 @@
+// case no_mistake: compiles
+// case not_there: exactly<...>() names an effect that the scene does not have
+// case without_flow: these effects have no exact flow together: specialise semiexplicit::ExactFlow
+// case twice_there: exactly<...>() names an effect that is there more than once
+// case nothing_named: exactly<...>() names the effects that have an exact flow together
+// case without_increments: this ExactFlow has no `Status increments
+#include <semiexplicit/scene.hpp>
+#include <semiexplicit/semiexplicit.hpp>
+
+using namespace semiexplicit;
+using namespace effects::orbits;
+
+template <>
+struct semiexplicit::ExactFlow<Oblateness<double, 2>> {
+  static constexpr const char* name = "a kick";
+  explicit ExactFlow(const Oblateness<double, 2>&) {}
+#ifndef without_increments
+  Status increments(const double&, const auto&, const auto&, auto&, auto&) const { return Status::success; }
+#endif
+};
+
+int main() {
+  const Scene scene(Kinetic<double, 2>{}, Attraction<double, 2>{}, Oblateness<double, 2>{});
+#if defined(not_there)
+  auto stepper = stepper_for(scene, exactly<Kinetic<double, 3>, Attraction<double, 3>>());
+#elif defined(without_flow)
+  auto stepper = stepper_for(scene, exactly<Attraction<double, 2>, Oblateness<double, 2>>());
+#elif defined(twice_there)
+  auto stepper = stepper_for(Scene(Kinetic<double, 2>{}, Attraction<double, 2>{}, Attraction<double, 2>{}),
+                             exactly<Kinetic<double, 2>, Attraction<double, 2>>());
+#elif defined(nothing_named)
+  auto stepper = stepper_for(scene, exactly<>());
+#else
+  auto stepper = stepper_for(scene, exactly<Oblateness<double, 2>>());
+#endif
+  (void)stepper;
+}

@@ -1,0 +1,360 @@
+#include "catch.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <semiexplicit/checkpoint.hpp>
+#include <semiexplicit/scene.hpp>
+#include <semiexplicit/semiexplicit.hpp>
+
+#include "folder.hpp"
+#include "refusal.hpp"
+
+namespace test_flow_splitting {
+
+// Splitting with the exact flow of some effects: its orders, its geometry, its failures.
+
+namespace {
+
+using namespace semiexplicit;
+namespace orbits = effects::orbits;
+using Real = long double;
+
+/// Kepler's motion with 1PN of relative size eps, and with a part on q alone where `oblate` is not zero.
+template <class Scalar>
+auto relativistic(Scalar eps, Scalar oblate = 0) {
+  return Scene(orbits::Kinetic<Scalar, 2>{}, orbits::Attraction<Scalar, 2>{.gm = 1},
+               orbits::PostNewtonian1<Scalar, 2>{.gm = 1, .c = 1 / std::sqrt(eps)},
+               orbits::Oblateness<Scalar, 2>{.gm = 1, .j2 = oblate, .radius = 1});
+}
+template <class Scalar>
+constexpr auto kepler() {
+  return exactly<orbits::Kinetic<Scalar, 2>, orbits::Attraction<Scalar, 2>>();
+}
+template <class Scalar>
+PhasePoint<Scalar, 2> start() {
+  return {{Scalar(0.8), Scalar(0)}, {Scalar(0), std::sqrt(Scalar(1.2) / Scalar(0.8))}};
+}
+
+/// The state after a time of 12 in so many steps.
+PhasePoint<Real, 2> after(const NearIntegrable<Real>& list, Real eps, Real oblate, int steps) {
+  auto stepper = stepper_for(relativistic<Real>(eps, oblate), kepler<Real>(), list,
+                             SimplifiedNewton{.stop = StoppingRule::paper(0)});
+  PhasePoint<Real, 2> z = start<Real>();
+  integrate(stepper, z, {.dt = Real(12) / steps, .steps = steps});
+  return z;
+}
+Real error(const NearIntegrable<Real>& list, Real eps, Real oblate, int steps) {
+  const auto right = after(schemes::aba1064<Real>(), eps, oblate, 600);
+  return (after(list, eps, oblate, steps).vector() - right.vector()).norm();
+}
+/// The power of h between two numbers of steps.
+double order(const NearIntegrable<Real>& list, Real eps, int steps, int more) {
+  return double(std::log(error(list, eps, 0, steps) / error(list, eps, 0, more)) /
+                std::log(Real(more) / Real(steps)));
+}
+
+/// z after one step, and the numbers that it is made of, by differences.
+template <class S>
+double symplecticity_defect(S stepper, const typename S::State& z, Real dt) {
+  constexpr int n = 2 * S::Dof;
+  Eigen::Matrix<Real, n, n> jacobian, omega = Eigen::Matrix<Real, n, n>::Zero();
+  const Real h = Real(1e-5);
+  const auto moved = [&](int k, Real by) {
+    auto near = z;
+    near.vector()[k] += by;
+    REQUIRE(stepper.step(near, dt).ok());
+    return near.vector().eval();
+  };
+  for (int k = 0; k < n; ++k)
+    jacobian.col(k) = (8 * (moved(k, h) - moved(k, -h)) - (moved(k, 2 * h) - moved(k, -2 * h))) / (12 * h);
+  for (int k = 0; k < S::Dof; ++k) {
+    omega(k, S::Dof + k) = 1;
+    omega(S::Dof + k, k) = -1;
+  }
+  return double((jacobian.transpose() * omega * jacobian - omega).cwiseAbs().maxCoeff());
+}
+
+/// A repulsion that is NaN inside of a disk, coupled or not.
+template <class Kind, bool throws = false>
+struct Hole {
+  using Acts = Kind;
+  static constexpr const char* name = "hole";
+  double inner = 0.5;
+  template <class Q>
+  double check(const Q& q) const {
+    const double r2 = q[0] * q[0] + q[1] * q[1];
+    if (r2 < inner * inner) {
+      if (throws) throw std::runtime_error("in the hole");
+      return std::nan("");
+    }
+    return 0;
+  }
+  double energy(const auto& q) const { return check(q); }
+  double energy(const auto& q, const auto&) const { return check(q); }
+  void add_gradient(const auto& q, auto& dHdq) const { dHdq[0] += check(q); }
+  void add_gradient(const auto& q, const auto&, auto& dHdq, auto& dHdp) const {
+    dHdq[0] += check(q);
+    dHdp[0] += check(q);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("The lists of generalised order pass their own check, and refuse to claim more",
+          "[flow_splitting]") {
+  for (const auto& list : {schemes::aba82<double>(), schemes::aba84<double>(), schemes::aba104<double>(),
+                           schemes::aba864<double>(), schemes::aba1064<double>()}) {
+    INFO(list.name);
+    CHECK_NOTHROW(list.check());
+    auto more = list;
+    more.orders.front() += 2;
+    CHECK(refuses([&] { more.check(); }, "is claimed, but a condition of degree"));
+    more = list;
+    more.orders.back() += 2;
+    CHECK(refuses([&] { more.check(); }, "is claimed, but a condition of degree"));
+    more = list;
+    more.b.front() += 1e-3;
+    CHECK(refuses([&] { more.check(); }, "palindromic"));
+  }
+  CHECK(schemes::aba864<double>().order_in_words() == "(8,6,4)");
+  CHECK_NOTHROW(schemes::aba1064<long double>());
+  CHECK_NOTHROW(schemes::aba82<float>());
+  CHECK(refuses([] { NearIntegrable<double>("mine", {2, 4}, {0.5, 0.5}, {1}); }, "do not grow"));
+  CHECK(refuses([] { NearIntegrable<double>("mine", {}, {0.5, 0.5}, {1}); }, "no order is claimed"));
+  CHECK(refuses([] { NearIntegrable<double>("mine", {2}, {0.5, 0.5}, {}); }, "at least one B"));
+}
+
+TEST_CASE("An ordinary scheme is a list, unless it needs the projection for its order", "[flow_splitting]") {
+  const NearIntegrable<double> list = schemes::blanes_moan6<double>();
+  CHECK(list.orders == std::vector<int>{6});
+  CHECK(refuses([] { NearIntegrable<double>(schemes::low_defect6_s13<double>()); },
+                "with the projection only"));
+}
+
+TEST_CASE("An error linear in a small perturbation has the first of the generalised orders",
+          "[flow_splitting]") {
+  const Real eps = 1e-9L;
+  CHECK(order(schemes::aba82<Real>(), eps, 24, 34) == Approx(8).margin(0.8));
+  CHECK(order(schemes::aba84<Real>(), eps, 24, 34) == Approx(8).margin(0.8));
+  CHECK(order(schemes::aba864<Real>(), eps, 28, 36) == Approx(8).margin(1.2));
+  CHECK(order(schemes::aba104<Real>(), eps, 10, 14) == Approx(10).margin(1.5));
+  for (const auto& list : {schemes::aba82<Real>(), schemes::aba104<Real>()}) {
+    INFO(list.name);
+    CHECK(double(error(list, 2 * eps, 0, 12) / error(list, eps, 0, 12)) == Approx(2).epsilon(0.01));
+  }
+}
+
+TEST_CASE("With (8,2) an error quadratic in the perturbation is left, of second order in the step",
+          "[flow_splitting]") {
+  const auto list = schemes::aba82<Real>();
+  const Real eps = 1e-3L;
+  CHECK(order(list, eps, 100, 200) == Approx(2).margin(0.1));
+  CHECK(double(error(list, 2 * eps, 0, 100) / error(list, eps, 0, 100)) == Approx(4).epsilon(0.1));
+}
+
+TEST_CASE(
+    "With (8,4) the quadratic error is of fourth order, and with (8,6,4) only what the kicks leave is seen",
+    "[flow_splitting]") {
+  const Real eps = 1e-3L;
+  const auto quadratic = schemes::aba84<Real>(), kicks = schemes::aba864<Real>();
+  CHECK(order(quadratic, eps, 80, 160) == Approx(4).margin(0.3));
+  CHECK(double(error(quadratic, 2 * eps, 0, 100) / error(quadratic, eps, 0, 100)) == Approx(4).epsilon(0.1));
+  CHECK(order(kicks, eps, 100, 200) == Approx(2).margin(0.3));
+  CHECK(double(error(kicks, 2 * eps, 0, 200) / error(kicks, eps, 0, 200)) == Approx(8).epsilon(0.2));
+  CHECK(error(kicks, eps, 0, 100) < error(schemes::aba82<Real>(), eps, 0, 100) / 50);
+}
+
+TEST_CASE("A rest with a part on q alone and a coupled one keeps the orders", "[flow_splitting]") {
+  const Real eps = 1e-5L;
+  const auto list = schemes::aba82<Real>();
+  const double eighth =
+      double(std::log(error(list, 1e-9L, 1e-9L, 24) / error(list, 1e-9L, 1e-9L, 34)) / std::log(34 / 24.0L));
+  CHECK(eighth == Approx(8).margin(0.8));
+  const double second =
+      double(std::log(error(list, eps, eps, 150) / error(list, eps, eps, 300)) / std::log(2.0L));
+  CHECK(second == Approx(2).margin(0.2));
+}
+
+TEST_CASE("A step with an exact flow is symplectic to the accuracy of the kick's solve", "[flow_splitting]") {
+  PhasePoint<Real, 2> z({0.9L, 0.3L}, {-0.2L, 1.1L});
+  for (const Real eps : {1e-6L, 1e-3L, 1e-2L})
+    for (const Real oblate : {0.0L, 0.01L}) {
+      INFO("eps = " << double(eps) << ", oblate = " << double(oblate));
+      CHECK(symplecticity_defect(
+                stepper_for(relativistic<Real>(eps, oblate), kepler<Real>(), schemes::aba82<Real>(),
+                            SimplifiedNewton{.stop = StoppingRule::paper(0)}),
+                z, 0.5L) < 1e-13);
+      // With the usual rule, one evaluation or two: its tolerance is a drift a kick.
+      CHECK(symplecticity_defect(stepper_for(relativistic<Real>(eps, oblate), kepler<Real>()), z, 0.5L) <
+            1e-11);
+    }
+  const Scene frame(orbits::Kinetic<Real, 2>{}, orbits::RotatingFrame<Real, 2>{.omega = 1},
+                    orbits::TwoCentres<Real, 2>::restricted(0.1L));
+  CHECK(symplecticity_defect(
+            stepper_for(frame, exactly<orbits::Kinetic<Real, 2>, orbits::RotatingFrame<Real, 2>>()), z,
+            0.2L) < 1e-13);
+}
+
+TEST_CASE("A step back with an exact flow undoes the step", "[flow_splitting]") {
+  auto stepper = stepper_for(relativistic<double>(1e-3, 1e-3), kepler<double>(), schemes::aba864<double>(),
+                             SimplifiedNewton{.stop = StoppingRule::paper(0)});
+  PhasePoint<double, 2> z = start<double>();
+  const auto before = z;
+  integrate(stepper, z, {.dt = 0.7, .steps = 100});
+  CHECK((z.vector() - before.vector()).norm() > 0.1);
+  integrate(stepper, z, {.dt = -0.7, .steps = 100});
+  CHECK((z.vector() - before.vector()).norm() < 1e-11);
+}
+
+TEST_CASE("Angular momentum is kept to rounding, and the energy error does not grow", "[flow_splitting]") {
+  const auto scene = relativistic<double>(1e-6, 1e-6);
+  auto stepper = stepper_for(scene, kepler<double>());
+  PhasePoint<double, 2> z = start<double>();
+  Invariants invariants(scene);
+  invariants.add("angular momentum", [](const auto& q, const auto& p) { return q[0] * p[1] - q[1] * p[0]; });
+  integrate(stepper, z, {.dt = 0.6, .steps = 20'000}, invariants);
+  const double early = invariants["energy"].worst;
+  CHECK(early < 1e-9);
+  integrate(stepper, z, {.dt = 0.6, .steps = 180'000}, invariants);
+  CHECK(invariants["energy"].worst < 1.5 * early);
+  CHECK(invariants["angular momentum"].worst < 1e-12);
+}
+
+TEST_CASE("A kick of a small coupled rest takes two gradient calls", "[flow_splitting]") {
+  auto stepper = stepper_for(relativistic<double>(1e-8), kepler<double>());
+  static_assert(decltype(stepper)::has_position && decltype(stepper)::has_coupled &&
+                !decltype(stepper)::has_momentum);
+  PhasePoint<double, 2> z = start<double>();
+  const IntegrationReport run = integrate(stepper, z, {.dt = 0.8, .steps = 1000});
+  CHECK(run.evaluations == 4 * run.steps);
+  CHECK(run.gradients == (2 + 1) * 4 * run.steps);  // and two halves for the oblateness
+  CHECK(stepper.gradients_of_kick() == 3);
+}
+
+TEST_CASE("A scene whose effects all have the exact flow is that flow", "[flow_splitting]") {
+  auto stepper = stepper_for(Scene(orbits::Kinetic<double, 2>{}, orbits::Attraction<double, 2>{.gm = 1}),
+                             kepler<double>());
+  PhasePoint<double, 2> z = start<double>();
+  const StepReport report = stepper.step(z, 2 * std::acos(-1.0));
+  CHECK(report.ok());
+  CHECK(report.gradients == 0);
+  CHECK((z.vector() - start<double>().vector()).norm() < 1e-14);
+}
+
+TEST_CASE("Free motion in a turning frame is exact, and its potential a kick", "[flow_splitting]") {
+  const Scene scene(orbits::Kinetic<double, 2>{}, orbits::RotatingFrame<double, 2>{.omega = 1},
+                    orbits::TwoCentres<double, 2>::restricted(0.3));
+  auto exact = stepper_for(scene, exactly<orbits::Kinetic<double, 2>, orbits::RotatingFrame<double, 2>>());
+  static_assert(!decltype(exact)::has_coupled);
+  auto doubled = stepper_for(scene);
+  PhasePoint<double, 2> z({0.3, 0.9}, {-0.9, 0.2}), other = z;
+  const IntegrationReport run = integrate(exact, z, {.dt = 0.01, .steps = 400});
+  integrate(doubled, other, {.dt = 0.01, .steps = 400});
+  CHECK((z.vector() - other.vector()).norm() < 1e-9);
+  CHECK(run.gradients == 5 * run.steps);  // ten kicks in q alone
+  CHECK(exact.max_gradients() == 5);
+}
+
+TEST_CASE("A step that fails says why and leaves the state", "[flow_splitting]") {
+  using Coupled = Hole<OnBoth<double, 2>>;
+  using Position = Hole<OnPosition<double, 2>>;
+  using Throwing = Hole<OnBoth<double, 2>, true>;
+  const orbits::Kinetic<double, 2> kinetic;
+  const orbits::Attraction<double, 2> attraction;
+  const PhasePoint<double, 2> inside({0.2, 0}, {0, 1}), good({1, 0}, {0, 1});
+  const auto fails = [](auto stepper, PhasePoint<double, 2> z, double dt, Status status) {
+    const auto before = z;
+    const StepReport report = stepper.step(z, dt);
+    const bool untouched = std::equal(z.vector().begin(), z.vector().end(), before.vector().begin(),
+                                      [](double x, double y) { return x == y || (x != x && y != y); });
+    return report.status == status && untouched;
+  };
+  const auto with = [&](const auto& effect) {
+    return stepper_for(Scene(kinetic, attraction, effect), kepler<double>());
+  };
+  CHECK(fails(with(Coupled{}), inside, 0.01, Status::not_finite));
+  CHECK(fails(with(Position{}), inside, 0.01, Status::not_finite));
+  CHECK(fails(with(Coupled{}), {{0, 0}, {0, 1}}, 0.01, Status::not_finite));  // collision
+  CHECK(fails(with(Coupled{}), {{std::nan(""), 0}, {0, 1}}, 0.01, Status::invalid_state));
+  CHECK(fails(with(Position{}), {{1, 0}, {0, std::numeric_limits<double>::infinity()}}, 0.01,
+              Status::invalid_state));
+  CHECK(fails(with(Coupled{}), good, 0, Status::invalid_step));
+  CHECK(fails(with(Coupled{}), good, std::nan(""), Status::invalid_step));
+
+  auto throwing = with(Throwing{});
+  PhasePoint<double, 2> z = inside;
+  CHECK_THROWS_AS(throwing.step(z, 0.01), std::runtime_error);
+  CHECK(z.vector() == inside.vector());
+  z = good;
+  CHECK(throwing.step(z, 0.01).ok());
+
+  // Too strong for one copy of a step: the equation of a kick has no solution within its evaluations.
+  auto strong = stepper_for(relativistic<double>(0.5), kepler<double>(), schemes::aba82<double>(),
+                            SimplifiedNewton{.max_iterations = 5});
+  CHECK_FALSE(fails(strong, good, 2, Status::success));
+  z = good;
+  const StepReport report = strong.step(z, 4);
+  CHECK((report.ok() || z.vector() == good.vector()));
+
+  auto weak = stepper_for(relativistic<double>(1e-6), kepler<double>());
+  auto moved_to = std::move(weak);
+  z = good;
+  CHECK(weak.step(z, 0.1).status == Status::invalid_stepper);  // NOLINT: moved from, on purpose
+  CHECK(moved_to.step(z, 0.1).ok());
+}
+
+TEST_CASE("A run with an exact flow in float keeps its energy to float's rounding", "[flow_splitting]") {
+  const auto scene = relativistic<float>(1e-4F);
+  auto stepper = stepper_for(scene, kepler<float>());
+  PhasePoint<float, 2> z = start<float>();
+  Invariants invariants(scene);
+  CHECK(integrate(stepper, z, {.dt = 0.5F, .steps = 5000}, invariants).ok());
+  CHECK(invariants["energy"].worst < 1e-4F);
+}
+
+TEST_CASE("Steps of many periods, and after 10⁸ of them, still keep the energy", "[flow_splitting]") {
+  const auto scene = relativistic<double>(1e-13);
+  auto stepper = stepper_for(scene, kepler<double>());
+  PhasePoint<double, 2> z = start<double>();
+  Invariants invariants(scene);
+  CHECK(integrate(stepper, z, {.dt = 1e6, .steps = 100, .t0 = 1e12}, invariants).ok());
+  CHECK(invariants["energy"].worst < 1e-6);  // a kick is of 1e-7
+}
+
+TEST_CASE("An interrupted run with an exact flow goes on bit for bit", "[flow_splitting]") {
+  const Folder folder;
+  const auto file = folder.path / "run.checkpoint";
+  const auto fresh = stepper_for(relativistic<double>(1e-5, 1e-5), kepler<double>());
+  IntegrationOptions<double> options{.dt = 0.3, .steps = 50};
+  auto whole = fresh;
+  PhasePoint<double, 2> z = start<double>();
+  integrate(whole, z, options);
+  {
+    auto first = fresh;
+    PhasePoint<double, 2> lost = start<double>();
+    IntegrationOptions<double> part = options;
+    part.steps = 17;
+    Checkpoints checkpoints(file, {.every = 17}, first, options);
+    integrate(first, lost, part, checkpoints);
+  }
+  {
+    auto another = stepper_for(relativistic<double>(1e-5, 1e-5), kepler<double>(), schemes::aba84<double>());
+    PhasePoint<double, 2> resumed = start<double>();
+    Checkpoints checkpoints(file, {.every = 17}, another, options);
+    CHECK_THROWS(checkpoints.resume(resumed));
+  }
+  auto second = fresh;
+  PhasePoint<double, 2> resumed = start<double>();
+  Checkpoints checkpoints(file, {.every = 1000}, second, options);
+  options.done = checkpoints.resume(resumed);
+  CHECK(options.done.steps == 17);
+  integrate(second, resumed, options, checkpoints);
+  CHECK(resumed.vector() == z.vector());
+}
+
+}  // namespace test_flow_splitting

@@ -51,7 +51,7 @@ void for_each_pair(const Use& use) {
   const PhasePoint<double, 5> sites({3, 0.01, 0.01, 0.01, 0.01}, {1, 0, 0, 0, 0});
   const systems::NlsLattice<double, 5> lattice;
   pair("NLS 5, energy", lattice, sites, 1000.0, 1e-8, observables::Energy{});
-  pair("NLS 5, first site", lattice, sites, 200.0, 1e-5,
+  pair("NLS 5, first site", lattice, sites, 5.0, 1e-5,
        [](const auto& q, const auto& p) { return q[0] * q[0] + p[0] * p[0]; });
   const Eigen::Vector4d strengths(1, -0.5, 0.7, 0.4);
   const systems::PointVortices<double, 4> vortices(strengths);

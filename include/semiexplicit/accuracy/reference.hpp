@@ -82,7 +82,7 @@ class Reference {
   /// Denser near the start, where shorter trials end; not in step with any period.
   static std::vector<double> sample_times(double length) {
     std::vector<double> times;
-    constexpr int count = 160;
+    constexpr int count = 96;
     for (int i = 1; i <= count; ++i) {
       const double x = (i - 0.3 * std::fmod(0.618034 * i, 1.0)) / count;
       times.push_back(i == count ? length : length * x * (0.4 + 0.6 * x));

@@ -57,7 +57,7 @@ class Search {
       problem_.limit =
           std::min(problem_.options.max_gradients, begin + search_limit * budget_ * searched_part_);
       // What rounding forbids is not looked for, but how near one comes.
-      const double reachable = std::max(target, (table_.invariant ? 10 : 3) * table_.rounding);
+      const double reachable = std::max(target, 4 * table_.rounding);
       if (reachable != last) search(reachable, target);
       last = reachable;
     }
@@ -154,11 +154,12 @@ class Search {
   }
 
   SEMIEXPLICIT_COLD Probe tried(const Setting& setting, bool confirming, double rate = 1) {
-    const Probe result =
+    Probe result =
         !table_.invariant
             ? reference_.compare(problem_, setting, confirming ? 1 : trial_time_ / reference_.length())
             : try_on_windows(problem_, setting, confirming ? confirming_windows(rate) : windows_,
                              pilot_.hopeless, false);
+    if (!confirming) result.trend = 0;  // too short to tell a trend from a slow motion
     exhausted_ = exhausted_ || result.cut;
     return result;
   }
@@ -171,10 +172,11 @@ class Search {
   };
   SEMIEXPLICIT_COLD Estimate estimate(const Candidate& candidate, const Probe& probe, double dt) const {
     const double T = table_.time;
+    const bool explicit_ = candidate.setting.method == Setting::Method::midpoint;
     if (table_.invariant)
       return {probe.range * probe.spread * pilot_.places.growth(candidate.order, T / table_.pilot_time),
-              probe.drift * T, problem_.rounding(dt), false};
-    const bool explicit_ = candidate.setting.method == Setting::Method::midpoint;
+              (explicit_ ? std::max(probe.drift, probe.trend) : probe.drift) * T, problem_.rounding(dt),
+              false};
     const double ratio = probe.early > 0 ? probe.late / probe.early : 1;
     double step = std::max(probe.early, probe.late);
     if (probe.length < 0.999 * T) {
@@ -364,7 +366,7 @@ class Search {
       if (now.sum() < least) least = now.sum(), rounded = now.sum() < 3 * now.rounding;
     });
     if (least <= wanted) return;
-    if (rounded)
+    if (rounded || target > wanted)
       table_.rounding = std::max(table_.rounding, std::nextafter(wanted, std::numeric_limits<double>::max()));
     else if (exhausted_)
       table_.unfinished = std::max(table_.unfinished, wanted);
@@ -422,6 +424,7 @@ class Search {
       seen.evaluations = std::max(seen.evaluations, again.evaluations);
     }
     seen.drift = std::max(seen.drift, again.drift);
+    seen.trend = again.trend;
   }
 
   /// Processor time of a gradient call in this method, its share of the step included: measured.

@@ -29,6 +29,7 @@ struct Probe {
   double rate = 0;         ///< gradient calls a unit of time, in typical windows
   double evaluations = 0;  ///< a step, likewise
   double drift = 0;        ///< relative error a unit of time that unfinished solves may add up to
+  double trend = 0;  ///< of an invariant: by how much a unit of time its range was seen to grow from z0 on
   bool confirmed = false;  ///< on more of the run than the others
   bool cut = false;        ///< the calls ended before the trial
   bool works() const { return status == Status::success && !cut; }
@@ -131,12 +132,16 @@ SEMIEXPLICIT_COLD Probe try_on_windows(Problem<Any>& problem, const Setting& set
   for (const auto& window : windows) {
     auto z = window.start;
     invariant.start(z);
+    double half = 0;
     // Gauss's first step has nothing to extrapolate from: it is not counted.
     const auto steps = std::max<std::int64_t>(4, static_cast<std::int64_t>(window.length / setting.dt) + 1);
     for (std::int64_t n = 0; n < steps; ++n) {
       if (!walker.step(z, setting.dt, result, n > 0 && window.typical)) return result;
       invariant.add(z);
+      if (2 * n < steps) half = invariant.range();
     }
+    if (&window == &windows.front() && invariant.range() > 1.25 * half)
+      result.trend = (invariant.range() - half) * 2 / window.length;
     if (!window.typical) hard.push_back(invariant.range());
     if (!(invariant.range() <= result.range)) result.range = invariant.range();
     if (!(result.range <= hopeless)) {

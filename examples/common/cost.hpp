@@ -61,7 +61,7 @@ struct CostRequest {
     CostOptions options{.by = by == "seconds" ? CostBy::seconds : CostBy::gradients};
     if (!curve) options.targets = {accuracy};
     settings.make_output_folder();
-    const CostOfAccuracy cost = cost_of_accuracy(hamiltonian, z0, settings.time, options);
+    const CostTable cost = cost_of_accuracy(hamiltonian, z0, settings.time, options);
     if (curve)
       show(cost, settings, file, title);
     else
@@ -77,7 +77,7 @@ struct CostRequest {
   }
 
  private:
-  void choose(const CostOfAccuracy& cost, Method& method, Settings& settings) {
+  void choose(const CostTable& cost, Method& method, Settings& settings) {
     chosen = cost.cheapest(accuracy);
     if (!chosen) {
       const auto best = cost.best();
@@ -89,8 +89,11 @@ struct CostRequest {
                                "; " + cost.why(accuracy));
     }
     const Setting& setting = chosen->setting;
-    method.name = setting.method == Setting::Method::semiexplicit ? "semiexplicit" : "gauss";
-    if (method.name == "semiexplicit") method.scheme = setting.scheme;
+    method.name = setting.method == Setting::Method::semiexplicit ? "semiexplicit"
+                  : setting.method == Setting::Method::midpoint   ? "midpoint"
+                  : setting.method == Setting::Method::splitting  ? "splitting"
+                                                                  : "gauss";
+    if (!setting.is_gauss()) method.scheme = setting.scheme;
     method.tolerance = setting.rule.tolerance;
     method.stages = std::max(1, setting.stages);
     method.lanes = setting.method == Setting::Method::gauss_lanes;
@@ -101,16 +104,17 @@ struct CostRequest {
   }
 
   /// The table on the screen, the rows in <file>.csv, and error against cost in <file>.png, a curve a method.
-  static void show(const CostOfAccuracy& cost, const Settings& settings, const std::string& file,
+  static void show(const CostTable& cost, const Settings& settings, const std::string& file,
                    const std::string& title) {
     const std::filesystem::path csv = settings.output / (file + ".csv"),
                                 png = settings.output / (file + ".png");
     write_whole(csv, [&](std::ostream& out) {
       out.precision(9);
-      out << "method,solver,dt,error,gradients,seconds,drifts,works\n";
+      out << "method,solver,dt,error,gradients,seconds,limit,works\n";
       for (const CostRow& row : cost.rows)
         out << row.setting.name() << ',' << row.setting.solver() << ',' << row.setting.dt << ',' << row.error
-            << ',' << row.gradients << ',' << row.seconds << ',' << row.drifts << ',' << row.works() << '\n';
+            << ',' << row.gradients << ',' << row.seconds << ',' << static_cast<int>(row.limit) << ','
+            << row.works() << '\n';
     });
     std::cout << cost << "data: " << csv.string() << '\n';
     if (settings.no_plot) return;
@@ -131,8 +135,7 @@ struct CostRequest {
       drawn.push_back(method);
       out << ", \\\n  " << quoted(csv.string()) << " skip 1 using (stringcolumn(1) eq " << quoted(method)
           << " && $8 == 1 ? $4 : NaN):" << (seconds ? 6 : 5) << " with linespoints linewidth 2 pointtype "
-          << 4 + drawn.size() << (row.setting.method == Setting::Method::semiexplicit ? "" : " dashtype 2")
-          << " title " << quoted(method);
+          << 4 + drawn.size() << (row.setting.is_gauss() ? " dashtype 2" : "") << " title " << quoted(method);
     }
     out << '\n';
     draw(png, out.str());

@@ -148,13 +148,14 @@ int run_scene_program(const SceneProgram<Dof>& program, int argc, char** argv, c
       show_audit(scene, z0, invariants, settings, method, program.compare);
       return 0;
     }
-    if (cost_wanted && scene.is_separable())
-      std::cout << "separable: plain splitting, which costs less still, is not among what --cost tries\n";
-    if (cost_wanted && with_hamiltonian([&](const auto& h) {
-          return cost.answer(h, z0, method, settings, program.name + "_cost",
-                             program.name + ", " + preset.name);
-        }))
-      return 0;
+    if (cost_wanted) {
+      const auto answer = [&](const auto& h) {
+        return cost.answer(h, z0, method, settings, program.name + "_cost",
+                           program.name + ", " + preset.name);
+      };
+      if (scene.is_separable() ? answer(SeparableRuntimeScene<double, Dof>(scene)) : with_hamiltonian(answer))
+        return 0;
+    }
     settle_method(scene, method);
     const std::int64_t steps = settings.fit_steps();
     settings.make_output_folder();

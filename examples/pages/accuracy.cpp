@@ -24,7 +24,7 @@ int main() {
   PhasePoint<double, 1> z(2, 0);
   const double T = 2000, target = 1e-6;
 
-  const CostOfAccuracy cost = cost_of_accuracy(H, z, T, {.targets = {target}});
+  const auto cost = cost_of_accuracy(H, z, T, {.targets = {target}});
   const auto advice = cost.cheapest(target);
   if (!advice) return 1;
 

@@ -40,6 +40,8 @@ double least_gradients(const H& hamiltonian, const PhasePoint<double, H::Dof>& z
   const CostOptions options;
   std::vector<Setting> settings;
   for (const std::string& scheme : options.schemes) settings.push_back({.scheme = scheme});
+  for (const std::string& scheme : options.schemes)
+    settings.push_back({.method = Setting::Method::midpoint, .scheme = scheme});
   for (const int stages : options.gauss_stages)
     settings.push_back({.method = Setting::Method::gauss, .stages = stages});
   double least = std::numeric_limits<double>::infinity();
@@ -61,7 +63,7 @@ template <class H>
 void check_advice(const H& hamiltonian, const PhasePoint<double, H::Dof>& z0, double T, double target,
                   double largest_step) {
   const PhasePoint<double, H::Dof> before = z0;
-  const CostOfAccuracy cost = cost_of_accuracy(hamiltonian, z0, T, {.targets = {target}});
+  const CostTable cost = cost_of_accuracy(hamiltonian, z0, T, {.targets = {target}});
   CHECK(z0.vector() == before.vector());
   const auto advice = cost.cheapest(target);
   REQUIRE(advice);
@@ -109,7 +111,7 @@ TEST_CASE("the same again gives the same advice") {
 TEST_CASE("what the advice costs stays near its budget") {
   const Lattice lattice;
   for (const double budget : {0.05, 0.2}) {
-    const CostOfAccuracy cost =
+    const CostTable cost =
         cost_of_accuracy(lattice, lattice_start(), 3000, {.targets = {1e-8}, .budget = budget});
     const auto advice = cost.cheapest(1e-8);
     REQUIRE(advice);
@@ -120,7 +122,7 @@ TEST_CASE("what the advice costs stays near its budget") {
 }
 
 TEST_CASE("a tighter target costs more, from one scan") {
-  const CostOfAccuracy cost = cost_of_accuracy(Lattice(), lattice_start(), 100);
+  const CostTable cost = cost_of_accuracy(Lattice(), lattice_start(), 100);
   double last = 0;
   for (const double target : {1e-3, 1e-4, 1e-6, 3e-8, 1e-9, 1e-10}) {
     const auto row = cost.cheapest(target);
@@ -132,7 +134,7 @@ TEST_CASE("a tighter target costs more, from one scan") {
 }
 
 TEST_CASE("an accuracy out of reach is said to be so") {
-  const CostOfAccuracy cost =
+  const CostTable cost =
       cost_of_accuracy(systems::Product<double>(), PhasePoint<double, 1>(-3, 0), 1000, {.targets = {1e-18}});
   CHECK_FALSE(cost.cheapest(1e-18));
   REQUIRE(cost.best());
@@ -178,7 +180,7 @@ TEST_CASE("bad requests are refused by name") {
   CHECK(contains(of(z0, 1, {.schemes = {}, .gauss_stages = {}}), "both empty"));
   CHECK(contains(of(z0, 1, {.gauss_stages = {9}}), "options.gauss_stages holds 9"));
   CHECK(contains(of(z0, 1, {.schemes = {"yoshda6"}}), "yoshda6"));
-  const CostOfAccuracy nothing;
+  const CostTable nothing;
   CHECK_FALSE(nothing.cheapest(1e-6));
   CHECK(contains(refusal([&] { (void)nothing.cheapest(0); }), "target is not"));
   CHECK(contains(refusal([&] { (void)nothing.cheapest(nan); }), "target is not"));
@@ -262,7 +264,7 @@ TEST_CASE(
   const auto scan = [&](const auto& hamiltonian, const PhasePoint<double, 1>& z0, double T,
                         const CostOptions& options) {
     calls = 0;
-    const CostOfAccuracy cost = cost_of_accuracy(hamiltonian, z0, T, options);
+    const CostTable cost = cost_of_accuracy(hamiltonian, z0, T, options);
     CHECK(calls == cost.spent_gradients);
     CHECK(calls <= options.max_gradients);
     CHECK(calls <= 7 * cost.budget);
@@ -280,7 +282,7 @@ TEST_CASE(
   // An energy that is small beside its terms: rounding forbids the tight targets.
   for (const double left : {1e-3, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14, 0.0}) {
     CAPTURE(left);
-    const CostOfAccuracy cost =
+    const CostTable cost =
         scan(counted(calls, product_energy(left - 1.625), product_gradient(1, 1)), {-1.5, 0}, 100, usual);
     CHECK(cost.relative == (left > 1e-13));
     if (left == 1e-8) {
@@ -295,19 +297,19 @@ TEST_CASE(
            calls, [](const auto& q, const auto& p) { return p[0] * p[0] / 2 + std::abs(q[0]); },
            [](double q, double p, double& dHdq, double& dHdp) { dHdq = q > 0 ? 1 : -1, dHdp = p; }),
        {1, 0}, 1000, usual);
-  const CostOfAccuracy wall = scan(counted(
-                                       calls,
-                                       [](const auto& q, const auto& p) {
-                                         const double x = std::max(q[0] - 0.5, 0.0);
-                                         return (p[0] * p[0] + q[0] * q[0]) / 2 + 50 * x * x;
-                                       },
-                                       [](double q, double p, double& dHdq, double& dHdp) {
-                                         dHdq = q + 100 * std::max(q - 0.5, 0.0), dHdp = p;
-                                       }),
-                                   {-1, 0}, 1000, usual);
+  const CostTable wall = scan(counted(
+                                  calls,
+                                  [](const auto& q, const auto& p) {
+                                    const double x = std::max(q[0] - 0.5, 0.0);
+                                    return (p[0] * p[0] + q[0] * q[0]) / 2 + 50 * x * x;
+                                  },
+                                  [](double q, double p, double& dHdq, double& dHdp) {
+                                    dHdq = q + 100 * std::max(q - 0.5, 0.0), dHdp = p;
+                                  }),
+                              {-1, 0}, 1000, usual);
   CHECK(wall.reach(1e-4) == Reach::met);
   CHECK(wall.reach(1e-10) != Reach::met);
-  const CostOfAccuracy noisy =
+  const CostTable noisy =
       scan(counted(
                calls,
                [](const auto& q, const auto& p) {
@@ -317,7 +319,7 @@ TEST_CASE(
            {-1, 0}, 1000, usual);
   CHECK(noisy.reach(1e-4) == Reach::met);
   CHECK(noisy.reach(1e-8) == Reach::rounding);
-  const CostOfAccuracy rounded =
+  const CostTable rounded =
       scan(counted(
                calls,
                [](const auto& q, const auto& p) {
@@ -344,8 +346,8 @@ TEST_CASE(
 
   // However little is allowed.
   for (const double bound : {1e3, 1e4, 1e5}) {
-    const CostOfAccuracy cost = scan(counted(calls, product_energy(0), product_gradient(1, 1)), {-3, 0}, 1e9,
-                                     {.max_gradients = bound, .by = CostBy::seconds});
+    const CostTable cost = scan(counted(calls, product_energy(0), product_gradient(1, 1)), {-3, 0}, 1e9,
+                                {.max_gradients = bound, .by = CostBy::seconds});
     if (bound == 1e3) CHECK(cost.reach(1e-4) == Reach::budget);
     if (bound == 1e3) CHECK(contains(cost.why(1e-4), "max_gradients"));
   }
@@ -354,7 +356,7 @@ TEST_CASE(
       refusal([&] { cost_of_accuracy(product, PhasePoint<double, 1>(-3, 0), 1, {.max_gradients = 10}); }),
       "options.max_gradients is below 1000"));
 
-  const CostOfAccuracy single = cost_of_accuracy(systems::Product<float>(), PhasePoint<float, 1>(-3, 0), 100);
+  const CostTable single = cost_of_accuracy(systems::Product<float>(), PhasePoint<float, 1>(-3, 0), 100);
   CHECK(single.reach(1e-4) == Reach::met);
   CHECK(single.reach(1e-8) == Reach::rounding);
   CHECK(single.spent_gradients < 5e5);
@@ -366,8 +368,7 @@ TEST_CASE("no advice is given for an orbit that ends before T") {
       calls, [](const auto& q, const auto& p) { return p[0] * p[0] / 2 - q[0] * q[0] * q[0]; },
       [](double q, double p, double& dHdq, double& dHdp) { dHdq = -3 * q * q, dHdp = p; });
   for (const double T : {10.0, 1000.0}) {
-    const CostOfAccuracy cost =
-        cost_of_accuracy(escapes, PhasePoint<double, 1>(1, 0.5), T, {.targets = {1e-6}});
+    const CostTable cost = cost_of_accuracy(escapes, PhasePoint<double, 1>(1, 0.5), T, {.targets = {1e-6}});
     CHECK_FALSE(cost.cheapest(1e-6));
     CHECK_FALSE(cost.best());
     CHECK(cost.reach(1e-6) == Reach::orbit_ends);
@@ -381,7 +382,7 @@ TEST_CASE("no advice is given for an orbit that ends before T") {
 }
 
 TEST_CASE("the table does not depend on the locale") {
-  const CostOfAccuracy cost =
+  const CostTable cost =
       cost_of_accuracy(systems::Product<double>(), PhasePoint<double, 1>(-3, 0), 10, {.targets = {1e-6}});
   const auto printed = [&] {
     std::ostringstream text;

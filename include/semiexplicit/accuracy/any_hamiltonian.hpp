@@ -1,34 +1,70 @@
 #pragma once
 
+#include <stdexcept>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include <semiexplicit/accuracy/any_stepper.hpp>
 #include <semiexplicit/accuracy/setting.hpp>
+#include <semiexplicit/core/cold.hpp>
+#include <semiexplicit/core/extended_phase_space.hpp>
+#include <semiexplicit/core/simd.hpp>
+#include <semiexplicit/schemes/named.hpp>
+#include <semiexplicit/steppers/explicit_splitting.hpp>
+#include <semiexplicit/steppers/gauss_legendre_lanes.hpp>
+#include <semiexplicit/steppers/semiexplicit.hpp>
 
 namespace semiexplicit::detail {
 
-/// A Hamiltonian with an energy whose type does not show, and the steppers for it: what uses one is compiled once for all of
-/// the same size and numbers. Must not outlive the Hamiltonian.
-template <class ScalarType, int D>
-class AnyHamiltonian {
+template <class Scalar>
+struct OrdinaryPhaseSpace {};
+
+/// A Hamiltonian whose type and size do not show: what uses one is compiled once for all with the same numbers. `Timed`: its
+/// last coordinate is the time, see InExtendedPhaseSpace. Must not outlive the Hamiltonian.
+template <class ScalarType, bool Timed>
+class AnyHamiltonian : public std::conditional_t<Timed, ExtendedPhaseSpace<ScalarType, Eigen::Dynamic>,
+                                                 OrdinaryPhaseSpace<ScalarType>> {
  public:
   using Scalar = ScalarType;
-  static constexpr int Dof = D;
+  using Many = Pack<Scalar>;
+  static constexpr int Dof = Eigen::Dynamic;
   using State = PhasePoint<Scalar, Dof>;
+  using PackGradientOf = AnyHamiltonian;
 
   template <class H>
   requires(!std::same_as<H, AnyHamiltonian>) explicit AnyHamiltonian(const H& hamiltonian)
-      : hamiltonian_(&hamiltonian),
-        dof_(dof_of(hamiltonian)),
-        takes_packs_(HasPackGradient<H>),
-        energy_([](const void* h, const Scalar* q, const Scalar* p, Eigen::Index dof) {
-          return Scalar(static_cast<const H*>(h)->energy(InColumn<H>(q, dof), InColumn<H>(p, dof)));
-        }),
-        gradient_([](const void* h, const Scalar* q, const Scalar* p, Scalar* dHdq, Scalar* dHdp,
-                     Eigen::Index dof) { gradient_at(*static_cast<const H*>(h), q, p, dHdq, dHdp, dof); }),
-        stepper_([](const void* h, const Setting& setting) {
-          return stepper_for(*static_cast<const H*>(h), setting);
-        }) {}
+      : hamiltonian_(&hamiltonian), dof_(dof_of(hamiltonian)) {
+    if constexpr (HasEnergy<H>)
+      energy_ = [](const void* h, const Scalar* q, const Scalar* p, Eigen::Index dof) {
+        return Scalar(static_cast<const H*>(h)->energy(InColumn<H>(q, dof), InColumn<H>(p, dof)));
+      };
+    gradient_ = [](const void* h, const Scalar* q, const Scalar* p, Scalar* dHdq, Scalar* dHdp,
+                   Eigen::Index dof) { gradient_at(*static_cast<const H*>(h), q, p, dHdq, dHdp, dof); };
+    if constexpr (HasPackGradient<H>)
+      packs_ = [](const void* h, const Many* q, const Many* p, Many* dHdq, Many* dHdp) {
+        static_cast<const H*>(h)->gradient(q, p, dHdq, dHdp);
+      };
+    if constexpr (SeparableHamiltonian<H>) {
+      half_gradient_ = [](const void* h, bool of_momentum, const Scalar* at, Scalar* half, Eigen::Index dof) {
+        OutColumn<H> out(half, dof);
+        if (of_momentum)
+          static_cast<const H*>(h)->momentum_gradient(InColumn<H>(at, dof), out);
+        else
+          static_cast<const H*>(h)->position_gradient(InColumn<H>(at, dof), out);
+      };
+      splitting_ = [](const AnyHamiltonian& h, const Scheme<Scalar>& scheme) {
+        ExplicitSplitting<Separable> stepper(Separable{h}, scheme);
+        const auto calls = stepper.max_gradients();
+        return AnyStepper<Scalar>(std::move(stepper), calls);
+      };
+    }
+  }
 
   Eigen::Index dof() const { return dof_; }
-  bool takes_packs() const { return takes_packs_; }
+  bool takes_packs() const { return packs_ != nullptr; }
+  bool is_separable() const { return splitting_ != nullptr; }
+
   Scalar energy(const In<Scalar, Dof>& q, const In<Scalar, Dof>& p) const {
     return energy_(hamiltonian_, q.data(), p.data(), dof_);
   }
@@ -36,15 +72,87 @@ class AnyHamiltonian {
                 Out<Scalar, Dof> dHdp) const {
     gradient_(hamiltonian_, q.data(), p.data(), dHdq.data(), dHdp.data(), dof_);
   }
-  AnyStepper<Scalar, Dof> stepper(const Setting& setting) const { return stepper_(hamiltonian_, setting); }
+  /// Lane by lane where H has no gradient for packs, the lanes in use only.
+  void gradient(const Many* q, const Many* p, Many* dHdq, Many* dHdp) const {
+    if (lanes_ == 0) return packs_(hamiltonian_, q, p, dHdq, dHdp);
+    const auto d = static_cast<std::size_t>(dof_);
+    lane_.resize(4 * d);
+    for (std::size_t k = 0; k < lanes_; ++k) {
+      bool same = k > 0;  // as the lane before, as where an iteration starts: one call for all
+      const auto load = [&](Scalar& to, const Scalar& from) { same = same && to == from, to = from; };
+      for (std::size_t i = 0; i < d; ++i) load(lane_[i], q[i][k]), load(lane_[d + i], p[i][k]);
+      if (!same)
+        gradient_(hamiltonian_, lane_.data(), lane_.data() + d, lane_.data() + 2 * d, lane_.data() + 3 * d,
+                  dof_);
+      for (std::size_t i = 0; i < d; ++i) dHdq[i][k] = lane_[2 * d + i], dHdp[i][k] = lane_[3 * d + i];
+    }
+  }
+
+  /// The stepper of a setting. Throws std::invalid_argument for an unknown scheme, a number of stages outside 1 to 8, and a
+  /// method that this Hamiltonian cannot have.
+  SEMIEXPLICIT_COLD AnyStepper<Scalar> stepper(const Setting& setting) const {
+    if (setting.is_gauss()) {
+      const bool lanes = setting.method == Setting::Method::gauss_lanes;
+      if (lanes && !takes_packs())
+        throw std::invalid_argument(
+            "run: this Hamiltonian has no gradient for packs; take Setting::Method::gauss");
+      AnyHamiltonian own = *this;
+      own.lanes_ = lanes ? 0 : static_cast<std::size_t>(setting.stages);
+      GaussLegendreLanes<AnyHamiltonian> stepper(std::move(own), {.stages = setting.stages});
+      const auto calls = stepper.max_gradients();
+      return {std::move(stepper), calls};
+    }
+    const Scheme<Scalar> scheme = schemes::by_name<Scalar>(setting.scheme);
+    if (setting.method == Setting::Method::splitting) {
+      if (!is_separable())
+        throw std::invalid_argument(
+            "run: this Hamiltonian is not separable; take Setting::Method::semiexplicit");
+      return splitting_(*this, scheme);
+    }
+    // The midpoint projection is the same step, taken as it is after one evaluation.
+    const bool explicit_ = setting.method == Setting::Method::midpoint;
+    Semiexplicit<AnyHamiltonian> stepper(
+        *this, scheme,
+        SimplifiedNewton{.stop = explicit_ ? StoppingRule::product(any_correction) : setting.rule});
+    const auto calls =
+        explicit_ ? static_cast<std::int64_t>(scheme.kicks()) : std::int64_t{stepper.max_gradients()};
+    return {std::move(stepper), calls};
+  }
 
  private:
+  struct Separable {
+    using Scalar = ScalarType;
+    static constexpr int Dof = Eigen::Dynamic;
+    static constexpr bool separable = true;
+    using SeparableGradientOf = Separable;
+    AnyHamiltonian h;
+    Eigen::Index dof() const { return h.dof_; }
+    void gradient(const In<Scalar, Dof>& q, const In<Scalar, Dof>& p, Out<Scalar, Dof> dHdq,
+                  Out<Scalar, Dof> dHdp) const {
+      h.gradient(q, p, dHdq, dHdp);
+    }
+    void position_gradient(const In<Scalar, Dof>& q, Out<Scalar, Dof> half) const {
+      h.half_gradient_(h.hamiltonian_, false, q.data(), half.data(), h.dof_);
+    }
+    void momentum_gradient(const In<Scalar, Dof>& p, Out<Scalar, Dof> half) const {
+      h.half_gradient_(h.hamiltonian_, true, p.data(), half.data(), h.dof_);
+    }
+  };
+  static constexpr double any_correction = 1e300;
+
   const void* hamiltonian_;
   Eigen::Index dof_;
-  bool takes_packs_;
-  Scalar (*energy_)(const void*, const Scalar*, const Scalar*, Eigen::Index);
-  void (*gradient_)(const void*, const Scalar*, const Scalar*, Scalar*, Scalar*, Eigen::Index);
-  AnyStepper<Scalar, Dof> (*stepper_)(const void*, const Setting&);
+  std::size_t lanes_ = 0;  ///< that gradients of packs are called for one by one; 0: H takes packs
+  mutable std::vector<Scalar> lane_{};
+  Scalar (*energy_)(const void*, const Scalar*, const Scalar*, Eigen::Index) = nullptr;
+  void (*gradient_)(const void*, const Scalar*, const Scalar*, Scalar*, Scalar*, Eigen::Index) = nullptr;
+  void (*packs_)(const void*, const Many*, const Many*, Many*, Many*) = nullptr;
+  void (*half_gradient_)(const void*, bool, const Scalar*, Scalar*, Eigen::Index) = nullptr;
+  AnyStepper<Scalar> (*splitting_)(const AnyHamiltonian&, const Scheme<Scalar>&) = nullptr;
 };
+
+/// AnyHamiltonian for an H.
+template <class H>
+using Erased = AnyHamiltonian<typename H::Scalar, InExtendedPhaseSpace<H>>;
 
 }  // namespace semiexplicit::detail

@@ -1,37 +1,109 @@
 #pragma once
 
-#include <algorithm>
 #include <cmath>
+#include <concepts>
 #include <stdexcept>
 #include <string>
-#include <vector>
+#include <utility>
 
-#include <semiexplicit/accuracy/scan.hpp>
+#include <semiexplicit/accuracy/search.hpp>
+#include <semiexplicit/integrate.hpp>
 
 namespace semiexplicit {
 
-/// What accuracy costs for *your* Hamiltonian: which scheme or method, which step, how long it takes, for a relative energy
-/// error that stays below a target over the time T. Short trial runs find out; see CostOptions for how much they may cost.
+/// Integrates z over the time T with a setting: in the fewest equal steps that are no longer than setting.dt. Observers,
+/// report and failures as integrate() has them. The stepper works on a Hamiltonian whose type is hidden, which saves a
+/// compiler much, and takes a small system some time: a program that is all about speed makes its own from the setting. Throws
+/// std::invalid_argument unless T and setting.dt are finite and positive, for an unknown scheme, a number of stages outside
+/// 1 to 8, and a method that H cannot have.
 ///
-///     const CostOfAccuracy cost = cost_of_accuracy(H, z0, 1000);
-///     std::cout << cost;                              // the table, and what it rests on
-///     if (const auto advice = cost.cheapest(1e-8)) run(H, z, 1000, advice->setting);
-///
-/// A coarse pilot run finds where along the way the problem is hard. Every setting is tried there, at the start, and on some
-/// ordinary stretches; from the largest range of the energy in a stretch follows the error over T, on the assumption that
-/// it stays bounded, plus what unfinished solves and rounding may add. How much harder than the pilot run the rest of T
-/// gets is extrapolated from the tail of what the pilot met. The choice is then confirmed on more of the run, and revised.
-/// Where rare events decide (chaos, close encounters) no short run can know them: expect errors off by more than a
-/// factor of three there, and aim lower. Resonances of the step with the motion that need long to build up go unseen.
-///
-/// H needs an energy(q, p), by whose error everything is judged. z0 is not changed. Throws std::invalid_argument, naming
-/// the quantity and the remedy, unless T is finite and positive, z0 finite and of the size of H and not at rest, the targets
-/// positive, and something is left to try. An exception of the gradient passes through.
+///     const CostRow advice = cost.cheapest(1e-8).value();
+///     Invariants invariants(H);
+///     run(H, z, T, advice.setting, invariants);
+template <Hamiltonian H, class... Observers>
+IntegrationReport run(const H& hamiltonian, PhasePoint<typename H::Scalar, H::Dof>& z, double T,
+                      const Setting& setting, Observers&&... observers) {
+  if (!(T > 0 && std::isfinite(T)))
+    throw std::invalid_argument("run: T is not a finite positive time; give how long to integrate");
+  if (!(setting.dt > 0 && std::isfinite(setting.dt)))
+    throw std::invalid_argument("run: setting.dt is not a finite positive step; set it");
+  using Scalar = typename H::Scalar;
+  detail::AnyStepperOf<Scalar, H::Dof> stepper(detail::Erased<H>(hamiltonian).stepper(setting), z.dof());
+  return integrate(stepper, z, {.dt = Scalar(setting.dt), .t_end = Scalar(T)},
+                   std::forward<Observers>(observers)...);
+}
+
+/// A CostTable with the Hamiltonian that it is about.
 template <class H>
-CostOfAccuracy cost_of_accuracy(
+class CostOfAccuracy : public CostTable {
+ public:
+  CostOfAccuracy(CostTable table, H hamiltonian)
+      : CostTable(std::move(table)), hamiltonian_(std::move(hamiltonian)) {}
+
+  /// Integrates z over the time T that was asked about, as a row says; see semiexplicit::run().
+  template <class... Observers>
+  IntegrationReport run(PhasePoint<typename H::Scalar, H::Dof>& z, const CostRow& row,
+                        Observers&&... observers) const {
+    return semiexplicit::run(hamiltonian_, z, time, row.setting, std::forward<Observers>(observers)...);
+  }
+
+ private:
+  H hamiltonian_;
+};
+
+namespace detail {
+
+/// The options with an observable of states of dynamic size.
+template <class Scalar, int Dof, int OtherDof>
+SEMIEXPLICIT_COLD CostOptionsOf<Scalar, Dof> options_for(const CostOptionsOf<Scalar, OtherDof>& options) {
+  CostOptionsOf<Scalar, Dof> result{.targets = options.targets,
+                                    .absolute = options.absolute,
+                                    .budget = options.budget,
+                                    .min_gradients = options.min_gradients,
+                                    .max_gradients = options.max_gradients,
+                                    .by = options.by,
+                                    .schemes = options.schemes,
+                                    .gauss_stages = options.gauss_stages,
+                                    .splittings = options.splittings};
+  if (!options.observable.is_energy())
+    result.observable = [f = options.observable](const In<Scalar, Dof>& q, const In<Scalar, Dof>& p) {
+      return f(PhasePoint<Scalar, OtherDof>(q, p));
+    };
+  return result;
+}
+
+}  // namespace detail
+
+/// What accuracy costs for *your* Hamiltonian and what you measure: which scheme or method, which step, how long it takes, for
+/// an error of the observable that stays below a target over the time T. Short trial runs find out; see CostOptionsOf for
+/// how much they may cost.
+///
+///     auto cost = cost_of_accuracy(H, z0, 1000, {.observable = [](const auto& q, const auto&) { return q[0]; }});
+///     std::cout << cost;                              // the table, and what it rests on
+///     if (const auto advice = cost.cheapest(1e-8)) cost.run(z, *advice);
+///
+/// Without an observable it is the energy. The error is the largest over [0, T], relative to the size of the observable
+/// (CostTable says which), or absolute by request.
+///
+/// A coarse pilot run finds where along the way the problem is hard. For an invariant every setting is tried there, at
+/// the start, and on some ordinary stretches; from the largest range in a stretch follows the error over T, on the assumption
+/// that it stays bounded, plus what unfinished solves and rounding may add. How much harder than the pilot run the rest of T
+/// gets is extrapolated from the tail of what the pilot met. For any other observable settings are compared with a
+/// reference, two runs that agree, from z0 on, and the error is extrapolated to T as it was seen to grow. Where neighbouring
+/// orbits part exponentially a target beyond reach is refused, and the rate given. The choice is then confirmed on more of the
+/// run, and revised. Where rare events decide (chaos, close encounters) no short run can know them: expect errors off by
+/// more than a factor of three there, and aim lower. Resonances of the step with the motion that need long to build up go
+/// unseen.
+///
+/// H needs an energy(q, p), which the gradient is compared with first. That of a TimeTransformed is K, near zero: for the
+/// energy of its H give that as the observable. z0 is not changed. Throws std::invalid_argument, naming the quantity and
+/// the remedy, unless T is finite and positive, z0 finite and of the size of H and not at rest, the targets positive, the
+/// observable finite at z0, and something is left to try. An exception of the gradient or the observable passes through.
+template <class H>
+auto cost_of_accuracy(
     const H& hamiltonian,
     const PhasePoint<typename detail::EnergyDoor<H>::Scalar, detail::EnergyDoor<H>::Dof>& z0, double T,
-    const CostOptions& options = {}) {
+    const CostOptionsOf<typename detail::EnergyDoor<H>::Scalar, detail::EnergyDoor<H>::Dof>& options = {}) {
   if constexpr (HasEnergy<H>) {
     detail::check(options);
     if (!(T > 0 && std::isfinite(T)))
@@ -43,9 +115,24 @@ CostOfAccuracy cost_of_accuracy(
                                   std::to_string(dof_of(hamiltonian)) + "; give both the same size");
     if (!z0.vector().allFinite())
       throw std::invalid_argument("cost_of_accuracy: z0 holds NaN or Inf; give a finite initial state");
-    using Any = detail::AnyHamiltonian<typename H::Scalar, H::Dof>;
-    return detail::Scan<typename H::Scalar, H::Dof>(Any(hamiltonian), z0, T, options).result();
+    using Any = detail::Erased<H>;
+    const double start = detail::cpu_seconds();
+    PhasePoint<typename H::Scalar, Eigen::Dynamic> at(z0.dof());
+    at.vector() = z0.vector();
+    detail::Problem<Any> problem(Any(hamiltonian), at, T,
+                                 detail::options_for<typename H::Scalar, Eigen::Dynamic>(options));
+    detail::Search<Any>(problem).run();
+    problem.table.spent_seconds = detail::cpu_seconds() - start;
+    return CostOfAccuracy<H>(std::move(problem.table), hamiltonian);
   }
+}
+
+/// The same with options from a variable, whose observable takes columns of dynamic size.
+template <class H, std::same_as<CostOptions> Options>
+requires(H::Dof != Eigen::Dynamic) auto cost_of_accuracy(const H& hamiltonian,
+                                                         const PhasePoint<double, H::Dof>& z0, double T,
+                                                         const Options& options) {
+  return cost_of_accuracy(hamiltonian, z0, T, detail::options_for<double, H::Dof>(options));
 }
 
 }  // namespace semiexplicit

@@ -1,7 +1,7 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <iomanip>
 #include <limits>
 #include <locale>
@@ -14,6 +14,7 @@
 
 #include <semiexplicit/accuracy/setting.hpp>
 #include <semiexplicit/core/cold.hpp>
+#include <semiexplicit/core/report.hpp>
 
 namespace semiexplicit {
 
@@ -23,14 +24,22 @@ enum class CostBy {
   seconds     ///< processor time, measured on the spot
 };
 
+/// What the error of a setting is mostly made of.
+enum class LimitedBy {
+  step,      ///< the size of the step, and the error stays bounded
+  growth,    ///< the size of the step, and the error grows with the time, as that of a phase does
+  drift,     ///< what unfinished solves, or a method that is not symplectic, may add up to
+  rounding,  ///< the rounding of states and gradients, or the error of the reference
+  failure    ///< the setting failed: CostRow::status says why
+};
+
 /// A setting, and what a run with it over the whole time is expected to give and to cost.
 struct CostRow {
   Setting setting{};
-  double error = 0;      ///< largest relative energy error (absolute unless CostOfAccuracy::relative)
+  double error = 0;      ///< the largest over the time; see CostTable for what it is relative to
   double gradients = 0;  ///< gradient calls
   double seconds = 0;    ///< of processor time
-  bool drifts =
-      false;  ///< the error may grow with time: what unfinished solves add up to is over a third of it
+  LimitedBy limit = LimitedBy::step;
   Status status = Status::success;  ///< why the setting failed in a trial; the figures above are NaN then
   bool confirmed = false;           ///< tried on more of the run than the other rows
   bool interpolated = false;        ///< between two trials of the same scheme, instead of tried itself
@@ -41,37 +50,46 @@ struct CostRow {
 
 /// Whether a target can be met, and if not, why.
 enum class Reach {
-  met,         ///< CostOfAccuracy::cheapest() has a setting for it
-  rounding,    ///< it is below what rounding, or noise, does to the energy
-  budget,      ///< the gradient calls ended first
-  orbit_ends,  ///< no step goes beyond CostOfAccuracy::orbit_end
-  no_step      ///< none of the settings that were tried meets it
+  met,          ///< CostTable::cheapest() has a setting for it
+  rounding,     ///< it is below what rounding, noise, or the error of the reference leaves to be seen
+  budget,       ///< the gradient calls ended first
+  orbit_ends,   ///< no step goes beyond CostTable::orbit_end
+  orbits_part,  ///< neighbouring orbits part so fast that no run in this precision can give it
+  no_step       ///< none of the settings that were tried meets it
 };
 
-/// The curve of accuracy against cost for one problem; made by cost_of_accuracy().
-struct CostOfAccuracy {
+/// The curve of accuracy against cost for one problem; made by cost_of_accuracy(). An error is the largest over [0, T] of
+/// ‖f(z(t)) - f(exact z(t))‖, f being the observable (Euclidean norm), divided by `unit`. For an invariant (the energy, or
+/// what a tight run finds constant) that unit is |f(z0)|, for others the largest ‖f‖ along the orbit.
+struct CostTable {
   std::vector<CostRow> rows{};  ///< every setting that was tried: method by method, the largest step first
   std::vector<double> targets{};
   CostBy by = CostBy::gradients;
 
   double time = 0;         ///< T, the length of the run that is advised on
-  double time_scale = 0;   ///< ‖z₀‖/‖X(z₀)‖, the characteristic time that the scan started from
+  double time_scale = 0;   ///< characteristic time at z0 that the search started from
   double pilot_time = 0;   ///< how far the coarse run went that found where the problem is hard
   double window_time = 0;  ///< length of the trial runs of each setting, all windows together
   int windows = 0;         ///< how many stretches that is
   double growth = 1;  ///< factor from the hardest stretch of the pilot run to the hardest of the whole time
-  double budget = 0;  ///< gradient calls that the scan was to take: a guide
-  double spent_gradients = 0;  ///< what the scan itself took
+  double budget = 0;  ///< gradient calls that the search was to take: a guide
+  double spent_gradients = 0;  ///< what the search itself took
   double spent_seconds = 0;    ///< of processor time, likewise
 
-  bool relative =
-      true;  ///< errors are relative to H(z0); false: that is zero up to rounding, and they are absolute
-  double rounding = 0;  ///< no error below this can be told from rounding, or noise, of the energy
+  bool invariant = true;       ///< the observable is an invariant: its error is the distance from f(z0)
+  bool relative = true;        ///< false: errors are absolute, by request or because f is zero up to rounding
+  double unit = 1;             ///< size of the observable that errors are relative to
+  double rounding = 0;         ///< no error below this can be told from rounding, or noise
+  double reference_error = 0;  ///< of the reference over the whole time; 0 for an invariant, which has none
+  double reference_time = 0;   ///< how far the reference went; trials are extrapolated from there
+  double parting_rate = 0;     ///< neighbouring orbits part as e^{rate t}; 0: not so fast, or not looked for
+  double horizon = std::numeric_limits<double>::infinity();    ///< when nothing of the orbit is left
   double orbit_end = std::numeric_limits<double>::infinity();  ///< time that no step tried got beyond
   double unfinished = 0;  ///< the loosest target whose search ended with the calls; 0: none
 
   /// Why a target is out of reach.
   SEMIEXPLICIT_COLD Reach reach(double target) const {
+    if (parts_before(target)) return Reach::orbits_part;
     if (cheapest(target)) return Reach::met;
     if (orbit_end < time) return Reach::orbit_ends;
     if (target < rounding) return Reach::rounding;
@@ -79,17 +97,25 @@ struct CostOfAccuracy {
   }
   /// The same in words, with what to do about it; empty where the target is met.
   SEMIEXPLICIT_COLD std::string why(double target) const {
+    using detail::in_words;
     switch (reach(target)) {
       case Reach::met:
         return "";
       case Reach::rounding:
-        return "errors below " + detail::in_words(rounding, 2) +
-               " are lost in the rounding or noise of the energy, which may be small beside its terms";
+        return "errors below " + in_words(rounding, 2) +
+               (invariant ? " are lost in the rounding or noise of the observable, which may be small beside "
+                            "its terms"
+                          : " are lost in rounding, which adds up over the time");
       case Reach::budget:
         return "the gradient calls ended; raise options.budget, min_gradients or max_gradients";
       case Reach::orbit_ends:
-        return "the orbit ends near t = " + detail::in_words(orbit_end, 3) +
+        return "the orbit ends near t = " + in_words(orbit_end, 3) +
                ": no step goes beyond; give a shorter T";
+      case Reach::orbits_part:
+        return "neighbouring orbits part as e^(" + in_words(parting_rate, 2) +
+               " t): after t = " + in_words(horizon, 2) +
+               " nothing of the trajectory is left in this precision; means and "
+               "sections may still be right";
       case Reach::no_step:
         return "no step of those tried meets it";
     }
@@ -100,8 +126,9 @@ struct CostOfAccuracy {
   /// how near one comes. Between two trials of a scheme the step is interpolated.
   SEMIEXPLICIT_COLD std::optional<CostRow> cheapest(double target) const {
     if (!(target > 0))
-      throw std::invalid_argument("CostOfAccuracy::cheapest: target is not a positive error; give one");
+      throw std::invalid_argument("CostTable::cheapest: target is not a positive error; give one");
     std::optional<CostRow> found;
+    if (parts_before(target)) return found;
     const auto offer = [&](const CostRow& row) {
       if (row.works() && row.error <= target && (!found || row.cost(by) < found->cost(by))) found = row;
     };
@@ -126,6 +153,12 @@ struct CostOfAccuracy {
   double fraction_of(const CostRow& row) const { return spent_gradients / row.gradients; }
 
  private:
+  /// Whether a perturbation of one rounding grows to the target before the end.
+  bool parts_before(double target) const {
+    return horizon < std::numeric_limits<double>::infinity() &&
+           time > horizon + std::log(std::min(target, 1.0)) / parting_rate;
+  }
+
   /// The setting between two of the same scheme, a with the larger step, whose error is `target`: errors and costs follow
   /// powers of the step.
   SEMIEXPLICIT_COLD static CostRow between(const CostRow& a, const CostRow& b, double target) {
@@ -136,7 +169,7 @@ struct CostOfAccuracy {
     row.error = target;
     row.gradients = mean(a.gradients, b.gradients);
     row.seconds = mean(a.seconds, b.seconds);
-    row.drifts = a.drifts || b.drifts;
+    row.limit = b.limit == LimitedBy::rounding ? a.limit : b.limit;
     row.interpolated = true;
     row.confirmed = false;
     return row;
@@ -158,36 +191,49 @@ SEMIEXPLICIT_COLD inline std::string column(const std::string& text, std::size_t
   return right ? space + text : text + space;
 }
 
+SEMIEXPLICIT_COLD inline const char* words(LimitedBy limit) {
+  switch (limit) {
+    case LimitedBy::step:
+      return "step, bounded";
+    case LimitedBy::growth:
+      return "step, grows with t";
+    case LimitedBy::drift:
+      return "may drift";
+    case LimitedBy::rounding:
+      return "rounding";
+    case LimitedBy::failure:
+      break;
+  }
+  return "FAILED";
+}
+
 }  // namespace detail
 
 /// One line: what to run, what it should give, what it costs.
 SEMIEXPLICIT_COLD inline std::ostream& operator<<(std::ostream& out, const CostRow& row) {
   using detail::column, detail::figure;
-  return out << column(row.setting.name(), 24) + ' ' + column(row.setting.solver(), 14) + ' ' +
+  return out << column(row.setting.name(), 29) + ' ' + column(row.setting.solver(), 14) + ' ' +
                     figure(row.setting.dt, 4, 10) + ' ' + figure(row.error, 1, 10, true) + ' ' +
                     figure(row.gradients, 3, 12) + ' ' + figure(row.seconds, 3, 10) + "  " +
-                    (row.works() ? (row.drifts ? "may drift" : "bounded") : "FAILED");
+                    detail::words(row.limit);
 }
 
 /// The advice for every target or why there is none, all that was tried, and what the figures rest on.
-SEMIEXPLICIT_COLD inline std::ostream& operator<<(std::ostream& out, const CostOfAccuracy& cost) {
+SEMIEXPLICIT_COLD inline std::ostream& operator<<(std::ostream& out, const CostTable& cost) {
   using detail::column, detail::figure, detail::in_words;
-  const std::string header = column("method", 24) + ' ' + column("solver", 14) + ' ' +
+  const std::string header = column("method", 29) + ' ' + column("solver", 14) + ' ' +
                              column("dt", 10, true) + ' ' + column("error", 10, true) + ' ' +
-                             column("gradients", 12, true) + ' ' + column("seconds", 10, true) + "  energy\n";
+                             column("gradients", 12, true) + ' ' + column("seconds", 10, true) +
+                             "  limited by\n";
   out << "The cheapest " << (cost.by == CostBy::gradients ? "in gradient calls" : "in processor time")
       << " over T = " << in_words(cost.time, 6)
-      << (cost.relative
-              ? ", for a relative energy error of at most:\n         "
-              : ", for an absolute energy error (H(z0) is zero up to rounding) of at most:\n         ")
-      << header;
+      << (cost.relative ? ", for a relative error of at most (the unit is " + in_words(cost.unit, 3) + ")"
+                        : std::string(", for an absolute error of at most"))
+      << ":\n         " << header;
   for (const double target : cost.targets) {
     out << figure(target, 0, 7, true) << "  ";
     if (const auto row = cost.cheapest(target)) {
-      std::ostringstream percent;
-      percent.imbue(std::locale::classic());
-      percent << std::fixed << std::setprecision(1) << 100 * cost.fraction_of(*row);
-      out << *row << "; advice cost " << percent.str() << "%\n";
+      out << *row << "; advice cost " << in_words(100 * cost.fraction_of(*row), 3) << "%\n";
     } else {
       out << "out of reach: " << cost.why(target);
       if (const auto best = cost.best()) out << "; the best found is " << figure(best->error, 1, 0, true);
@@ -199,16 +245,19 @@ SEMIEXPLICIT_COLD inline std::ostream& operator<<(std::ostream& out, const CostO
   if (cost.rows.empty()) return out << "\nNo setting was tried over the whole time.\n" << spent;
   out << "\nAll that was tried:\n         " << header;
   for (const CostRow& row : cost.rows) out << "         " << row << '\n';
-  return out
-         << "\nEstimates. Each setting ran for a time of " << in_words(cost.window_time, 3) << " in "
-         << std::to_string(cost.windows) << " windows: " << in_words(cost.window_time / cost.time_scale, 2)
-         << " characteristic times of " << in_words(cost.time_scale, 3)
-         << ",\nat the start and along a coarse run to t = " << in_words(cost.pilot_time, 3)
-         << ", where that was hardest among them.\n"
-            "Assumed: the energy error stays bounded as a symplectic method's does, but for rounding and\n"
-            "unfinished solves; times "
-         << in_words(cost.growth, 2) << " for what lies beyond the coarse run.\n"
-         << spent;
+  out << "\nEstimates. Each setting ran for a time of " << in_words(cost.window_time, 3) << " in "
+      << std::to_string(cost.windows) << " windows, " << in_words(cost.window_time / cost.time_scale, 2)
+      << " characteristic times of " << in_words(cost.time_scale, 3) << ".\n";
+  if (cost.invariant)
+    out << "An invariant: the error is taken to stay bounded, but for rounding and unfinished solves; times "
+        << in_words(cost.growth, 2)
+        << "\nfor what lies beyond a coarse run to t = " << in_words(cost.pilot_time, 3)
+        << ", whose hardest stretches are among the windows.\n";
+  else
+    out << "No invariant: compared with a run that is known to " << figure(cost.reference_error, 1, 0, true)
+        << " over T, to t = " << in_words(cost.reference_time, 3)
+        << ",\nand extrapolated as the error was seen to grow.\n";
+  return out << spent;
 }
 
 }  // namespace semiexplicit

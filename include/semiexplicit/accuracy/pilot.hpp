@@ -1,0 +1,190 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include <semiexplicit/accuracy/hard_places.hpp>
+#include <semiexplicit/accuracy/trial.hpp>
+#include <semiexplicit/core/cold.hpp>
+
+namespace semiexplicit::detail {
+
+/// A coarse run as far as a part of the calls goes. It finds where along the way the energy varies most, how large the
+/// observable becomes, and how fast a neighbouring orbit parts from this one.
+template <class Any>
+class Pilot {
+ public:
+  using Scalar = typename Any::Scalar;
+  using State = typename Any::State;
+
+  explicit Pilot(Problem<Any>& problem) : problem_(problem), energy_(problem, true), table_(problem.table) {
+    // An energy that is small beside its terms has large relative errors where nothing is wrong.
+    hopeless = std::max(1.0, problem.energy.terms / 100);
+    coarse_error_ = std::max(0.003 * hopeless, 10 * energy_rounding());
+  }
+
+  HardPlaces<State> places{};
+  double rate = 0;          ///< gradient calls a unit of time
+  double segment_time = 0;  ///< length of a stretch
+  double hopeless = 1;      ///< an error that a trial is given up at
+
+  /// Looks for the cheapest step that works at all. False: there is none, or the calls ended.
+  SEMIEXPLICIT_COLD bool find_step() {
+    const double before = problem_.limit;
+    problem_.limit =
+        std::min(problem_.options.max_gradients, std::max(1e5, 10 * problem_.options.min_gradients));
+    bool cut = false, climbing = false;
+    double dt = std::min(4 * table_.time_scale, table_.time);
+    for (int attempt = 0; attempt < 90 && !cut; ++attempt) {
+      setting_.dt = dt;
+      const Probe seen = try_on_windows(
+          problem_, setting_, {{problem_.z0, std::min(table_.time, 20 * dt), true}}, coarse_error_, true);
+      cut = seen.cut;
+      if (cut) break;
+      const bool better = seen.works() && (rate == 0 || seen.rate < rate);
+      if (better) rate = seen.rate, best_step_ = dt;
+      // A first step that works leaves room for larger ones; then on to smaller ones, as large ones take many evaluations.
+      if (attempt == 0 && seen.works()) climbing = true;
+      if (rate > 0 && !better) {
+        if (!climbing) break;
+        climbing = false;
+        dt = std::min(4 * table_.time_scale, table_.time);
+        if (best_step_ > dt) break;
+      }
+      dt = climbing ? dt * 1.4 : dt / 1.4;
+      if (climbing && dt > table_.time)
+        climbing = false, dt = std::min(4 * table_.time_scale, table_.time) / 1.4;
+    }
+    problem_.limit = before;
+    setting_.dt = best_step_;
+    if (rate == 0 && (cut || table_.spent_gradients + 1e4 > before)) table_.unfinished = 1e300;
+    return rate > 0;
+  }
+
+  /// The run proper, to the time `length` or until `calls` are spent. A segment that fails, or whose energy goes astray, is done
+  /// again with a smaller step. False where no step gets through a segment.
+  SEMIEXPLICIT_COLD bool follow(double length, double least_segment, double calls) {
+    const double affordable = calls / (watches_neighbour() ? 2 : 1) / rate;
+    // What a short run leaves over makes it more faithful.
+    setting_.dt /= std::clamp(affordable / table_.time, 1.0, 6.0);
+    length = std::min(length, affordable);
+    segment_time = std::max({length / 2000, 4 * setting_.dt, least_segment});
+    const double begin = table_.spent_gradients;
+    State z = problem_.z0;
+    neighbour_ = beside(z);
+    bool stuck = false;
+    // To find out whether anything goes on takes more calls than it is worth otherwise.
+    while (table_.pilot_time < length && !cut_ && segment_time / setting_.dt < 1e9 &&
+           table_.spent_gradients - begin < (stuck ? 8 : 2) * calls) {
+      const State start = z, neighbour = neighbour_;
+      stuck = !segment(z);
+      if (stuck) {
+        z = start, neighbour_ = neighbour;
+        setting_.dt /= 1.5;
+      } else {
+        problem_.meet(z);
+        note_parting(z);
+      }
+    }
+    if (stuck) {
+      if (cut_)
+        table_.unfinished = 1e300;
+      else
+        table_.orbit_end = farthest_;
+      return false;
+    }
+    if (places.all().empty()) places.add({problem_.z0, 0});
+    places.rank();
+    problem_.judge_growth_of_terms(table_.pilot_time);
+    judge_parting();
+    return true;
+  }
+
+ private:
+  double energy_rounding() const {
+    return static_cast<double>(Eigen::NumTraits<Scalar>::epsilon()) / 2 * problem_.energy.terms *
+               std::sqrt(table_.time / table_.time_scale) +
+           problem_.energy.noise;
+  }
+  bool watches_neighbour() const { return !problem_.options.observable.is_energy(); }
+
+  /// One stretch from z on.
+  SEMIEXPLICIT_COLD bool segment(State& z) {
+    const auto steps = static_cast<std::int64_t>(std::ceil(segment_time / setting_.dt));
+    Walker<Any> walker(problem_, setting_), beside_it(problem_, setting_);
+    const State start = z;
+    energy_.start(z);
+    Probe probe;
+    for (std::int64_t n = 0; n < steps; ++n) {
+      if (!walker.step(z, setting_.dt, probe, false)) {
+        cut_ = probe.cut;
+        return false;
+      }
+      energy_.add(z);
+      if (!(energy_.range() <= 3 * coarse_error_)) return false;
+      farthest_ = std::max(farthest_, table_.pilot_time + static_cast<double>(n + 1) * setting_.dt);
+      if (watches_neighbour() && !beside_it.step(neighbour_, setting_.dt, probe, false)) {
+        cut_ = probe.cut;
+        return false;
+      }
+    }
+    places.add({start, energy_.range()});
+    table_.pilot_time += static_cast<double>(steps) * setting_.dt;
+    return true;
+  }
+
+  /// A state near z.
+  State beside(const State& z) const {
+    State near = z;
+    std::uint64_t random = 3;
+    for (Eigen::Index i = 0; i < z.vector().size(); ++i) {
+      const Scalar size =
+          std::max(Scalar(norm(z.vector())) / Scalar(double(z.vector().size())), Scalar(1e-300));
+      near.vector()[i] += Scalar(beside_by * scattered(random)) * size;
+    }
+    return near;
+  }
+
+  SEMIEXPLICIT_COLD void note_parting(const State& z) {
+    if (!watches_neighbour()) return;
+    const double apart = static_cast<double>(norm(neighbour_.vector() - z.vector()));
+    if (apart_ == 0) apart_ = static_cast<double>(norm(beside(problem_.z0).vector() - problem_.z0.vector()));
+    const double log = parted_ + (apart > 0 ? std::log(apart / apart_) : 0);
+    parting_.emplace_back(table_.pilot_time, log);
+    if (!(apart > 0) || (apart < 100 * apart_ && apart > apart_ / 100)) return;
+    neighbour_.vector() = z.vector() + Scalar(apart_ / apart) * (neighbour_.vector() - z.vector());
+    parted_ = log;
+  }
+
+  /// Regular orbits part as t or t², by a factor of 16 at most in the last three quarters; chaotic ones as e^{rate t}.
+  SEMIEXPLICIT_COLD void judge_parting() {
+    if (parting_.size() < 8) return;
+    const auto at = [&](double part) {
+      for (const auto& [t, log] : parting_)
+        if (t >= part * table_.pilot_time) return log;
+      return parting_.back().second;
+    };
+    const double early = at(0.25), middle = at(0.5), last = at(1);
+    if (!(last - early > 6 && last - middle > 2)) return;
+    table_.parting_rate = (last - early) / (0.75 * table_.pilot_time);
+    const double epsilon = static_cast<double>(Eigen::NumTraits<Scalar>::epsilon());
+    table_.horizon = std::log(1 / epsilon) / table_.parting_rate;
+  }
+
+  static constexpr double beside_by = 1e-6;
+
+  Problem<Any>& problem_;
+  Range<Any> energy_;
+  CostTable& table_;
+  Setting setting_{.scheme = "low_defect4_s7", .rule = StoppingRule::product(1e-8)};
+  double best_step_ = 0, coarse_error_ = 0.003, farthest_ = 0;
+  bool cut_ = false;
+  State neighbour_{};
+  double apart_ = 0, parted_ = 0;
+  std::vector<std::pair<double, double>> parting_{};  ///< time, logarithm of how far the neighbour has parted
+};
+
+}  // namespace semiexplicit::detail

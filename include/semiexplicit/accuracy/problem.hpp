@@ -1,0 +1,181 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <stdexcept>
+#include <vector>
+
+#include <semiexplicit/accuracy/any_hamiltonian.hpp>
+#include <semiexplicit/accuracy/cost_options.hpp>
+#include <semiexplicit/accuracy/right_gradient.hpp>
+#include <semiexplicit/core/cold.hpp>
+
+namespace semiexplicit::detail {
+
+/// What the parts of the search share: the Hamiltonian, where it starts, what is measured and in which unit, and the table that
+/// is being made.
+template <class Any>
+class Problem {
+ public:
+  using Scalar = typename Any::Scalar;
+  using State = typename Any::State;
+  using Options = CostOptionsOf<Scalar, Eigen::Dynamic>;
+  using Value = Vector<Scalar, Eigen::Dynamic>;
+
+  /// Throws std::invalid_argument for a start or a gradient that is wrong.
+  SEMIEXPLICIT_COLD Problem(const Any& h, const State& z, double T, const Options& asked)
+      : hamiltonian(h), z0(z), options(asked), limit(asked.max_gradients) {
+    table.targets = options.targets;
+    table.by = options.by;
+    table.time = T;
+    find_time_scale();
+    check_gradient_and_energy();
+    if (!options.observable.is_energy()) measure_first();
+    table.rounding = rounding(table.time_scale);
+  }
+
+  /// The observable at z.
+  void measure(const State& z, Value& value, bool of_energy = false) const {
+    if (of_energy || options.observable.is_energy()) {
+      value.resize(1);
+      value[0] = hamiltonian.energy(z.q(), z.p());
+    } else {
+      value = options.observable(z);
+    }
+  }
+  Value measured(const State& z) const {
+    Value value;
+    measure(z, value);
+    return value;
+  }
+
+  /// What rounding adds to the error of an invariant over the whole time: that of the states, which differ from the exact
+  /// ones by an epsilon where the gradient is taken, step after step, and the noise of the observable.
+  double rounding(double dt) const {
+    const double epsilon = static_cast<double>(Eigen::NumTraits<Scalar>::epsilon());
+    return epsilon / 2 * judged.terms * std::sqrt(table.time / dt) + judged.noise;
+  }
+
+  /// Notes the size of the observable's terms at a later state of the orbit.
+  void meet(const State& z) { met_.push_back(terms_at(z)); }
+
+  /// Terms that grow along the way, to the time t, as where a coordinate winds or drifts, go on to grow.
+  SEMIEXPLICIT_COLD void judge_growth_of_terms(double t) {
+    if (met_.size() < 8) return;
+    const auto median = [](std::vector<double> some) {
+      const auto middle = some.begin() + static_cast<std::ptrdiff_t>(some.size() / 2);
+      std::nth_element(some.begin(), middle, some.end());
+      return *middle;
+    };
+    const auto quarter = static_cast<std::ptrdiff_t>(met_.size() / 4);
+    const double first = median({met_.begin(), met_.begin() + quarter}),
+                 last = median({met_.end() - quarter, met_.end()});
+    const double later =
+        last > 2 * first ? last * std::max(1.0, table.time / t) / std::sqrt(3.0) : std::max(first, last);
+    if (later > judged.terms && std::isfinite(later)) judged.terms = later;
+    table.rounding = std::max(table.rounding, rounding(table.time_scale));
+  }
+
+  /// One more gradient call, or several.
+  void spend(double calls) { table.spent_gradients += calls; }
+  double left() const { return limit - table.spent_gradients; }
+
+  Any hamiltonian;
+  State z0;
+  Options options;
+  CostTable table{};
+  /// How a quantity is judged.
+  struct Judged {
+    double unit = 1, terms = 1, noise = 0;  ///< size of its terms, and its noise, in its unit
+  };
+  Judged energy{}, judged{};  ///< the energy, and the observable
+  double limit;               ///< on gradient calls, at present
+
+ private:
+  /// ‖X‖/‖dX/dt‖ at z0, by an explicit Euler step that is just long enough to change X visibly. (‖z‖/‖X‖ says nothing near
+  /// the origin, or far from it.)
+  SEMIEXPLICIT_COLD void find_time_scale() {
+    const State velocity = velocity_at(z0);
+    const double speed = static_cast<double>(norm(velocity.vector()));
+    if (!std::isfinite(speed))
+      throw std::invalid_argument(
+          "cost_of_accuracy: the gradient at z0 is NaN or Inf; give another initial state");
+    if (speed == 0)
+      throw std::invalid_argument(
+          "cost_of_accuracy: nothing moves at z0, the gradient is zero; give another state");
+    const double visible = 1e3 * std::sqrt(static_cast<double>(Eigen::NumTraits<Scalar>::epsilon()));
+    table.time_scale = table.time;
+    double h = std::min(table.time, visible * static_cast<double>(norm(z0.vector())) / speed);
+    if (!(h > 0)) h = visible * table.time * 1e-3;
+    try {
+      for (; h < table.time; h *= 10) {
+        State moved = z0;
+        moved.vector() += Scalar(h) * velocity.vector();
+        const double change = static_cast<double>(norm(velocity_at(moved).vector() - velocity.vector()));
+        if (!(change > visible * speed)) continue;
+        if (std::isfinite(change)) table.time_scale = std::min(table.time, h * speed / change);
+        break;
+      }
+    } catch (const std::exception&) {
+      table.time_scale = h;  // outside of the domain
+    }
+  }
+
+  SEMIEXPLICIT_COLD State velocity_at(const State& z) {
+    State velocity(z.dof());
+    Vector<Scalar, Eigen::Dynamic> gq = z.q(), gp = z.p();
+    hamiltonian.gradient(z.q(), z.p(), gq, gp);
+    spend(1);
+    velocity.q() = gp, velocity.p() = -gq;
+    return velocity;
+  }
+
+  SEMIEXPLICIT_COLD void check_gradient_and_energy() {
+    const Scalar first = hamiltonian.energy(z0.q(), z0.p());
+    using std::isfinite;
+    if (!isfinite(first))
+      throw std::invalid_argument(
+          "cost_of_accuracy: the energy at z0 is NaN or Inf; give another initial state");
+    const auto reference = reference_size(
+        [this](const auto& q, const auto& p) { return Scalar(hamiltonian.energy(q, p)); }, first, z0);
+    const Scalar noise = require_right_gradient("cost_of_accuracy", hamiltonian, z0, velocity_at(z0),
+                                                table.time_scale, table.spent_gradients);
+    energy = judge(reference, options.absolute && options.observable.is_energy());
+    if (isfinite(noise))
+      energy.noise = 4 * static_cast<double>(noise) / energy.unit;  // a level, and the largest counts
+    judged = energy;
+  }
+
+  SEMIEXPLICIT_COLD void measure_first() {
+    const Value first = measured(z0);
+    if (first.size() == 0 || !first.allFinite())
+      throw std::invalid_argument(
+          "cost_of_accuracy: options.observable is empty, NaN or Inf at z0; give a function that is finite");
+    judged = judge(size_of_observable(z0), options.absolute);
+  }
+
+  SEMIEXPLICIT_COLD Judged judge(const ReferenceSize<Scalar>& reference, bool absolute) {
+    table.relative = reference.relative && !absolute;
+    table.unit = absolute ? 1 : static_cast<double>(reference.size);
+    const double terms = static_cast<double>(reference.terms) / table.unit;
+    return {.unit = table.unit, .terms = absolute ? terms : std::max(1.0, terms)};
+  }
+
+  /// The same for ‖f‖ as for a number.
+  SEMIEXPLICIT_COLD ReferenceSize<Scalar> size_of_observable(const State& z) const {
+    const auto size = [this](const auto& q, const auto& p) {
+      State at(q.size());
+      at.q() = q, at.p() = p;
+      return Scalar(norm(measured(at)));
+    };
+    return reference_size(size, Scalar(norm(measured(z))), z);
+  }
+  double terms_at(const State& z) const {
+    return static_cast<double>(size_of_observable(z).terms) / table.unit;
+  }
+
+  std::vector<double> met_{};
+};
+
+}  // namespace semiexplicit::detail

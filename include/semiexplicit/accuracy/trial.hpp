@@ -1,0 +1,185 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include <semiexplicit/accuracy/problem.hpp>
+#include <semiexplicit/core/cold.hpp>
+
+namespace semiexplicit::detail {
+
+/// A stretch of the run that settings are tried on.
+template <class State>
+struct Window {
+  State start;
+  double length;  ///< in time
+  bool typical;   ///< chosen without regard to how hard it is, so that its cost counts for the whole run
+};
+
+/// What a setting did in a trial.
+struct Probe {
+  Status status = Status::success;
+  double range = 0;   ///< of an invariant: the largest of all windows, in its unit
+  double spread = 1;  ///< how much the ranges differ among the hard windows, as a factor
+  double early = 0,
+         late = 0;         ///< of any other: largest error in the first half of the trial, and in the second
+  double length = 0;       ///< of that trial
+  double rate = 0;         ///< gradient calls a unit of time, in typical windows
+  double evaluations = 0;  ///< a step, likewise
+  double drift = 0;        ///< relative error a unit of time that unfinished solves may add up to
+  double trend = 0;  ///< of an invariant: by how much a unit of time its range was seen to grow from z0 on
+  bool confirmed = false;  ///< on more of the run than the others
+  bool cut = false;        ///< the calls ended before the trial
+  bool works() const { return status == Status::success && !cut; }
+};
+
+/// Steps a setting and counts.
+template <class Any>
+class Walker {
+ public:
+  using Scalar = typename Any::Scalar;
+  using State = typename Any::State;
+
+  SEMIEXPLICIT_COLD Walker(Problem<Any>& problem, const Setting& setting)
+      : problem_(problem), setting_(setting), stepper_(problem.hamiltonian.stepper(setting)) {}
+
+  /// One step; `counts`: among what the run is expected to cost. False: it failed, or the calls may not suffice.
+  bool step(State& z, double dt, Probe& probe, bool counts) {
+    if (static_cast<double>(stepper_.max_gradients()) > problem_.left()) {
+      probe.cut = true;
+      return false;
+    }
+    const StepReport report = stepper_.step(z, Scalar(dt));
+    problem_.spend(static_cast<double>(report.gradients));
+    if (!report.ok()) {
+      probe.status = report.status;
+      return false;
+    }
+    if (setting_.method == Setting::Method::semiexplicit || setting_.method == Setting::Method::midpoint)
+      drift_ += unfinished(report, z);
+    all_time_ += dt;
+    if (counts) {
+      calls_ += report.gradients;
+      evaluations_ += report.evaluations;
+      time_ += dt;
+      ++steps_;
+    }
+    return true;
+  }
+
+  void finish(Probe& probe) const {
+    if (all_time_ > 0) probe.drift = drift_ / all_time_;
+    if (steps_ == 0) return;
+    probe.rate = static_cast<double>(calls_) / time_;
+    probe.evaluations = static_cast<double>(evaluations_) / static_cast<double>(steps_);
+  }
+
+ private:
+  /// What the step's unfinished solve may add to the error of the invariants, e (‖m‖ + e)/‖z‖²: see StoppingRule::product.
+  static double unfinished(const StepReport& report, const State& z) {
+    const double e = report.correction, size = static_cast<double>(norm(z.vector()));
+    const double m = report.evaluations > 1 && report.rate > 0 ? e / report.rate : 0;
+    return size > 0 ? (e / size) * ((m + e) / size) : 0;
+  }
+
+  Problem<Any>& problem_;
+  Setting setting_;
+  AnyStepper<Scalar> stepper_;
+  double drift_ = 0, all_time_ = 0, time_ = 0;
+  std::int64_t calls_ = 0, evaluations_ = 0, steps_ = 0;
+};
+
+/// Follows an invariant along steps, the observable or the energy: how far apart its values are.
+template <class Any>
+class Range {
+ public:
+  using Value = typename Problem<Any>::Value;
+  Range(const Problem<Any>& problem, bool of_energy) : problem_(problem), of_energy_(of_energy) {}
+
+  void start(const typename Any::State& z) {
+    problem_.measure(z, low_, of_energy_);
+    high_ = low_;
+  }
+  /// NaN makes the range NaN for good.
+  void add(const typename Any::State& z) {
+    problem_.measure(z, now_, of_energy_);
+    for (Eigen::Index i = 0; i < now_.size(); ++i) {
+      if (!(now_[i] >= low_[i]) && low_[i] == low_[i]) low_[i] = now_[i];
+      if (!(now_[i] <= high_[i]) && high_[i] == high_[i]) high_[i] = now_[i];
+    }
+  }
+  double range() const {
+    return static_cast<double>(norm(high_ - low_)) / (of_energy_ ? problem_.energy : problem_.judged).unit;
+  }
+
+ private:
+  const Problem<Any>& problem_;
+  bool of_energy_;
+  Value low_{}, high_{}, now_{};
+};
+
+/// Tries a setting on windows, for the observable where that is an invariant, or the energy. Gives up at the first step that fails, or when the error exceeds `hopeless`.
+template <class Any>
+SEMIEXPLICIT_COLD Probe try_on_windows(Problem<Any>& problem, const Setting& setting,
+                                       const std::vector<Window<typename Any::State>>& windows,
+                                       double hopeless, bool of_energy) {
+  Probe result;
+  Walker<Any> walker(problem, setting);
+  Range<Any> invariant(problem, of_energy);
+  std::vector<double> hard;
+  for (const auto& window : windows) {
+    auto z = window.start;
+    invariant.start(z);
+    double half = 0;
+    // Gauss's first step has nothing to extrapolate from: it is not counted.
+    const auto steps = std::max<std::int64_t>(4, static_cast<std::int64_t>(window.length / setting.dt) + 1);
+    for (std::int64_t n = 0; n < steps; ++n) {
+      if (!walker.step(z, setting.dt, result, n > 0 && window.typical)) return result;
+      invariant.add(z);
+      if (2 * n < steps) half = invariant.range();
+    }
+    if (&window == &windows.front() && invariant.range() > 1.25 * half)
+      result.trend = (invariant.range() - half) * 2 / window.length;
+    if (!window.typical) hard.push_back(invariant.range());
+    if (!(invariant.range() <= result.range)) result.range = invariant.range();
+    if (!(result.range <= hopeless)) {
+      result.status = Status::not_finite;
+      return result;
+    }
+  }
+  if (!hard.empty()) {
+    std::nth_element(hard.begin(), hard.begin() + static_cast<std::ptrdiff_t>(hard.size() / 2), hard.end());
+    const double median = hard[hard.size() / 2];
+    if (median > 0) result.spread = std::clamp(std::sqrt(result.range / median), 1.0, 3.0);
+  }
+  walker.finish(result);
+  return result;
+}
+
+/// The observable along a run with a setting from z0, at the given rising times. Between the steps' ends it is found by
+/// shorter steps of the same method, which leave the run alone. Fewer values than times: a step failed.
+template <class Any>
+SEMIEXPLICIT_COLD std::vector<typename Problem<Any>::Value> values_along(Problem<Any>& problem,
+                                                                         const Setting& setting,
+                                                                         const std::vector<double>& times,
+                                                                         Probe& probe) {
+  std::vector<typename Problem<Any>::Value> values;
+  Walker<Any> walker(problem, setting), between(problem, setting);
+  auto z = problem.z0;
+  for (std::int64_t n = 0; values.size() < times.size(); ++n) {
+    const double t = static_cast<double>(n) * setting.dt;
+    while (values.size() < times.size() && times[values.size()] <= t + setting.dt) {
+      const double part = times[values.size()] - t;
+      auto at = z;
+      if (part > 0 && !between.step(at, part, probe, false)) return values;
+      values.push_back(problem.measured(at));
+    }
+    if (values.size() < times.size() && !walker.step(z, setting.dt, probe, n > 0)) return values;
+  }
+  walker.finish(probe);
+  return values;
+}
+
+}  // namespace semiexplicit::detail

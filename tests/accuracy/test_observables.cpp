@@ -1,0 +1,223 @@
+// What accuracy costs for something else than the energy. Advice is judged against runs with a far smaller step.
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <semiexplicit/accuracy.hpp>
+#include <semiexplicit/observers/every.hpp>
+#include <semiexplicit/systems/nls_lattice.hpp>
+#include <semiexplicit/systems/product.hpp>
+#include <semiexplicit/systems/vortices.hpp>
+
+#include "catch.hpp"
+
+namespace test_observables {
+
+using namespace semiexplicit;
+
+namespace {
+
+/// p²/2 - 1/r: separable.
+struct Kepler {
+  using Scalar = double;
+  static constexpr int Dof = 2;
+  static constexpr bool separable = true;
+  using SeparableGradientOf = Kepler;
+  double energy(In<double, 2> q, In<double, 2> p) const { return p.squaredNorm() / 2 - 1 / q.norm(); }
+  void position_gradient(In<double, 2> q, Out<double, 2> half) const { half = q / std::pow(q.norm(), 3); }
+  void momentum_gradient(In<double, 2> p, Out<double, 2> half) const { half = p; }
+  void gradient(In<double, 2> q, In<double, 2> p, Out<double, 2> dHdq, Out<double, 2> dHdp) const {
+    position_gradient(q, dHdq);
+    momentum_gradient(p, dHdp);
+  }
+};
+const PhasePoint<double, 2> planet({0.5, 0}, {0, std::sqrt(3.0)});  // eccentricity 1/2, period 2 pi
+
+/// Two rods of unit length with unit masses at their ends: chaotic at this height.
+struct DoublePendulum {
+  using Scalar = double;
+  static constexpr int Dof = 2;
+  double energy(In<double, 2> q, In<double, 2> p) const {
+    const double c = std::cos(q[0] - q[1]), n = 2 - c * c;
+    return (p[0] * p[0] + 2 * p[1] * p[1] - 2 * p[0] * p[1] * c) / (2 * n) - 2 * std::cos(q[0]) -
+           std::cos(q[1]);
+  }
+  void gradient(In<double, 2> q, In<double, 2> p, Out<double, 2> dHdq, Out<double, 2> dHdp) const {
+    const double c = std::cos(q[0] - q[1]), s = std::sin(q[0] - q[1]), n = 2 - c * c;
+    const double top = p[0] * p[0] + 2 * p[1] * p[1] - 2 * p[0] * p[1] * c;
+    const double turn = p[0] * p[1] * s / n - top * c * s / (n * n);
+    dHdq << turn + 2 * std::sin(q[0]), -turn + std::sin(q[1]);
+    dHdp << (p[0] - p[1] * c) / n, (2 * p[1] - p[0] * c) / n;
+  }
+};
+
+/// The observable at `samples` equally spaced times of a run with a setting, whose step is made to fit.
+template <class H, class F>
+std::vector<Eigen::VectorXd> along(const H& h, PhasePoint<double, H::Dof> z, double T, Setting setting,
+                                   int samples, const F& f) {
+  std::vector<Eigen::VectorXd> values;
+  const double steps = std::ceil(T / samples / setting.dt);
+  setting.dt = T / samples / steps;
+  run(h, z, T, setting, every(static_cast<std::int64_t>(steps), [&](double, const auto& now) {
+        values.push_back(Eigen::VectorXd(f(now)));
+      }));
+  return values;
+}
+
+/// Runs the advice for a target, and compares it with a tight run.
+template <class H, class F>
+void check_advice(const H& h, const PhasePoint<double, H::Dof>& z0, double T, double target, double tight,
+                  const CostOptionsOf<double, H::Dof>& options, const F& f) {
+  const auto cost = cost_of_accuracy(h, z0, T, options);
+  const auto advice = cost.cheapest(target);
+  INFO(static_cast<const CostTable&>(cost));
+  REQUIRE(advice);
+  CHECK_FALSE(cost.invariant);
+  CHECK(cost.reference_error < target);
+  const Setting reference{.method = Setting::Method::gauss, .stages = 8, .dt = tight};
+  const auto exact = along(h, z0, T, reference, 50, f), found = along(h, z0, T, advice->setting, 50, f);
+  REQUIRE(exact.size() == found.size());
+  double error = 0, size = 0;
+  for (std::size_t i = 0; i < exact.size(); ++i) {
+    error = std::max(error, (found[i] - exact[i]).norm());
+    size = std::max(size, exact[i].norm());
+  }
+  CHECK(error / size <= 3 * target);
+  // Half the accuracy for nothing: the advice is not much better than asked for, either.
+  CHECK(error / size >= target / 100);
+}
+
+Eigen::VectorXd all(const auto& z) { return z.vector(); }
+
+}  // namespace
+
+TEST_CASE("advice on the position of a planet over a hundred orbits is right, and takes explicit splitting") {
+  check_advice(Kepler(), planet, 628, 1e-5, 0.02, {.observable = observables::Positions{}, .targets = {1e-5}},
+               [](const auto& z) { return z.q(); });
+  const auto cost =
+      cost_of_accuracy(Kepler(), planet, 628.0, {.observable = observables::Positions{}, .targets = {1e-5}});
+  CHECK(cost.cheapest(1e-5)->setting.method == Setting::Method::splitting);
+  CHECK(cost.cheapest(1e-5)->limit == LimitedBy::growth);
+}
+
+TEST_CASE("advice on a trajectory whose phase error grows over ten times the trials is right") {
+  check_advice(systems::Product<double>(), PhasePoint<double, 1>(-3, 0), 300, 1e-5, 0.02,
+               {.observable = observables::Trajectory{}, .targets = {1e-5}},
+               [](const auto& z) { return all(z); });
+}
+
+TEST_CASE("advice on the paths of vortices is right") {
+  const systems::PointVortices<double, 4> vortices(Eigen::Vector4d(1, -0.5, 0.7, 0.4));
+  const auto z0 = vortices.phase_point(Eigen::Vector4d(0, 1, 5, 5), Eigen::Vector4d(0, 0, 0, 1));
+  check_advice(vortices, z0, 500, 1e-6, 0.25, {.observable = observables::Trajectory{}, .targets = {1e-6}},
+               [](const auto& z) { return all(z); });
+}
+
+TEST_CASE(
+    "the trajectory of a chaotic system is refused with the rate at which orbits part, its energy is not") {
+  const PhasePoint<double, 2> z0({1.8, 2.2}, {0, 0});
+  const auto path = cost_of_accuracy(DoublePendulum(), z0, 1000.0,
+                                     {.observable = observables::Trajectory{}, .targets = {1e-4}});
+  CHECK_FALSE(path.cheapest(1e-4));
+  CHECK(path.reach(1e-4) == Reach::orbits_part);
+  CHECK(path.parting_rate > 0.1);
+  CHECK(path.horizon < 300);
+  CHECK(path.why(1e-4).find("nothing of the trajectory is left") != std::string::npos);
+  CHECK(cost_of_accuracy(DoublePendulum(), z0, 1000.0, {.targets = {1e-4}}).cheapest(1e-4));
+}
+
+TEST_CASE("an observable is a lambda of any arguments, its result a number or a column") {
+  const systems::Product<double> product;
+  const PhasePoint<double, 1> z0(-3, 0);
+  const auto advised = [&](const auto& cost) {
+    const auto advice = cost.cheapest(1e-4);
+    REQUIRE(advice);
+    PhasePoint<double, 1> z = z0;
+    CHECK(cost.run(z, *advice).ok());
+    return advice->setting.dt;
+  };
+  const double dt = advised(
+      cost_of_accuracy(product, z0, 10, {.observable = observables::Coordinate{0}, .targets = {1e-4}}));
+  const auto generic = [](const auto& q, const auto&) { return q[0]; };
+  CHECK(advised(cost_of_accuracy(product, z0, 10, {.observable = generic, .targets = {1e-4}})) == dt);
+  const auto typed = [](In<double, 1> q, In<double, 1>) { return q[0]; };
+  CHECK(advised(cost_of_accuracy(product, z0, 10, {.observable = typed, .targets = {1e-4}})) == dt);
+  const auto column = [](const auto& q, const auto&) { return Eigen::VectorXd(q); };
+  CHECK(advised(cost_of_accuracy(product, z0, 10, {.observable = column, .targets = {1e-4}})) == dt);
+  CostOptions kept{.targets = {1e-4}};
+  kept.observable = generic;
+  CHECK(advised(cost_of_accuracy(product, z0, 10, kept)) == dt);
+  CHECK_THROWS_AS(cost_of_accuracy(product, z0, 10, {.observable = observables::Coordinate{2}}),
+                  std::out_of_range);
+}
+
+TEST_CASE(
+    "an observable that the motion keeps is judged as an invariant, by the distance from its first value") {
+  const systems::NlsLattice<double, 5> lattice;
+  const PhasePoint<double, 5> z0({3, 0.01, 0.01, 0.01, 0.01}, {1, 0, 0, 0, 0});
+  const auto cost = cost_of_accuracy(
+      lattice, z0, 20,
+      {.observable = [&](const auto& q, const auto& p) { return lattice.energy(q, p); }, .targets = {1e-6}});
+  CHECK(cost.invariant);
+  CHECK(cost.unit == Approx(std::abs(lattice.energy(z0.q(), z0.p()))));
+  CHECK(cost.reach(1e-6) == Reach::met);
+}
+
+TEST_CASE("errors are relative to the largest value of the observable, or absolute by request") {
+  const systems::Product<double> product;
+  const PhasePoint<double, 1> z0(-3, 0);
+  const auto one = [](const auto& q, const auto&) { return q[0]; };
+  const auto hundred = [](const auto& q, const auto&) { return 100 * q[0]; };
+  const auto calls = [&](const auto& cost) { return cost.cheapest(1e-3)->gradients; };
+  CHECK(calls(cost_of_accuracy(product, z0, 20, {.observable = hundred, .targets = {1e-3}})) ==
+        Approx(calls(cost_of_accuracy(product, z0, 20, {.observable = one, .targets = {1e-3}}))));
+  CHECK(
+      calls(cost_of_accuracy(product, z0, 20, {.observable = hundred, .targets = {1e-3}, .absolute = true})) >
+      calls(cost_of_accuracy(product, z0, 20, {.observable = one, .targets = {1e-3}, .absolute = true})));
+}
+
+TEST_CASE("a search for an observable keeps its bound on gradient calls") {
+  for (const double bound : {1e3, 1e4, 1e5, 1e6}) {
+    const auto cost = cost_of_accuracy(
+        systems::Product<double>(), PhasePoint<double, 1>(-3, 0), 1e6,
+        {.observable = observables::Trajectory{}, .targets = {1e-4, 1e-9}, .max_gradients = bound});
+    CHECK(cost.spent_gradients <= bound);
+    std::ostringstream text;
+    text << static_cast<const CostTable&>(cost);
+    CHECK(text.str().find("Spent: ") != std::string::npos);
+  }
+}
+
+TEST_CASE("a coordinate that winds for long takes the tight targets of the energy away") {
+  const auto rotor = make_hamiltonian<double, 1>(
+      [](const auto& q, const auto& p) {
+        return p[0] * p[0] / 2 * (1 + 0.3 * std::cos(q[0])) + 1 - std::cos(q[0]);
+      },
+      [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+        dHdq[0] = -0.15 * p[0] * p[0] * std::sin(q[0]) + std::sin(q[0]);
+        dHdp[0] = p[0] * (1 + 0.3 * std::cos(q[0]));
+      });
+  const auto cost = cost_of_accuracy(rotor, PhasePoint<double, 1>(0, 3), 1e6, {.targets = {1e-6, 1e-10}});
+  CHECK(cost.reach(1e-6) == Reach::met);
+  CHECK(cost.reach(1e-10) == Reach::rounding);
+}
+
+TEST_CASE("a start near the origin says nothing of the time scale") {
+  const auto pendulum = make_hamiltonian<double, 1>(
+      [](const auto& q, const auto& p) {
+        return p[0] * p[0] / 2 * (1 + 0.1 * q[0] * q[0]) + 1 - std::cos(q[0]) - 0.5 * q[0];
+      },
+      [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+        dHdq[0] = 0.1 * p[0] * p[0] * q[0] + std::sin(q[0]) - 0.5;
+        dHdp[0] = p[0] * (1 + 0.1 * q[0] * q[0]);
+      });
+  const auto cost =
+      cost_of_accuracy(pendulum, PhasePoint<double, 1>(1e-9, 0), 100, {.targets = {1e-6}, .absolute = true});
+  CHECK(cost.time_scale > 0.1);
+  CHECK(cost.reach(1e-6) == Reach::met);
+}
+
+}  // namespace test_observables

@@ -6,7 +6,8 @@ using namespace semiexplicit;
 
 int main() {
   // H = (q² + 1)(p² + 1)/2: not a sum of a function of p and a function of q
-  const auto H = from_energy<1>([](const auto& q, const auto& p) { return (q[0] * q[0] + 1) * (p[0] * p[0] + 1) / 2; });
+  const auto H =
+      from_energy<1>([](const auto& q, const auto& p) { return (q[0] * q[0] + 1) * (p[0] * p[0] + 1) / 2; });
 
   Semiexplicit stepper(H, schemes::low_defect6_s13<double>());
   PhasePoint<double, 1> z(-3, 0);

@@ -123,7 +123,7 @@ struct CostTable {
   }
 
   /// The cheapest setting whose error is expected to stay below `target`, or nothing where none was found: `best()` says
-  /// how near one comes. Between two trials of a scheme the step is interpolated.
+  /// how near one comes. Where two trials of a scheme lie far apart the step between them is interpolated.
   SEMIEXPLICIT_COLD std::optional<CostRow> cheapest(double target) const {
     if (!(target > 0))
       throw std::invalid_argument("CostTable::cheapest: target is not a positive error; give one");
@@ -135,7 +135,7 @@ struct CostTable {
     for (const CostRow& row : rows) offer(row);
     for (std::size_t i = 1; i < rows.size(); ++i)
       if (rows[i - 1].setting.name() == rows[i].setting.name() && rows[i - 1].works() && rows[i].works() &&
-          rows[i - 1].error > target && rows[i].error < target &&
+          rows[i - 1].error > target && rows[i].error < target / 2.5 &&
           rows[i - 1].setting.dt > 1.25 * rows[i].setting.dt)
         offer(between(rows[i - 1], rows[i], target));
     return found;

@@ -170,6 +170,9 @@ TEST_CASE("An observer hears of every member at the times asked for") {
   ensemble.run({.dt = 0.01, .steps = 25, .every = 10, .threads = 3, .t0 = 7},
                [&](Eigen::Index member, double t, const auto&) { times[std::size_t(member)].push_back(t); });
   for (const auto& heard : times) CHECK(heard == std::vector<double>{7, 7 + 10 * 0.01, 7 + 20 * 0.01});
+  int calls = 0;  // without .every at each step
+  ensemble.run({.dt = 0.01, .steps = 5, .threads = 1}, [&](Eigen::Index, double, const auto&) { ++calls; });
+  CHECK(calls == 37 * 6);
 }
 
 TEST_CASE("An exception of the observer comes out when the others are done") {

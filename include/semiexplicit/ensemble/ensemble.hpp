@@ -111,7 +111,8 @@ class Ensemble {
     all.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return all;
   }
-  EnsembleReport run(const EnsembleOptions& options) {
+  EnsembleReport run(EnsembleOptions options) {
+    options.every = 0;
     return run(options, [](Eigen::Index, double, const State&) {});
   }
 

@@ -13,7 +13,7 @@ namespace semiexplicit {
 struct EnsembleOptions {
   double dt = 0;           ///< the step; negative goes back in time
   std::int64_t steps = 0;  ///< how many
-  std::int64_t every = 0;  ///< the observer hears of the start and of every so many steps; 0: of none
+  std::int64_t every = 1;  ///< the observer hears of the start and of every so many steps; 0: of none
   int threads = 0;         ///< 0: what OpenMP takes. Without OpenMP there is one, whatever this says
   double t0 = 0;           ///< time of the states
 };

@@ -121,7 +121,8 @@ Solved broyden(const Map& map, double dt, const Blocks& zeta, double epsilon) {
       inverse += ((step - inverse_df) / step.dot(inverse_df) * (step.transpose() * inverse)).eval();
     }
     step = -inverse * f;
-    if (step.norm() < epsilon) return {ahead, evaluations, step.norm()};
+    const double correction = std::max(step.norm(), f.norm() / 4);  // the updates may cancel what f still has
+    if (correction < epsilon) return {ahead, evaluations, correction};
     mu += step;
     before = f;
   }

@@ -194,10 +194,17 @@ class EnergyHamiltonian {
         memory.values = true;
         return false;
       };
-      // Derivatives of duals have their inputs where the outputs come to lie.
-      const bool direct = std::is_same_v<T, Scalar> && std::is_floating_point_v<Scalar> && !memory.values;
-      if (!once(direct) && !once(direct && !memory.values)) once(false);
-      memory.values = tape.values_used;
+      const auto record = [&] {
+        // Derivatives of duals have their inputs where the outputs come to lie.
+        const bool direct = std::is_same_v<T, Scalar> && std::is_floating_point_v<Scalar> && !memory.values;
+        if (!once(direct) && !once(direct && !memory.values)) once(false);
+      };
+      record();
+      if (memory.values != tape.values_used) {
+        // The two ways round differently, and a gradient must not depend on those before it: a run that is resumed.
+        memory.values = tape.values_used;
+        record();
+      }
       tape.write();
     });
   }

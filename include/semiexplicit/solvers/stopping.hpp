@@ -98,10 +98,10 @@ class Convergence {
       report_.status = Status::rounding_limited;  // m moves no digit of the copies: e would halve for ever
     else if (
         !first && e <= accurate_ && e <= residual.rounding_level() &&
-        e <= 8 * best_ &&  // not after a correction that was worse than rounding
-        ((e >= previous && residual.within_rounding(100)) ||
+        // Not after a correction that was worse than rounding, unless that goes on.
+        ((e >= previous && residual.within_rounding(100) && (e <= 8 * best_ || stalled_ >= patience)) ||
          // The rounding of a large entry, carried to others by the kicks; an iteration that diverges has grown by then.
-         stalled_ >= patience))
+         (stalled_ >= patience && e <= 8 * best_)))
       report_.status = Status::rounding_limited;
     else {
       // Copies that diverge have a rounding level above the state itself; the first sweep's is believed.

@@ -1,11 +1,15 @@
-# cmake -D PROGRAM=<path> [-D FENCE=cpp] [-D WRITE=ON] -P page_shows.cmake: a page of this folder links to the program, by its path
-# relative to the page, and the next block of code shows the file word for word. With WRITE=ON the block is replaced by the file.
+# cmake -D PROGRAM=<path> [-D FOLDER=<of the pages>] [-D FENCE=cpp] [-D WRITE=ON] -P page_shows.cmake: a page of the folder, or of
+# this one, links to the program, by its path relative to the page, and the next block of code shows the file word for word.
+# With WRITE=ON the block is replaced by the file.
 cmake_minimum_required(VERSION 3.22)
 if(NOT FENCE)
   set(FENCE cpp)
 endif()
-file(READ "${CMAKE_CURRENT_LIST_DIR}/${PROGRAM}" program)
-file(GLOB pages "${CMAKE_CURRENT_LIST_DIR}/*.md")
+if(NOT FOLDER)
+  set(FOLDER ${CMAKE_CURRENT_LIST_DIR})
+endif()
+file(READ "${FOLDER}/${PROGRAM}" program)
+file(GLOB pages "${FOLDER}/*.md")
 
 # In one line after the other: where a piece of text begins behind a position, or -1.
 function(find_behind text piece position result)
@@ -41,6 +45,6 @@ foreach(page IN LISTS pages)
     return()
   endif()
   message(FATAL_ERROR "${page} shows ${PROGRAM} as it was. To put the file into the page: "
-    "cmake -D PROGRAM=${PROGRAM} -D FENCE=${FENCE} -D WRITE=ON -P ${CMAKE_CURRENT_LIST_FILE}")
+    "cmake -D PROGRAM=${PROGRAM} -D FOLDER=${FOLDER} -D FENCE=${FENCE} -D WRITE=ON -P ${CMAKE_CURRENT_LIST_FILE}")
 endforeach()
 message(FATAL_ERROR "No page shows ${PROGRAM}: one needs a link to it, [`${PROGRAM}`](${PROGRAM}), and below it a block ```${FENCE}.")

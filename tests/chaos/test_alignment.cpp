@@ -8,6 +8,7 @@
 #include <semiexplicit/semiexplicit.hpp>
 
 #include "folder.hpp"
+#include "henon_heiles.hpp"
 #include "refusal.hpp"
 
 namespace test_alignment {
@@ -18,27 +19,15 @@ namespace {
 
 using namespace semiexplicit;
 
-/// H = (p² + q²)/2 + x²y - y³/3 (Hénon and Heiles, Astron. J. 69 (1964) 73).
-struct HenonHeiles {
-  using Scalar = double;
-  static constexpr int Dof = 2;
-  void gradient(In<double, 2> q, In<double, 2> p, Out<double, 2> dHdq, Out<double, 2> dHdp) const {
-    dHdq[0] = q[0] + 2 * q[0] * q[1];
-    dHdq[1] = q[1] + q[0] * q[0] - q[1] * q[1];
-    dHdp = p;
-  }
+struct WithHessianTimes : HenonHeiles {
   void hessian_times(In<double, 2> q, In<double, 2>, In<double, 2> dq, In<double, 2> dp, Out<double, 2> hq,
                      Out<double, 2> hp) const {
     hq[0] = dq[0] + 2 * (dq[0] * q[1] + q[0] * dq[1]);
     hq[1] = dq[1] + 2 * (q[0] * dq[0] - q[1] * dq[1]);
     hp = dp;
   }
-  /// The point (0, y; px > 0, 0) of energy 1/8.
-  static PhasePoint<double, 2> point(double y) {
-    return {{0, y}, {std::sqrt(0.25 - y * y + 2 * y * y * y / 3), 0}};
-  }
 };
-const Semiexplicit stepper(HenonHeiles{}, schemes::low_defect6_s13());
+const Semiexplicit stepper(WithHessianTimes{}, schemes::low_defect6_s13());
 constexpr double chaotic = -0.25, regular = 0.1;
 
 template <class... Observers>

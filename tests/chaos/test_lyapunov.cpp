@@ -12,6 +12,7 @@
 #include <semiexplicit/systems.hpp>
 #include <semiexplicit/time.hpp>
 
+#include "henon_heiles.hpp"
 #include "refusal.hpp"
 
 namespace test_lyapunov {
@@ -22,15 +23,7 @@ namespace {
 
 using namespace semiexplicit;
 
-/// H = (p² + q²)/2 + x²y - y³/3 (Hénon and Heiles, Astron. J. 69 (1964) 73).
-struct HenonHeiles {
-  using Scalar = double;
-  static constexpr int Dof = 2;
-  void gradient(In<double, 2> q, In<double, 2> p, Out<double, 2> dHdq, Out<double, 2> dHdp) const {
-    dHdq[0] = q[0] + 2 * q[0] * q[1];
-    dHdq[1] = q[1] + q[0] * q[0] - q[1] * q[1];
-    dHdp = p;
-  }
+struct WithHessian : HenonHeiles {
   void hessian(In<double, 2> q, In<double, 2>, Eigen::Ref<Eigen::Matrix4d> h) const {
     h.setZero();
     h(0, 0) = 1 + 2 * q[1];
@@ -38,13 +31,9 @@ struct HenonHeiles {
     h(1, 1) = 1 - 2 * q[1];
     h(2, 2) = h(3, 3) = 1;
   }
-  /// The point (0, y; px > 0, 0) of energy 1/8.
-  static PhasePoint<double, 2> point(double y) {
-    return {{0, y}, {std::sqrt(0.25 - y * y + 2 * y * y * y / 3), 0}};
-  }
 };
 
-Semiexplicit henon_heiles(HenonHeiles{}, schemes::low_defect6_s13());
+Semiexplicit henon_heiles(WithHessian{}, schemes::low_defect6_s13());
 
 }  // namespace
 
@@ -146,7 +135,7 @@ TEST_CASE("Lyapunov exponents refuse a time that turns round", "[lyapunov]") {
 }
 
 TEST_CASE("Lyapunov exponents of a run in two parts, in whatever time the second one counts", "[lyapunov]") {
-  Semiexplicit stepper(HenonHeiles(), schemes::blanes_moan4<double>());
+  Semiexplicit stepper(WithHessian(), schemes::blanes_moan4<double>());
   const auto start = HenonHeiles::point(1.0 / 6);
   auto z = start;
   LyapunovExponents whole(stepper, 2);
@@ -161,7 +150,7 @@ TEST_CASE("Lyapunov exponents of a run in two parts, in whatever time the second
 }
 
 TEST_CASE("Lyapunov exponents want every step of one orbit", "[lyapunov]") {
-  Semiexplicit stepper(HenonHeiles(), schemes::blanes_moan4<double>());
+  Semiexplicit stepper(WithHessian(), schemes::blanes_moan4<double>());
   auto z = HenonHeiles::point(0.1);
   LyapunovExponents some(stepper, 1), two(stepper, 1);
   CHECK(refuses([&] { integrate(stepper, z, {.dt = 0.05, .steps = 30}, every(3, some)); },

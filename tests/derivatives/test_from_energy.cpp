@@ -8,6 +8,7 @@
 #include <semiexplicit/semiexplicit.hpp>
 #include <semiexplicit/systems.hpp>
 
+#include "gradient_of.hpp"
 #include "lattice_energy.hpp"
 #include "refusal.hpp"
 
@@ -24,13 +25,6 @@ PhasePoint<double, Dof> some_point(Eigen::Index dof) {
   PhasePoint<double, Dof> z(dof);
   for (Eigen::Index i = 0; i < 2 * dof; ++i) z.vector()[i] = std::sin(1.0 + static_cast<double>(i));
   return z;
-}
-
-template <class H>
-auto gradient_of(const H& h, const PhasePoint<typename H::Scalar, H::Dof>& z) {
-  auto result = z;
-  h.gradient(z.q(), z.p(), result.q(), result.p());
-  return result.vector();
 }
 
 /// The derivative of a function of one variable, by from_energy.

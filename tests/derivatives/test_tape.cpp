@@ -15,6 +15,7 @@
 #include <semiexplicit/time.hpp>
 
 #include "forward_gradient.hpp"
+#include "gradient_of.hpp"
 #include "lattice_energy.hpp"
 #include "refusal.hpp"
 
@@ -32,13 +33,6 @@ PhasePoint<Scalar, Dof> some_point(Index dof) {
   PhasePoint<Scalar, Dof> z(dof);
   for (Index i = 0; i < 2 * dof; ++i) z.vector()[i] = Scalar(std::sin(1.0 + 1.7 * static_cast<double>(i)));
   return z;
-}
-
-template <class H>
-auto gradient_of(const H& h, const PhasePoint<typename H::Scalar, H::Dof>& z) {
-  auto result = z;
-  h.gradient(z.q(), z.p(), result.q(), result.p());
-  return result.vector();
 }
 
 /// How far the derivative of f is from the one by dual numbers, as the derivative of an energy of many variables.

@@ -13,6 +13,7 @@
 #include <semiexplicit/systems.hpp>
 
 #include "forward_gradient.hpp"
+#include "gradient_of.hpp"
 
 namespace test_terms {
 
@@ -29,13 +30,6 @@ PhasePoint<Scalar, Eigen::Dynamic> some_point(Index dof) {
   for (Index i = 0; i < 2 * dof; ++i)
     z.vector()[i] = Scalar(std::sin(1.0 + 1.7 * static_cast<double>(i)) + 0.01 * static_cast<double>(i % 7));
   return z;
-}
-
-template <class H>
-auto gradient_of(const H& h, const PhasePoint<typename H::Scalar, H::Dof>& z) {
-  auto result = z;
-  h.gradient(z.q(), z.p(), result.q(), result.p());
-  return result.vector();
 }
 
 /// How far the gradient of that energy is from its derivatives one by one, at the first call and later, relative to its size.

@@ -63,9 +63,9 @@ class TangentMap {
   Status at(const State& z, const Scalar& dt) {
     using std::isfinite;
     using std::pow;
-    if (!detail::valid_step(dt)) return Status::invalid_step;
-    if (scheme_.b.empty()) return Status::invalid_stepper;
-    if (z.vector().size() != size_ || !z.vector().allFinite()) return Status::invalid_state;
+    const bool fits = z.vector().size() == size_ && z.vector().allFinite();
+    if (const Status start = detail::status_at_start(dt, !scheme_.b.empty(), fits); start != Status::success)
+      return start;
     Scalar close(0);
     m_.setZero();
     for (int iteration = 0; iteration < 20; ++iteration) {

@@ -89,6 +89,14 @@ struct SolverReport {
   int escalations = 0;           ///< solvers that failed before the one that made this report; see Robust
 
   bool ok() const { return status == Status::success || status == Status::rounding_limited; }
+  /// What a step says of its solve.
+  void tell(StepReport& report) const {
+    report.status = status;
+    report.evaluations = evaluations;
+    report.correction = static_cast<double>(correction);
+    report.rate = static_cast<double>(rate);
+    report.escalations = escalations;
+  }
 };
 
 /// What a run did.

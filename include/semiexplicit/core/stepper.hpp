@@ -16,6 +16,14 @@ bool valid_step(const Scalar& dt) {
   return isfinite(dt) && dt != Scalar(0);
 }
 
+/// What every step asks first. `has_parts`: the stepper was not moved from; `fits`: the state has the stepper's size.
+template <class Scalar>
+Status status_at_start(const Scalar& dt, bool has_parts, bool fits) {
+  if (!valid_step(dt)) return Status::invalid_step;
+  if (!has_parts) return Status::invalid_stepper;
+  return fits ? Status::success : Status::invalid_state;
+}
+
 template <class S>
 concept NamesScalarAndState = requires {
   typename S::Scalar;

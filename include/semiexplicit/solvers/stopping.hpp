@@ -68,6 +68,31 @@ bool within_rounding(const Scalar* f, const Scalar* z, Eigen::Index size, const 
   return true;
 }
 
+/// What solvers ask of a residual beside its values (AnyResidual), from the sizes of the state and of the last evaluation.
+template <class Scalar>
+struct ResidualSizes {
+  const Scalar* z_data = nullptr;
+  const Scalar* f_data = nullptr;
+  Eigen::Index count = 0;
+  Scalar size{};      ///< ‖z‖, without the time where that is a coordinate
+  Scalar distance{};  ///< that the mean of the copies moved
+  Scalar rounding = Eigen::NumTraits<Scalar>::epsilon();  ///< of f, relative; more where differences enter it
+
+  /// ‖z‖, but no more than so many moves of a step: see StoppingRule.
+  Scalar state_size() const {
+    const Scalar moves = StoppingRule::moves * distance;
+    return moves < size ? moves : size;
+  }
+  /// A correction below this may be nothing but rounding: the copies' own, made larger by the kicks in between.
+  Scalar rounding_level() const { return 100 * rounding * (size + distance); }
+  /// An iteration that no longer shrinks is allowed the rounding of differences; one that does is not.
+  bool within_rounding(double multiple) const {
+    const auto unit = static_cast<double>(rounding / Eigen::NumTraits<Scalar>::epsilon());
+    return detail::within_rounding(f_data, z_data, count, distance,
+                                   multiple < 1 ? multiple : multiple * unit);
+  }
+};
+
 /// The bookkeeping that every solver shares: after each evaluation, is this the end, and how?
 template <class Scalar>
 class Convergence {

@@ -55,11 +55,12 @@ class ExplicitSplitting {
   /// One step of size dt, which may be negative; z is untouched unless the report is ok(). No heap use. `gradients` counts
   /// whole gradients, as for the other steppers: the 2s + 1 halves make s + 1, rounded up.
   StepReport step(State& z, const Scalar& dt) {
-    if (!detail::valid_step(dt)) return {.status = Status::invalid_step};
-    if (scheme_.b.empty()) return {.status = Status::invalid_stepper};
-    if (z.vector().size() != at_.size()) return {.status = Status::invalid_state};
+    StepReport report{.status =
+                          detail::status_at_start(dt, !scheme_.b.empty(), z.vector().size() == at_.size())};
+    if (!report.ok()) return report;
     detail::inlined<Scalar>([&] { run(z, dt); });
-    StepReport report{.evaluations = 1, .gradients = position_gradients() + 1};
+    report.evaluations = 1;
+    report.gradients = position_gradients() + 1;
     if (!update_.update(z, [moved = moved_.data()](Eigen::Index i) { return moved[i]; }))
       report.status = z.vector().allFinite() ? Status::not_finite : Status::invalid_state;
     return report;

@@ -4,7 +4,6 @@
 #include <concepts>
 #include <cstdint>
 #include <string>
-#include <string_view>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -125,10 +124,9 @@ class FlowSplitting {
   /// `rate` the largest of a kick; `gradients` counts the calls of the coupled rest, and a gradient in q or in p alone as
   /// half a call, rounded up.
   StepReport step(State& z, const Scalar& dt) {
-    if (!detail::valid_step(dt)) return {.status = Status::invalid_step};
-    if (list_.b.empty()) return {.status = Status::invalid_stepper};  // moved from
-    if (z.vector().size() != work_.m.size()) return {.status = Status::invalid_state};
-    StepReport report;
+    StepReport report{.status =
+                          detail::status_at_start(dt, !list_.b.empty(), z.vector().size() == work_.m.size())};
+    if (!report.ok()) return report;
     halves_ = 0;
     if constexpr (detail::HasPreparedFlow<H>)
       if (!(prepared_dt_ == dt)) prepare(dt);
@@ -284,7 +282,7 @@ class FlowSplitting {
   }
 
   SEMIEXPLICIT_INLINE void kick_coupled(Moving& z, const Scalar& t, StepReport& report) {
-    Residual<Coupled> residual{hamiltonian_.coupled_rest(), work_, z.at, t};
+    Residual<Coupled> residual(hamiltonian_.coupled_rest(), work_, z.at, t);
     const auto solved = solver_.solve(residual, work_.m, solver_work_);
     report.status = solved.status;
     report.evaluations += solved.evaluations;
@@ -298,14 +296,15 @@ class FlowSplitting {
 
   /// f as the solvers see it; see Semiexplicit.
   template <class C>
-  struct Residual {
-    const C& coupled;
-    Work& work;
-    const Vec& at;
-    const Scalar& t;
-    Scalar size = detail::norm(at);
-    const Vec* last = nullptr;
-    Scalar distance{};
+  struct Residual : detail::ResidualSizes<Scalar> {
+    Residual(const C& of_rest, Work& on, const Vec& point, const Scalar& time)
+        : detail::ResidualSizes<Scalar>{.z_data = point.data(),
+                                        .count = point.size(),
+                                        .size = detail::norm(point)},
+          coupled(of_rest),
+          work(on),
+          at(point),
+          t(time) {}
 
     void operator()(Vec& f) { evaluate(nullptr, f); }
     void operator()(const Vec& m, Vec& f) { evaluate(&m, f); }
@@ -319,8 +318,8 @@ class FlowSplitting {
       } else {
         map(m, f, work.a.data(), work.b.data(), work.gradient.data(), work.kicked.data(), dof_of(coupled));
       }
-      last = &f;
-      distance = detail::norm(work.kicked) / 2;
+      this->f_data = f.data();
+      this->distance = detail::norm(work.kicked) / 2;
     }
     template <class Size>
     SEMIEXPLICIT_INLINE void map(const Vec* m, Vec& f, Scalar* a, Scalar* b, Scalar* gradient, Scalar* kicked,
@@ -340,14 +339,10 @@ class FlowSplitting {
       });
     }
 
-    Scalar state_size() const {
-      const Scalar moves = StoppingRule::moves * distance;
-      return moves < size ? moves : size;
-    }
-    Scalar rounding_level() const { return 100 * Eigen::NumTraits<Scalar>::epsilon() * (size + distance); }
-    bool within_rounding(double multiple) const {
-      return detail::within_rounding(last->data(), at.data(), at.size(), distance, multiple);
-    }
+    const C& coupled;
+    Work& work;
+    const Vec& at;
+    const Scalar& t;
   };
 
   H hamiltonian_;

@@ -46,12 +46,8 @@ class Semiexplicit {
     if (!report.ok()) return report;
     Residual residual{doubled_, z, dt};
     const auto solved = solver_.solve(residual, m_, work_);
-    report.status = solved.status;
-    report.evaluations = solved.evaluations;
+    solved.tell(report);
     report.gradients = solved.evaluations * doubled_.gradients();
-    report.correction = static_cast<double>(solved.correction);
-    report.rate = static_cast<double>(solved.rate);
-    report.escalations = solved.escalations;
     if (report.ok() && !doubled_.finish(z)) report.status = Status::not_finite;
     if (report.status == Status::not_finite) report.status = doubled_.diagnose(z);
     return report;
@@ -84,34 +80,27 @@ class Semiexplicit {
   using Vec = typename State::Storage;
 
   /// f as the solvers see it: a function of m that also knows the sizes that their stopping is judged by.
-  struct Residual {
-    detail::DoubledStep<H>& doubled;
-    const State& z;
-    const Scalar& dt;
-    Scalar size = detail::state_size(doubled.hamiltonian(), z);
-    const Vec* last = nullptr;  ///< f
-    Scalar distance{};          ///< that the mean of the copies moved in the last evaluation
+  struct Residual : detail::ResidualSizes<Scalar> {
+    Residual(detail::DoubledStep<H>& step, const State& start, const Scalar& of_dt)
+        : detail::ResidualSizes<Scalar>{.z_data = start.vector().data(),
+                                        .count = start.vector().size(),
+                                        .size = detail::state_size(step.hamiltonian(), start)},
+          doubled(step),
+          z(start),
+          dt(of_dt) {}
 
     /// f(0), where every solver starts.
     void operator()(Vec& f) { evaluate(nullptr, f); }
     void operator()(const Vec& m, Vec& f) { evaluate(&m, f); }
     void evaluate(const Vec* m, Vec& f) {
       doubled.residual(z, m, dt, f);
-      last = &f;
-      distance = doubled.distance();
+      this->f_data = f.data();
+      this->distance = doubled.distance();
     }
 
-    /// ‖z‖, without the time where that is a coordinate, but no more than so many moves of a step: see StoppingRule.
-    Scalar state_size() const {
-      const Scalar moves = StoppingRule::moves * distance;
-      return moves < size ? moves : size;
-    }
-
-    /// A correction below this may be nothing but rounding: the copies' own, made larger by the kicks in between.
-    Scalar rounding_level() const { return 100 * Eigen::NumTraits<Scalar>::epsilon() * (size + distance); }
-    bool within_rounding(double multiple) const {
-      return detail::within_rounding(last->data(), z.vector().data(), z.vector().size(), distance, multiple);
-    }
+    detail::DoubledStep<H>& doubled;
+    const State& z;
+    const Scalar& dt;
   };
 
   detail::DoubledStep<H> doubled_;

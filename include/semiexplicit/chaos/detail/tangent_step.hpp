@@ -89,9 +89,7 @@ class DoubledTangents {
 
   /// Whether a step of size dt can start from z.
   Status check(const State& z, const Scalar& dt) const {
-    if (!valid_step(dt)) return Status::invalid_step;
-    if (scheme_.b.empty()) return Status::invalid_stepper;
-    return z.vector().size() == a.size() && z.vector().allFinite() ? Status::success : Status::invalid_state;
+    return status_at_start(dt, !scheme_.b.empty(), z.vector().size() == a.size() && z.vector().allFinite());
   }
 
   /// v becomes the mean of the copies; false, and v untouched, where that is not finite.
@@ -187,31 +185,18 @@ class TangentStep<Semiexplicit<H, Solver>> {
   using Vec = typename State::Storage;
   using Stacked = Eigen::Matrix<Scalar, Eigen::Dynamic, 1>;
 
-  /// The sizes that the stopping rule judges by, of the point or of the vectors; see Semiexplicit.
-  struct Sizes {
-    const Scalar *f, *z;
-    Eigen::Index count;
-    Scalar size, distance;
-    Scalar rounding = Eigen::NumTraits<Scalar>::epsilon();
-
-    Scalar state_size() const {
-      const Scalar moves = StoppingRule::moves * distance;
-      return moves < size ? moves : size;
-    }
-    Scalar rounding_level() const { return 100 * rounding * (size + distance); }
-    bool within_rounding(double multiple) const {
-      // An iteration that no longer shrinks is allowed the rounding of differences; one that does is not.
-      const Scalar unit = rounding / Eigen::NumTraits<Scalar>::epsilon();
-      return detail::within_rounding(f, z, count, distance,
-                                     multiple < 1 ? multiple : multiple * static_cast<double>(unit));
-    }
-  };
+  /// The sizes that the stopping rule judges by, of the point or of the vectors.
+  using Sizes = ResidualSizes<Scalar>;
   Sizes sizes(const State& z) {
-    return {copies_.f.data(), z.vector().data(), copies_.f.size(),
+    return {z.vector().data(), copies_.f.data(), copies_.f.size(),
             detail::state_size(copies_.hamiltonian(), z), copies_.distance(z)};
   }
   Sizes tangent_sizes(const Vectors& v) const {
-    return {copies_.g.data(),           v.data(), v.size(), norm(v.reshaped()), copies_.tangent_distance(v),
+    return {v.data(),
+            copies_.g.data(),
+            v.size(),
+            norm(v.reshaped()),
+            copies_.tangent_distance(v),
             copies_.second().rounding()};
   }
 
@@ -232,52 +217,39 @@ class TangentStep<Semiexplicit<H, Solver>> {
       size_w = norm(copies_.w.reshaped());
       copies_.second().keep_shifts();
     }
-    tell(tangent.report(), report);
+    tangent.report().tell(report);
     if (!orbit.report().ok()) report.status = orbit.report().status;
   }
 
   void solve_in_turn(const State& z, const Vectors& v, const Scalar& dt, StepReport& report) {
-    OrbitResidual orbit{*this, z, v, dt, {}};
+    OrbitResidual orbit{{}, *this, z, v, dt};
     const auto solved = solver_.solve(orbit, multiplier_, work_);
     report.status = solved.status;
     if (!solved.ok()) return;
-    TangentResidual tangent{*this, z, v, dt, {}};
-    tell(solver_.solve(tangent, stacked_, tangent_work_), report);
-  }
-
-  static void tell(const SolverReport<Scalar>& solved, StepReport& report) {
-    report.status = solved.status;
-    report.evaluations = solved.evaluations;
-    report.correction = static_cast<double>(solved.correction);
-    report.rate = static_cast<double>(solved.rate);
-    report.escalations = solved.escalations;
+    TangentResidual tangent{{}, *this, z, v, dt};
+    solver_.solve(tangent, stacked_, tangent_work_).tell(report);
   }
 
   /// f and g as the solvers see them.
-  struct OrbitResidual {
+  struct OrbitResidual : Sizes {
     TangentStep& step;
     const State& z;
     const Vectors& v;
     const Scalar& dt;
-    Sizes last;
 
     void operator()(Vec& f) { evaluate(step.copies_.m.setZero(), f); }
     void operator()(const Vec& m, Vec& f) { evaluate(step.copies_.m = m, f); }
     void evaluate(const Vec&, Vec& f) {
       step.copies_.template sweep<false>(z, v, dt);
       f = step.copies_.f;
-      last = step.sizes(z);
+      static_cast<Sizes&>(*this) = step.sizes(z);
     }
-    Scalar state_size() const { return last.state_size(); }
-    Scalar rounding_level() const { return last.rounding_level(); }
-    bool within_rounding(double multiple) const { return last.within_rounding(multiple); }
   };
-  struct TangentResidual {
+  struct TangentResidual : Sizes {
     TangentStep& step;
     const State& z;
     const Vectors& v;
     const Scalar& dt;
-    Sizes last;
 
     void operator()(Stacked& g) { evaluate(step.copies_.w.setZero(), g); }
     void operator()(const Stacked& w, Stacked& g) {
@@ -288,11 +260,8 @@ class TangentStep<Semiexplicit<H, Solver>> {
       step.copies_.template sweep<true>(z, v, dt);
       step.copies_.second().keep_shifts();
       g = step.copies_.g.reshaped();
-      last = step.tangent_sizes(v);
+      static_cast<Sizes&>(*this) = step.tangent_sizes(v);
     }
-    Scalar state_size() const { return last.state_size(); }
-    Scalar rounding_level() const { return last.rounding_level(); }
-    bool within_rounding(double multiple) const { return last.within_rounding(multiple); }
   };
 
   DoubledTangents<H> copies_;
@@ -350,9 +319,9 @@ class TangentStep<ExplicitSplitting<H>> {
         moved_(Vectors::Zero(at_.size(), columns)) {}
 
   StepReport operator()(const State& z, Vectors& v, const Scalar& dt) {
-    if (!valid_step(dt)) return {.status = Status::invalid_step};
-    if (scheme_.b.empty()) return {.status = Status::invalid_stepper};
-    if (z.vector().size() != at_.size() || !z.vector().allFinite()) return {.status = Status::invalid_state};
+    StepReport report{.status = status_at_start(dt, !scheme_.b.empty(),
+                                                z.vector().size() == at_.size() && z.vector().allFinite())};
+    if (!report.ok()) return report;
     const Eigen::Index d = z.dof();
     second_.begin();
     at_ = z.vector();
@@ -368,7 +337,7 @@ class TangentStep<ExplicitSplitting<H>> {
     };
     sweep(
         scheme_, dt, [&](const Scalar& t) { flow(t, d, 0); }, [&](const Scalar& t) { flow(-t, 0, d); });
-    StepReport report{.evaluations = 1};
+    report.evaluations = 1;
     if (moved_.allFinite())
       v.swap(moved_);
     else

@@ -35,9 +35,7 @@ class DoubledStep {
   /// Whether a step of size dt can start from z: Status::success if so. Costs nothing: a state that is not finite shows
   /// in the result, and diagnose() tells it from a gradient that is not.
   Status check(const State& z, const Scalar& dt) const {
-    if (!valid_step(dt)) return Status::invalid_step;
-    if (scheme_.b.empty()) return Status::invalid_stepper;  // moved from
-    return z.vector().size() == moved_.size() ? Status::success : Status::invalid_state;
+    return status_at_start(dt, !scheme_.b.empty(), z.vector().size() == moved_.size());
   }
 
   /// The status of a step from z that came out NaN or Inf.

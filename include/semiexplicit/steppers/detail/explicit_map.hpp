@@ -33,10 +33,9 @@ class ExplicitMap {
   /// result becomes the new state.
   template <class Run>
   StepReport step(State& zeta, const Scalar& dt, std::int64_t gradients, const Run& run) {
-    if (!valid_step(dt)) return {.status = Status::invalid_step};
-    if (scheme.b.empty()) return {.status = Status::invalid_stepper};  // moved from
-    if (zeta.a.vector().size() != a.size() || zeta.b.vector().size() != b.size())
-      return {.status = Status::invalid_state};
+    const bool fits = zeta.a.vector().size() == a.size() && zeta.b.vector().size() == b.size();
+    StepReport report{.status = status_at_start(dt, !scheme.b.empty(), fits)};
+    if (!report.ok()) return report;
     a = zeta.a.vector();
     b = zeta.b.vector();
     inlined<Scalar>([&] {
@@ -53,7 +52,7 @@ class ExplicitMap {
         run(a.data(), b.data(), gradient.data(), dof_of(hamiltonian));
       }
     });
-    StepReport report{.status = Status::not_finite, .evaluations = 1, .gradients = gradients};
+    report = {.status = Status::not_finite, .evaluations = 1, .gradients = gradients};
     if (!a.allFinite() || !b.allFinite()) {
       if (!zeta.a.vector().allFinite() || !zeta.b.vector().allFinite()) report.status = Status::invalid_state;
     } else {

@@ -64,13 +64,7 @@ class GaussShell {
   /// `correction` is the sum of the absolute values of what they last changed in the stages.
   StepReport step(State& z, const Scalar& dt) {
     Stepper& stages = static_cast<Stepper&>(*this);
-    StepReport report;
-    if (!valid_step(dt))
-      report.status = Status::invalid_step;
-    else if (stages.size() == 0)
-      report.status = Status::invalid_stepper;
-    else if (z.vector().size() != stages.size())
-      report.status = Status::invalid_state;
+    StepReport report{.status = status_at_start(dt, stages.size() != 0, z.vector().size() == stages.size())};
     if (!report.ok()) return report;
 
     const bool goes_on = options_.extrapolate && last_dt_ == dt && update_.continues(z);

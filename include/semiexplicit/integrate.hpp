@@ -25,7 +25,8 @@ enum class OnFailure {
 /// How far to go, and how.
 template <class Scalar>
 struct IntegrationOptions {
-  Scalar dt = Scalar(0);   ///< the step; negative goes back in time
+  Scalar dt =
+      Scalar(0);  ///< the step; negative goes back in time; of a stepper that ChoosesSteps in its parameter
   std::int64_t steps = 0;  ///< how many, those of `done` included; instead of t_end
   OnFailure on_failure = OnFailure::raise;
   /// A step that does not converge or is not finite is tried again as 2, 4, ... up to 2^subdivide equal ones before it counts as
@@ -34,7 +35,7 @@ struct IntegrationOptions {
   int subdivide = 0;
   Scalar t0 = Scalar(0);  ///< time of the state that is handed in, or of the first one where the run goes on
   /// Where the run ends, exactly: with the fewest equal steps that are no longer than dt. IntegrationReport::dt says which
-  /// dt that took. NaN: not given, `steps` says how far.
+  /// dt that took. A stepper that ChoosesSteps keeps dt and cuts its last two steps. NaN: not given, `steps` says how far.
   Scalar t_end = std::numeric_limits<Scalar>::quiet_NaN();
   /// Report of an earlier part, which the run goes on from: its steps count among `steps`, and its sums are added to. See
   /// Checkpoints::resume().
@@ -52,6 +53,22 @@ void require_restored(const Observer& observer, std::int64_t steps) {
                                 "Checkpoints");
 }
 
+/// Whether the run ends at a time that the stepper's own steps are to meet.
+template <class S>
+bool ends_by_clock(const IntegrationOptions<typename S::Scalar>& options) {
+  using std::isnan;
+  return ChoosesSteps<S> && !isnan(options.t_end);
+}
+
+/// A step of size dt, not beyond t_end.
+template <class S>
+StepReport one_step(S& stepper, typename S::State& state, const typename S::Scalar& dt,
+                    const IntegrationOptions<typename S::Scalar>& options) {
+  if constexpr (ChoosesSteps<S>)
+    if (ends_by_clock<S>(options)) return stepper.step_until(state, dt, options.t_end);
+  return stepper.step(state, dt);
+}
+
 /// The failed step from `state` as 2, 4, ... equal ones, the first number that succeeds; adds to the report what they cost.
 template <class S>
 SEMIEXPLICIT_COLD bool step_in_parts(S& stepper, typename S::State& state,
@@ -59,6 +76,12 @@ SEMIEXPLICIT_COLD bool step_in_parts(S& stepper, typename S::State& state,
                                      IntegrationReport& report) {
   using Scalar = typename S::Scalar;
   const StepReport whole = report.last;
+  const auto clock = [&] {
+    if constexpr (ChoosesSteps<S>)
+      return stepper.clock();
+    else
+      return 0;
+  }();
   Scalar part = options.dt;
   std::int64_t parts = 1;
   for (int level = 0; level < options.subdivide; ++level) {
@@ -68,7 +91,9 @@ SEMIEXPLICIT_COLD bool step_in_parts(S& stepper, typename S::State& state,
     typename S::State trial = state;
     StepReport together;
     for (std::int64_t i = 0; i < parts && together.ok(); ++i) {
-      const StepReport one = stepper.step(trial, part);
+      if constexpr (ChoosesSteps<S>)
+        if (ends_by_clock<S>(options) && stepper.time() == options.t_end) break;
+      const StepReport one = one_step(stepper, trial, part, options);
       report.evaluations += one.evaluations;
       report.gradients += one.gradients;
       together = {.status = one.status,
@@ -76,7 +101,8 @@ SEMIEXPLICIT_COLD bool step_in_parts(S& stepper, typename S::State& state,
                   .gradients = together.gradients + one.gradients,
                   .correction = std::max(together.correction, one.correction),
                   .rate = std::max(together.rate, one.rate),
-                  .escalations = std::max(together.escalations, one.escalations)};
+                  .escalations = std::max(together.escalations, one.escalations),
+                  .taken = together.taken + one.taken};
     }
     report.last = together;
     if (together.ok()) {
@@ -84,15 +110,17 @@ SEMIEXPLICIT_COLD bool step_in_parts(S& stepper, typename S::State& state,
       ++report.subdivided;
       return true;
     }
+    if constexpr (ChoosesSteps<S>) stepper.rewind(clock, state);
   }
   report.last = whole;  // what is said of a failure is said of the step that was asked for
   return false;
 }
 
-/// The options with t_end turned into steps and the dt that they take. A quotient that is a whole number but for rounding is
-/// one.
-template <class Scalar>
-SEMIEXPLICIT_COLD IntegrationOptions<Scalar> with_steps(IntegrationOptions<Scalar> options) {
+/// The options with t_end turned into steps and the dt that they take, unless the stepper S chooses its steps. A quotient that is a
+/// whole number but for rounding is one.
+template <class S, class Scalar = typename S::Scalar>
+SEMIEXPLICIT_COLD IntegrationOptions<Scalar> with_steps(
+    std::type_identity_t<IntegrationOptions<Scalar>> options) {
   using std::abs;
   using std::ceil;
   using std::isfinite;
@@ -107,6 +135,7 @@ SEMIEXPLICIT_COLD IntegrationOptions<Scalar> with_steps(IntegrationOptions<Scala
   const Scalar quotient = time / options.dt;
   if (!(quotient > Scalar(0)))
     throw std::invalid_argument("integrate: dt leads away from t_end; give it the sign of t_end - t0");
+  if (ChoosesSteps<S>) return options;
   // The times themselves are rounded, and late ones by more than their difference is.
   const Scalar slack =
       (8 * epsilon * quotient) + 2 * epsilon * (abs(options.t0) + abs(options.t_end)) / abs(options.dt);
@@ -122,13 +151,13 @@ SEMIEXPLICIT_COLD IntegrationOptions<Scalar> with_steps(IntegrationOptions<Scala
 
 /// Throws std::invalid_argument for options that make no sense.
 template <class Scalar>
-SEMIEXPLICIT_COLD void check_options(const IntegrationOptions<Scalar>& options) {
+SEMIEXPLICIT_COLD void check_options(const IntegrationOptions<Scalar>& options, bool by_clock) {
   if (!(options.subdivide >= 0 && options.subdivide <= 30))
     throw std::invalid_argument(
         "integrate: subdivide is not between 0 and 30; 10 makes a thousandth of a step");
   if (options.steps < 0)
     throw std::invalid_argument("integrate: steps is negative; to go back in time give a negative dt");
-  if (options.done.steps < 0 || options.done.steps > options.steps)
+  if (options.done.steps < 0 || (!by_clock && options.done.steps > options.steps))
     throw std::invalid_argument("integrate: " + std::to_string(options.done.steps) +
                                 " steps are done, and not 0 to " + std::to_string(options.steps) +
                                 " of them; steps counts those of the earlier part, too");
@@ -145,16 +174,22 @@ IntegrationReport integrate_checked(S& stepper, typename S::State& state,
                                     Observers&... observers) {
   using Scalar = typename S::Scalar;
   using std::isnan;
-  const IntegrationOptions<Scalar> options = with_steps(asked);
+  const IntegrationOptions<Scalar> options = with_steps<S>(asked);
+  const bool by_clock = ends_by_clock<S>(options);
   const auto time_after = [&](std::int64_t n) {
-    return n == options.steps && !isnan(options.t_end) ? options.t_end
-                                                       : Scalar(options.t0 + Scalar(n) * options.dt);
+    if constexpr (ChoosesSteps<S>)
+      return Scalar(stepper.time());
+    else
+      return n == options.steps && !isnan(options.t_end) ? options.t_end
+                                                         : Scalar(options.t0 + Scalar(n) * options.dt);
   };
-  check_options(options);
+  check_options(options, by_clock);
   const auto start = std::chrono::steady_clock::now();
   if (options.done.steps > 0) (require_restored(observers, options.done.steps), ...);
   IntegrationReport report = options.done;
   report.dt = static_cast<double>(options.dt);
+  if constexpr (ChoosesSteps<S>)
+    if (report.steps == 0) stepper.begin(state, options.t0);
   Scalar t = report.steps > 0 ? time_after(report.steps) : options.t0;
   // Every observer hears of every step, also when one before it asks to stop.
   const auto wanted = [&] {
@@ -171,8 +206,8 @@ IntegrationReport integrate_checked(S& stepper, typename S::State& state,
   };
 
   if (report.steps == 0 && !wanted()) return finish(Status::stopped);
-  while (report.steps < options.steps) {
-    report.last = stepper.step(state, options.dt);
+  while (by_clock ? t != options.t_end : report.steps < options.steps) {
+    report.last = one_step(stepper, state, options.dt, options);
     report.evaluations += report.last.evaluations;
     report.gradients += report.last.gradients;
     if (!report.last.ok() && !step_in_parts(stepper, state, options, report)) {
@@ -198,7 +233,7 @@ IntegrationReport integrate_checked(S& stepper, typename S::State& state,
 ///     PhasePoint<double, 1> z(-3, 0);
 ///     integrate(stepper, z, {.dt = 0.01, .steps = 1000}, [](double t, const auto& z) { std::cout << t << ' ' << z.q() << '\n'; });
 ///
-/// Times are t0 + n dt, without accumulated rounding. A step that fails leaves `state` at the last good one and throws
+/// Times are t0 + n dt, without accumulated rounding; of a stepper that ChoosesSteps they are its own. A step that fails leaves `state` at the last good one and throws
 /// IntegrationError, or ends the run (OnFailure::stop). An exception of a gradient or an observer passes through, with the
 /// state likewise. Throws std::invalid_argument for a negative number of steps,
 /// a t_end that dt leads away from, and a senseless `subdivide`.

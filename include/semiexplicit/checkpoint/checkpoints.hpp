@@ -211,7 +211,7 @@ class Checkpoints {
     detail::OptionText list;
     list("run", label);
     list("bits of a number", std::numeric_limits<Scalar>::digits);
-    list("dt", detail::with_steps(run).dt);
+    list("dt", detail::with_steps<S>(run).dt);
     list("t0", run.t0);
     list("subdivide", run.subdivide);
     list_all(list, stepper, std::tuple<Observers&...>(observers...));

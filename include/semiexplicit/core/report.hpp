@@ -23,7 +23,8 @@ enum class Status {
   invalid_step,    ///< dt is zero, NaN or Inf
   invalid_stepper,  ///< the stepper was moved from
   stopped,          ///< a run only: an observer returned false
-  gradient_threw    ///< a member of an Ensemble only: its gradient threw an exception
+  gradient_threw,   ///< a member of an Ensemble only: its gradient threw an exception
+  invalid_monitor  ///< of steps that follow a monitor function: it is not finite and positive, or grew too fast
 };
 
 /// What happened, in words, with the remedy.
@@ -50,6 +51,9 @@ SEMIEXPLICIT_COLD inline std::string describe(Status status) {
       return "stopped by an observer";
     case Status::gradient_threw:
       return "the gradient threw an exception";
+    case Status::invalid_monitor:
+      return "the monitor function is not finite and positive here, or grew to more than about twice its "
+             "value within a step; reduce dt, or check the monitor function near this state";
   }
   return "unknown status";
 }
@@ -65,6 +69,7 @@ struct StepReport {
   double rate =
       0;  ///< last observed contraction of the correction; above 1 the step is too large; 0: not seen
   int escalations = 0;  ///< with Robust: 0 simplified Newton made the step, 1 Broyden, 2 Newton-Krylov
+  double taken = 0;     ///< the time of the step, where the stepper chose it (ChoosesSteps)
 
   /// The step at which the simplified Newton method would contract by a half, judged from `rate`, seen at dt: an oscillation
   /// of frequency λ contracts by |sin(λ dt/2)|, a motion that grows as e^{λt} by (e^{λ dt} - 1)/2, and the smaller of the

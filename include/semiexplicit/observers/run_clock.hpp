@@ -67,7 +67,9 @@ class RunClock {
   Scalar interval(const Scalar& t, const IntegrationReport& run) const {
     using std::abs;
     const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon();
-    const Scalar shown = t - t_, counted = Scalar(run.dt) * Scalar(run.steps - steps_);
+    const bool chosen = run.last.taken != 0 && run.steps - steps_ == 1;
+    const Scalar shown = t - t_,
+                 counted = chosen ? Scalar(run.last.taken) : Scalar(run.dt) * Scalar(run.steps - steps_);
     const Scalar size = rounding_.size(t);
     const bool more_exact = Scalar(2.3e-16) * abs(counted) < epsilon * size;  // dt is a double there
     return counted != Scalar(0) && more_exact && abs(shown - counted) <= 4 * epsilon * size ? counted : shown;

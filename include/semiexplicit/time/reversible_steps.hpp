@@ -30,7 +30,8 @@ namespace semiexplicit {
 ///
 /// dt is the step in the parameter s of TimeTransformed, time = g ds, so that the monitors of monitors.hpp serve both. Dense output,
 /// sections, at_times() and all that observes take H itself and see physical times, which are summed with compensation. With
-/// t_end the run ends there exactly: the last two steps are cut, and can be undone still. What goes on from step to step, ρ and the
+/// t_end the run ends there exactly: the last two steps are cut, and can be undone still; where a run goes on
+/// after that, the densities swing a little more. What goes on from step to step, ρ and the
 /// time, is among what a checkpoint saves. Tangent vectors are carried by the derivative of each step at its own length.
 ///
 /// The first density is taken from a trial step to either side, so that the densities do not swing from step to step, for that swing

@@ -300,7 +300,7 @@ class FlowSplitting {
     Residual(const C& of_rest, Work& on, const Vec& point, const Scalar& time)
         : detail::ResidualSizes<Scalar>{.z_data = point.data(),
                                         .count = point.size(),
-                                        .size = detail::norm(point)},
+                                        .norms = {detail::norm(point), Scalar(0)}},
           coupled(of_rest),
           work(on),
           at(point),
@@ -319,7 +319,7 @@ class FlowSplitting {
         map(m, f, work.a.data(), work.b.data(), work.gradient.data(), work.kicked.data(), dof_of(coupled));
       }
       this->f_data = f.data();
-      this->distance = detail::norm(work.kicked) / 2;
+      this->norms.move = detail::norm(work.kicked) / 2;
     }
     template <class Size>
     SEMIEXPLICIT_INLINE void map(const Vec* m, Vec& f, Scalar* a, Scalar* b, Scalar* gradient, Scalar* kicked,

@@ -196,7 +196,7 @@ void compare(const std::string& wanted, const Problem<H, Monitor>& problem) {
   PhasePoint<double, H::Dof> reference = problem.start;
   double shortest = std::numeric_limits<double>::infinity(), longest = 0;
   ReversibleSteps fine(GaussLegendre(problem.hamiltonian, {.stages = 8}), problem.monitor);
-  const auto steps = [&](double, const auto&, const StepReport& report) {
+  const auto steps = [&](double, const auto&, const IntegrationReport& report) {
     if (report.taken == 0) return;
     shortest = std::min(shortest, report.taken);
     longest = std::max(longest, report.taken);
@@ -400,7 +400,7 @@ void long_run() {
                             monitors::Distance{});
     PhasePoint<double, 2> z = apocentre(e);
     double density = 0;
-    const auto see = [&](double t, const PhasePoint<double, 2>& at, const StepReport& report) {
+    const auto see = [&](double t, const PhasePoint<double, 2>& at, const IntegrationReport& report) {
       const double before = density;
       density = std::pow(std::hypot(at.q()[0], at.q()[1]), -1.5);
       if (before == 0 || (t > part && t < end - part) || t > end - 1)

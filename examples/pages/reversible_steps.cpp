@@ -33,12 +33,13 @@ int main() {
         worst = std::max(worst, std::abs(t / period - n++ - 0.5));
       },
       {.nodes = 6});
-  const IntegrationReport run = integrate(stepper, z, {.dt = 0.12, .t_end = 100 * period}, invariants,
-                                          pericentres, [&](double, const auto&, const StepReport& step) {
-                                            if (step.taken == 0) return;  // at the start
-                                            shortest = std::min(shortest, step.taken);
-                                            longest = std::max(longest, step.taken);
-                                          });
+  const IntegrationReport run =
+      integrate(stepper, z, {.dt = 0.12, .t_end = 100 * period}, invariants, pericentres,
+                [&](double, const auto&, const IntegrationReport& step) {
+                  if (step.taken == 0) return;  // at the start
+                  shortest = std::min(shortest, step.taken);
+                  longest = std::max(longest, step.taken);
+                });
 
   std::cout << "steps per orbit: " << double(run.steps) / 100
             << ", the longest over the shortest: " << longest / shortest

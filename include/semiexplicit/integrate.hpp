@@ -60,6 +60,15 @@ bool ends_by_clock(const IntegrationOptions<typename S::Scalar>& options) {
   return ChoosesSteps<S> && !isnan(options.t_end);
 }
 
+/// What a stepper that chooses its steps knows of the time; of others nothing.
+template <class S>
+auto clock_of(const S& stepper) {
+  if constexpr (ChoosesSteps<S>)
+    return stepper.clock();
+  else
+    return 0;
+}
+
 /// A step of size dt, not beyond t_end.
 template <class S>
 StepReport one_step(S& stepper, typename S::State& state, const typename S::Scalar& dt,
@@ -76,12 +85,7 @@ SEMIEXPLICIT_COLD bool step_in_parts(S& stepper, typename S::State& state,
                                      IntegrationReport& report) {
   using Scalar = typename S::Scalar;
   const StepReport whole = report.last;
-  const auto clock = [&] {
-    if constexpr (ChoosesSteps<S>)
-      return stepper.clock();
-    else
-      return 0;
-  }();
+  [[maybe_unused]] const auto clock = clock_of(stepper);
   Scalar part = options.dt;
   std::int64_t parts = 1;
   for (int level = 0; level < options.subdivide; ++level) {
@@ -89,6 +93,7 @@ SEMIEXPLICIT_COLD bool step_in_parts(S& stepper, typename S::State& state,
     parts *= 2;
     part /= 2;
     typename S::State trial = state;
+    report.taken = 0;
     StepReport together;
     for (std::int64_t i = 0; i < parts && together.ok(); ++i) {
       if constexpr (ChoosesSteps<S>)
@@ -101,8 +106,8 @@ SEMIEXPLICIT_COLD bool step_in_parts(S& stepper, typename S::State& state,
                   .gradients = together.gradients + one.gradients,
                   .correction = std::max(together.correction, one.correction),
                   .rate = std::max(together.rate, one.rate),
-                  .escalations = std::max(together.escalations, one.escalations),
-                  .taken = together.taken + one.taken};
+                  .escalations = std::max(together.escalations, one.escalations)};
+      if constexpr (ChoosesSteps<S>) report.taken += static_cast<double>(stepper.taken());
     }
     report.last = together;
     if (together.ok()) {
@@ -167,6 +172,88 @@ SEMIEXPLICIT_COLD void check_options(const IntegrationOptions<Scalar>& options, 
                                 " now; give the same dt, or begin a new run with t0 = the time reached");
 }
 
+/// The observer that may change the state; of others there is none.
+template <class First, class... Others>
+auto& changing(First& first, Others&... others) {
+  if constexpr (ChangesState<First>)
+    return first;
+  else
+    return changing(others...);
+}
+
+/// A step that was taken from `start`, at the time t, to `state`, cut where an observer wants to change the state: `state` and t
+/// become those after the last event, and what is left of the step is taken from there. tell() notifies all observers.
+/// Success, `stopped` at an event, or why the rest of the step failed.
+template <class S, class Tell, class Observer>
+Status cut_at_events(S& stepper, typename S::State& start, typename S::State& state, typename S::Scalar& t,
+                     const typename S::Scalar& end, const IntegrationOptions<typename S::Scalar>& options,
+                     [[maybe_unused]] auto clock, IntegrationReport& report, const Tell& tell,
+                     Observer& observer) {
+  using Scalar = typename S::Scalar;
+  Scalar h = ChoosesSteps<S> ? Scalar(end - t) : options.dt;
+  constexpr int most = 1000;
+  for (int events = 0;; ++events) {
+    const auto move = [&](const Scalar& x, typename S::State& z) {
+      z = start;
+      if (x == Scalar(0)) return StepReport{};
+      StepReport one;
+      if constexpr (ChoosesSteps<S>) {
+        stepper.rewind(clock, start);
+        one = stepper.step_until(z, options.dt, x == h ? end : Scalar(t + x));
+      } else {
+        one = stepper.step(z, x);
+      }
+      report.evaluations += one.evaluations;
+      report.gradients += one.gradients;
+      return one;
+    };
+    const auto found = [&] {
+      try {
+        return observer.first_event(start, state, h, move);
+      } catch (...) {
+        state = start;
+        throw;
+      }
+    }();
+    if (!found) {
+      if constexpr (ChoosesSteps<S>)
+        if (stepper.time() != end) move(h, state);  // the search has left it elsewhere
+      t = end;
+      return Status::success;
+    }
+    if (events >= most)
+      throw std::runtime_error("integrate: " + std::to_string(most) +
+                               " events in the step to t = " + in_words(end, 9) +
+                               "; take a shorter dt, or let the action end the run where they pile up");
+    // One at an end of the step, as far as times tell, is at the end.
+    using std::abs;
+    const Scalar rounding = 4 * Eigen::NumTraits<Scalar>::epsilon() * (abs(t) + abs(end));
+    const Scalar x = abs(found.x) <= rounding ? Scalar(0) : abs(h - found.x) <= rounding ? h : found.x;
+    report.last = move(x, state);
+    if (!report.last.ok()) {
+      state = start;
+      return report.last.status;
+    }
+    if constexpr (ChoosesSteps<S>) report.taken = static_cast<double>(stepper.taken());
+    t = x == h ? end : Scalar(t + x);
+    h -= x;
+    const bool last = ChoosesSteps<S> || h == Scalar(0);  // what is after the event ends the step
+    report.at_event = true;
+    bool go_on = x == Scalar(0) || tell(t);
+    go_on = observer.act(found, t, state, report) && go_on;
+    ++report.changes;
+    if (!last || !go_on) go_on = tell(t) && go_on;
+    report.at_event = false;
+    if (!go_on) return Status::stopped;
+    if (last) return Status::success;
+    start = state;
+    report.last = stepper.step(state, h);
+    report.evaluations += report.last.evaluations;
+    report.gradients += report.last.gradients;
+    if (!report.last.ok()) return report.last.status;
+  }
+}
+
 /// integrate(), whose arguments are what they should be.
 template <class S, class... Observers>
 IntegrationReport integrate_checked(S& stepper, typename S::State& state,
@@ -205,20 +292,42 @@ IntegrationReport integrate_checked(S& stepper, typename S::State& state,
     return report;
   };
 
+  const auto fail = [&](Status status) {
+    finish(status);
+    if (options.on_failure == OnFailure::raise)
+      throw IntegrationError(report, static_cast<double>(options.dt));
+    return report;
+  };
+  constexpr int changing_observers = (0 + ... + (ChangesState<Observers> ? 1 : 0));
+  static_assert(changing_observers <= 1,
+                "only one observer of a run may change the state: put these events into one events(H, ...)");
+
   if (report.steps == 0 && !wanted()) return finish(Status::stopped);
+  [[maybe_unused]] typename S::State before = state;
   while (by_clock ? t != options.t_end : report.steps < options.steps) {
+    [[maybe_unused]] const auto clock = clock_of(stepper);
+    if constexpr (changing_observers == 1) before = state;
     report.last = one_step(stepper, state, options.dt, options);
     report.evaluations += report.last.evaluations;
     report.gradients += report.last.gradients;
-    if (!report.last.ok() && !step_in_parts(stepper, state, options, report)) {
-      finish(report.last.status);
-      if (options.on_failure == OnFailure::raise)
-        throw IntegrationError(report, static_cast<double>(options.dt));
-      return report;
-    }
+    if constexpr (ChoosesSteps<S>) report.taken = static_cast<double>(stepper.taken());
+    if (!report.last.ok() && !step_in_parts(stepper, state, options, report)) return fail(report.last.status);
     report.max_correction = std::max(report.max_correction, report.last.correction);
-    ++report.steps;
-    t = time_after(report.steps);
+    if constexpr (changing_observers == 1) {
+      const auto tell = [&](const Scalar& now) {
+        bool go_on = true;
+        ((go_on = notify(observers, now, state, report) && go_on), ...);
+        return go_on;
+      };
+      const Status status = cut_at_events(stepper, before, state, t, time_after(report.steps + 1), options,
+                                          clock, report, tell, changing(observers...));
+      if (status == Status::stopped) return finish(status);
+      if (status != Status::success) return fail(status);
+      ++report.steps;
+    } else {
+      ++report.steps;
+      t = time_after(report.steps);
+    }
     if (!wanted()) return finish(Status::stopped);
   }
   return finish(Status::success);

@@ -161,13 +161,14 @@ TEST_CASE("Reversible steps are proportional to the monitor function", "[reversi
   Point z = kepler_orbit(0.9, 2), before = z;
   double worst = 0;
   const double ds = 0.05;
-  integrate(stepper, z, {.dt = ds, .steps = 2000}, [&](double, const Point& at, const StepReport& report) {
-    if (report.taken != 0) {
-      const double g = std::sqrt(free_fall(at.q(), at.p()) * free_fall(before.q(), before.p()));
-      worst = std::max(worst, std::abs(report.taken / (ds * g) - 1));
-    }
-    before = at;
-  });
+  integrate(stepper, z, {.dt = ds, .steps = 2000},
+            [&](double, const Point& at, const IntegrationReport& report) {
+              if (report.taken != 0) {
+                const double g = std::sqrt(free_fall(at.q(), at.p()) * free_fall(before.q(), before.p()));
+                worst = std::max(worst, std::abs(report.taken / (ds * g) - 1));
+              }
+              before = at;
+            });
   CHECK(worst < 0.02);
 }
 
@@ -176,7 +177,7 @@ TEST_CASE("The clock of reversible steps sums times with compensation", "[revers
   Point z = kepler_orbit(0.5, 1);
   long double sum = 1000;
   const auto run = integrate(stepper, z, {.dt = 0.01, .steps = 20'000, .t0 = 1000},
-                             [&](double, const Point&, const StepReport& report) { sum += report.taken; });
+                             [&](double, const Point&, const IntegrationReport& run) { sum += run.taken; });
   CHECK(std::abs(double(run.t - sum)) <= 1.2e-13);  // a rounding of the time itself
 }
 
@@ -382,7 +383,7 @@ TEST_CASE("Two of three bodies that meet closely pass under reversible steps by 
   ReversibleSteps stepper(Semiexplicit(h, schemes::low_defect8_s20()),
                           monitors::ClosestPair{.dimensions = 2});
   integrate(stepper, z, {.dt = 0.1, .t_end = 5}, invariants,
-            [&](double, const auto&, const StepReport& report) {
+            [&](double, const auto&, const IntegrationReport& report) {
               if (report.taken == 0) return;
               closest = std::min(closest, report.taken);
               farthest = std::max(farthest, report.taken);

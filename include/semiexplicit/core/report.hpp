@@ -69,7 +69,6 @@ struct StepReport {
   double rate =
       0;  ///< last observed contraction of the correction; above 1 the step is too large; 0: not seen
   int escalations = 0;  ///< with Robust: 0 simplified Newton made the step, 1 Broyden, 2 Newton-Krylov
-  double taken = 0;     ///< the time of the step, where the stepper chose it (ChoosesSteps)
 
   /// The step at which the simplified Newton method would contract by a half, judged from `rate`, seen at dt: an oscillation
   /// of frequency λ contracts by |sin(λ dt/2)|, a motion that grows as e^{λt} by (e^{λ dt} - 1)/2, and the smaller of the
@@ -113,9 +112,12 @@ struct IntegrationReport {
   std::int64_t evaluations = 0;     ///< sum over the steps, a failed one included
   std::int64_t gradients = 0;       ///< likewise
   std::int64_t subdivided = 0;      ///< steps that had to be cut into parts; see IntegrationOptions
+  std::int64_t changes = 0;         ///< of the state, by actions of events()
   double max_correction = 0;        ///< largest accepted correction
   double seconds = 0;               ///< wall clock, observers included
+  bool at_event = false;            ///< what observers are shown is no end of a step, but an event within it
   StepReport last{};                ///< the last step's own report: where the run failed, what the solver saw
+  double taken = 0;                 ///< the time of the last step, where the stepper chose it (ChoosesSteps)
 
   /// The run came to its end, or to where an observer stopped it.
   bool ok() const { return status == Status::success || status == Status::stopped; }

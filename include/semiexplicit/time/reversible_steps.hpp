@@ -60,6 +60,7 @@ class ReversibleSteps {
     Scalar time = Scalar(0), carry = Scalar(0);  ///< carry: what rounding cuts off the time
     Scalar density = Scalar(0);                  ///< 1/g of the state that it left; 0: it has left none
     Scalar slope = Scalar(0);                    ///< (ρ_{n+1/2} - ρ_{n-1/2})/(2 dt), the same backward
+    Scalar taken = Scalar(0);                    ///< the time of the last step
   };
 
   ReversibleSteps(S stepper, G monitor) : stepper_(std::move(stepper)), monitor_(std::move(monitor)) {
@@ -100,6 +101,8 @@ class ReversibleSteps {
 
   /// Time of the state that it left last; the sum of its steps where there was no begin().
   Scalar time() const { return clock_.time; }
+  /// How long its last step was.
+  Scalar taken() const { return clock_.taken; }
 
   const Clock& clock() const { return clock_; }
   void rewind(const Clock& clock, const State& z) {
@@ -131,6 +134,7 @@ class ReversibleSteps {
     visit(clock_.carry);
     visit(clock_.density);
     visit(clock_.slope);
+    visit(clock_.taken);
     visit(last_.vector());
   }
 
@@ -176,7 +180,7 @@ class ReversibleSteps {
     const Scalar delta = time + clock_.carry, sum = clock_.time + delta, moved = sum - clock_.time;
     clock_.carry = (clock_.time - (sum - moved)) + (delta - moved);
     clock_.time = sum;
-    report.taken = static_cast<double>(time);
+    clock_.taken = time;
     return report;
   }
 

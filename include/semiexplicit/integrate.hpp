@@ -303,7 +303,12 @@ IntegrationReport integrate_checked(S& stepper, typename S::State& state,
                 "only one observer of a run may change the state: put these events into one events(H, ...)");
 
   if (report.steps == 0 && !wanted()) return finish(Status::stopped);
-  [[maybe_unused]] typename S::State before = state;
+  [[maybe_unused]] auto before = [&] {
+    if constexpr (changing_observers == 1)
+      return typename S::State(state);
+    else
+      return 0;
+  }();
   while (by_clock ? t != options.t_end : report.steps < options.steps) {
     [[maybe_unused]] const auto clock = clock_of(stepper);
     if constexpr (changing_observers == 1) before = state;

@@ -208,6 +208,36 @@ TEST_CASE("Output, sections and events of reversible steps are at physical times
   CHECK(worst_section < 1e-9);
 }
 
+TEST_CASE("Reversible steps, events and estimates take float and long double", "[reversible steps]") {
+  const auto run = []<class T>(T) {
+    // The solvable product: after a whole period the orbit is where it was.
+    const systems::Product<T> h;
+    // 4 K(3/√10)/√10 with the complete elliptic integral K by the mean of arithmetic and geometric means.
+    T a = T(1), b = 1 / std::sqrt(T(10));
+    for (int i = 0; i < 8; ++i) {
+      const T mean = (a + b) / 2;
+      b = std::sqrt(a * b);
+      a = mean;
+    }
+    const T period = 2 * T(std::acos(T(-1))) / (a * std::sqrt(T(10)));
+    ReversibleSteps stepper(Semiexplicit(h, schemes::blanes_moan6<T>()), [](const auto& q, const auto& p) {
+      return T(1) / (1 + q[0] * q[0] + p[0] * p[0]);
+    });
+    PhasePoint<T, 1> z(T(-3), T(0));
+    int crossings = 0;
+    auto estimate = with_error_estimate(stepper.stepper());
+    auto watch = events(h, on_event([](const auto& q, const auto&) { return q[0]; },
+                                    [&](const T&, const PhasePoint<T, 1>&) { ++crossings; }));
+    integrate(stepper, z, {.dt = T(0.1), .t_end = period}, estimate, watch);
+    CHECK(crossings == 2);
+    CHECK(double(z.q()[0]) == Approx(-3).epsilon(1e-5));
+    CHECK(std::abs(double(z.p()[0])) < 1e-4);
+    CHECK(*estimate.error() < T(1e-4));
+  };
+  run(1.0F);
+  run(1.0L);
+}
+
 TEST_CASE("A resumed run of reversible steps has the same bits", "[reversible steps]") {
   const Folder folder;
   const auto path = folder.path / "run.checkpoint";

@@ -192,7 +192,7 @@ class ReversibleSteps {
     if (!usable(clock_.density)) return;
     const Scalar time = dt / clock_.density;
     Scalar change(0);
-    for (const int side : {1, -1}) {
+    for (const Scalar side : {Scalar(1), Scalar(-1)}) {
       trial_ = z;
       StepReport one = stepper_.step(trial_, side * time);
       const Scalar density = one.ok() ? density_at(trial_, one) : Scalar(0);

@@ -6,7 +6,11 @@
 #include <semiexplicit/systems/charges.hpp>
 #include <semiexplicit/systems/electrostatics.hpp>
 #include <semiexplicit/systems/kepler_flow.hpp>
+#include <semiexplicit/systems/nbody.hpp>
+#include <semiexplicit/systems/nbody_flow.hpp>
+#include <semiexplicit/systems/nbody_relativity.hpp>
 #include <semiexplicit/systems/nls_lattice.hpp>
+#include <semiexplicit/systems/orbital_elements.hpp>
 #include <semiexplicit/systems/orbits.hpp>
 #include <semiexplicit/systems/post_newtonian.hpp>
 #include <semiexplicit/systems/product.hpp>

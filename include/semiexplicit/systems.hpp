@@ -4,6 +4,7 @@
 
 #include <semiexplicit/systems/black_hole.hpp>
 #include <semiexplicit/systems/charges.hpp>
+#include <semiexplicit/systems/dissipation.hpp>
 #include <semiexplicit/systems/electrostatics.hpp>
 #include <semiexplicit/systems/kepler_flow.hpp>
 #include <semiexplicit/systems/nbody.hpp>

@@ -7,6 +7,7 @@
 #include <semiexplicit/systems/dissipation.hpp>
 #include <semiexplicit/systems/electrostatics.hpp>
 #include <semiexplicit/systems/field_from.hpp>
+#include <semiexplicit/systems/geodesics.hpp>
 #include <semiexplicit/systems/kepler_flow.hpp>
 #include <semiexplicit/systems/magnets.hpp>
 #include <semiexplicit/systems/nbody.hpp>

@@ -219,8 +219,9 @@ int run_scene_program(const SceneProgram<Dof>& program, int argc, char** argv, c
                                  "), dt = " + formatted("%.4g", settings.dt) +
                                  "; units: " + preset.units.about + (run.is_result() ? "" : "; NO RESULT");
     if (!settings.no_plot)
-      draw(png, scene_script(png, view.plot(path_csv, path.paths()), csv, run, headline, settings.time,
-                             preset.units.name(1)));
+      draw(png,
+           scene_script(png, view.plot(path_csv, path.paths()), csv, run, headline, settings.time,
+                        preset.units.name(1), scene.is_symplectic() ? "relative error" : "relative change"));
     return run.tell_failure() ? 1 : 0;
   });
 }

@@ -162,6 +162,29 @@ TEST_CASE(
   CHECK(errors[1] < errors[0] / 3.5);  // ε² h² at least
 }
 
+TEST_CASE("a step of a planetary system is symplectic") {
+  const nbody::Bodies<double> bodies({10, 2, 1});
+  const Scene scene(nbody::Kinetic<double>{bodies}, nbody::Attraction<double>{bodies, 0},
+                    nbody::Interaction<double>{bodies}, nbody::EinsteinInfeldHoffmann<double>(bodies, 100));
+  auto stepper = stepper_for(scene, exactly<nbody::Kinetic<double>, nbody::Attraction<double>>());
+  const State start({1, 0.2, 0, -0.3, 4, 0.5}, {-0.4, 5, 0.3, -1.2, 0.1, 0.2});
+  const Eigen::Index n = 12;
+  Eigen::MatrixXd jacobian(n, n), omega = Eigen::MatrixXd::Zero(n, n);  // of the step, by differences
+  omega.topRightCorner(6, 6).setIdentity();
+  omega.bottomLeftCorner(6, 6) = -Eigen::MatrixXd::Identity(6, 6);
+  const double delta = 1e-3;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const auto at = [&](double by) {
+      State z = start;
+      z.vector()[i] += by * delta;
+      REQUIRE(stepper.step(z, 0.05).ok());
+      return Eigen::VectorXd(z.vector());
+    };
+    jacobian.col(i) = (0.75 * (at(1) - at(-1)) - 0.15 * (at(2) - at(-2)) + (at(3) - at(-3)) / 60) / delta;
+  }
+  CHECK((jacobian.transpose() * omega * jacobian - omega).norm() < 1e-9);
+}
+
 TEST_CASE(
     "relativity turns the perihelion of Mercury by 42.98 arcseconds a century, as a pair or by all pairs") {
   const double c = 63241.077, a = 0.38709927, e = 0.20563593;  // au/year, au

@@ -137,7 +137,7 @@ template <class M>
 Geodesic(M) -> Geodesic<M>;
 
 /// Kerr's metric of mass M and spin aM in Boyer-Lindquist coordinates (t, r, θ, φ). black_hole::Kerr is the same by hand, and
-/// several times as fast. Source: Misner, Thorne, Wheeler (1973), eq. (33.2).
+/// three times as fast. Source: Misner, Thorne, Wheeler (1973), eq. (33.2).
 template <class Scalar = double>
 struct KerrMetric {
   Scalar mass = Scalar(1), spin = Scalar(0);

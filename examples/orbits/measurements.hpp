@@ -141,6 +141,7 @@ inline Measurement<3> turning_orbit(const Choice& c, const std::string& unit, do
     const std::string first = about_the_node ? "node" : "perihelion advance";
     if (!c.on("kinetic") || !c.on("attraction") || c.on("two_centres") || c.on("rotating_frame"))
       return print_none(out, first, "that is for kinetic, attraction, j2, 1pn, 2pn and spin_orbit only");
+    if (c.on("drag")) return print_none(out, first, "drag turns it, too");
     if (seen->step > pi / 6)
       return print_none(out, first,
                         formatted("a step goes through %.0f degrees of the orbit; ", seen->step * 180 / pi) +
@@ -170,14 +171,16 @@ inline Measurement<3> turning_orbit(const Choice& c, const std::string& unit, do
       out << what << ": " << decimals(passages.per_time() * factor) << formatted(" ± %.1g ", uncertain)
           << unit << formatted(" from %d orbits", passages.orbits())
           << (measured ? "" : " (± by the energy error)");
-      if (expected.holds())
+      if (expected.holds()) {
         out << "; " << (expected.terms.empty() ? "Kepler" : expected.terms + " to first order") << ": "
             << decimals(closed_form * motion);
-      // What a first order leaves out is of the size of the square of the largest term.
-      if (expected.holds() && expected.largest > 0)
-        out << formatted(", terms of second order: about %.0g", expected.largest * expected.largest * motion);
-      else
+        // What a first order leaves out is of the size of the square of the largest term.
+        if (expected.largest > 0)
+          out << formatted(", terms of second order: about %.0g",
+                           expected.largest * expected.largest * motion);
+      } else {
         out << "; too strong a field for a formula of first order";
+      }
       out << '\n';
     };
     const bool has_node = seen->upright > 1e-3;

@@ -24,6 +24,7 @@ enum class Status {
   invalid_stepper,  ///< the stepper was moved from
   stopped,          ///< a run only: an observer returned false
   gradient_threw,   ///< a member of an Ensemble only: its gradient threw an exception
+  close_encounter,  ///< an exact flow only: bodies came closer than the limit of its scene
   invalid_monitor  ///< of steps that follow a monitor function: it is not finite and positive, or grew too fast
 };
 
@@ -51,6 +52,11 @@ SEMIEXPLICIT_COLD inline std::string describe(Status status) {
       return "stopped by an observer";
     case Status::gradient_threw:
       return "the gradient threw an exception";
+    case Status::close_encounter:
+      return "two bodies come closer than the limit of the scene, below which their interaction is not small "
+             "and a step of an exact flow does not resolve it; integrate the scene without exactly<...>() "
+             "and "
+             "with a step that resolves the encounter, or lower the limit (Attraction::hill_radii)";
     case Status::invalid_monitor:
       return "the monitor function is not finite and positive here, or grew to more than about twice its "
              "value within a step; reduce dt, or check the monitor function near this state";

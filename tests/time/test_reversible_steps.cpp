@@ -176,8 +176,9 @@ TEST_CASE("The clock of reversible steps sums times with compensation", "[revers
   ReversibleSteps stepper(Leapfrogs(), free_fall);
   Point z = kepler_orbit(0.5, 1);
   long double sum = 1000;
-  const auto run = integrate(stepper, z, {.dt = 0.01, .steps = 20'000, .t0 = 1000},
-                             [&](double, const Point&, const IntegrationReport& run) { sum += run.taken; });
+  const auto run =
+      integrate(stepper, z, {.dt = 0.01, .steps = 20'000, .t0 = 1000},
+                [&](double, const Point&, const IntegrationReport& so_far) { sum += so_far.taken; });
   CHECK(std::abs(double(run.t - sum)) <= 1.2e-13);  // a rounding of the time itself
 }
 

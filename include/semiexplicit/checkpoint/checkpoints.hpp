@@ -103,6 +103,7 @@ class Checkpoints {
   }
 
   void operator()(const Scalar&, const State& z, const IntegrationReport& so_far) {
+    if (so_far.at_event) return;  // a run is resumed at the end of a step
     if (so_far.steps == 0) start_state_ = checksum_of(z);
     if (so_far.steps < std::exchange(seen_, so_far.steps)) {  // another run
       last_ = so_far.steps;
@@ -164,7 +165,8 @@ class Checkpoints {
     if (dof != z.dof())
       throw std::invalid_argument("the state handed in has " + std::to_string(z.dof()) +
                                   " degrees of freedom, and the one that was saved " + std::to_string(dof));
-    for (auto* count : {&report.steps, &report.evaluations, &report.gradients, &report.subdivided}) {
+    for (auto* count :
+         {&report.steps, &report.evaluations, &report.gradients, &report.subdivided, &report.changes}) {
       memory(*count);
       if (*count < 0 || *count > std::int64_t{1} << 62)
         throw std::invalid_argument("its counts cannot be; start anew without it");
@@ -211,7 +213,7 @@ class Checkpoints {
     detail::OptionText list;
     list("run", label);
     list("bits of a number", std::numeric_limits<Scalar>::digits);
-    list("dt", detail::with_steps(run).dt);
+    list("dt", detail::with_steps<S>(run).dt);
     list("t0", run.t0);
     list("subdivide", run.subdivide);
     list_all(list, stepper, std::tuple<Observers&...>(observers...));

@@ -11,11 +11,11 @@
 #include <utility>
 #include <vector>
 
+#include <semiexplicit/core/threads.hpp>
 #include <semiexplicit/ensemble/ensemble_run.hpp>
 #include <semiexplicit/ensemble/family.hpp>
 #include <semiexplicit/ensemble/lane_members.hpp>
 #include <semiexplicit/ensemble/plain_members.hpp>
-#include <semiexplicit/ensemble/threads.hpp>
 #include <semiexplicit/io/checksum.hpp>
 
 namespace semiexplicit {

@@ -4,6 +4,7 @@
 #include <type_traits>
 #include <utility>
 
+#include <semiexplicit/core/inlined.hpp>
 #include <semiexplicit/core/vector.hpp>
 
 namespace semiexplicit {
@@ -160,16 +161,21 @@ namespace detail {
 
 /// One gradient call with each column wherever it lies. Every stepper calls gradient() by it.
 template <class H>
-void gradient_at(const H& hamiltonian, const typename H::Scalar* q, const typename H::Scalar* p,
-                 typename H::Scalar* dHdq, typename H::Scalar* dHdp, Eigen::Index dof) {
+SEMIEXPLICIT_INLINE SEMIEXPLICIT_INLINE_CALLS void gradient_at(const H& hamiltonian,
+                                                               const typename H::Scalar* q,
+                                                               const typename H::Scalar* p,
+                                                               typename H::Scalar* dHdq,
+                                                               typename H::Scalar* dHdp, Eigen::Index dof) {
   OutColumn<H> by_q(dHdq, dof), by_p(dHdp, dof);
   hamiltonian.gradient(InColumn<H>(q, dof), InColumn<H>(p, dof), by_q, by_p);
 }
 
 /// One gradient call at the contiguous phase point `at`, written to the contiguous pair (∂H/∂q, ∂H/∂p).
 template <class H>
-void gradient_at(const H& hamiltonian, const typename H::Scalar* at, typename H::Scalar* gradient,
-                 Eigen::Index dof) {
+SEMIEXPLICIT_INLINE SEMIEXPLICIT_INLINE_CALLS void gradient_at(const H& hamiltonian,
+                                                               const typename H::Scalar* at,
+                                                               typename H::Scalar* gradient,
+                                                               Eigen::Index dof) {
   gradient_at(hamiltonian, at, at + dof, gradient, gradient + dof, dof);
 }
 

@@ -12,6 +12,8 @@
 
 #include <Eigen/Core>
 
+#include <semiexplicit/core/inlined.hpp>
+
 namespace semiexplicit::detail {
 
 /// How many threads are meant: the number given, or with 0 what OpenMP would take (OMP_NUM_THREADS, or one a core). One in
@@ -62,24 +64,31 @@ inline int threads_for_one() {
 
 namespace semiexplicit {
 
+namespace detail {
+
+/// in_parts() where there are many blocks. Not inlined: what small systems run is what it would be without threads.
+template <class F>
+SEMIEXPLICIT_NOINLINE void in_threads(Eigen::Index n, Eigen::Index block, const F& f) {
+  const Eigen::Index blocks = (n + block - 1) / block,
+                     parts = std::min<Eigen::Index>(threads_for_one(), blocks);
+  if (parts < 2) return f(Eigen::Index(0), n);
+  for_each_in_parallel(parts, static_cast<int>(parts), [&](Eigen::Index part) {
+    f(blocks * part / parts * block, std::min(n, blocks * (part + 1) / parts * block));
+  });
+}
+
+}  // namespace detail
+
 /// Calls f(begin, end) for parts of 0 to n - 1, one a thread, that begin at multiples of `block`: for a gradient of a large system, say.
 /// Where the program is compiled without OpenMP, or this is within threads already, and where n is below `least`, it is f(0, n). What
 /// is computed in whole blocks has the same bits by any number of threads then, provided that a block needs no other one's results.
 /// An exception is thrown again at the end. No heap use of its own.
 template <class F>
-void in_parts(Eigen::Index n, Eigen::Index block, Eigen::Index least, const F& f) {
+void in_parts(Eigen::Index n, [[maybe_unused]] Eigen::Index block, [[maybe_unused]] Eigen::Index least,
+              const F& f) {
 #ifdef _OPENMP
-  const Eigen::Index blocks = (n + block - 1) / block;
-  if (n >= least && blocks > 1) {
-    const Eigen::Index parts = std::min<Eigen::Index>(detail::threads_for_one(), blocks);
-    if (parts > 1)
-      return detail::for_each_in_parallel(parts, static_cast<int>(parts), [&](Eigen::Index part) {
-        f(blocks * part / parts * block, std::min(n, blocks * (part + 1) / parts * block));
-      });
-  }
+  if (n >= least) return detail::in_threads(n, block, f);
 #endif
-  static_cast<void>(block);
-  static_cast<void>(least);
   f(Eigen::Index(0), n);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <concepts>
 #include <stdexcept>
 #include <string>
 
@@ -40,10 +41,17 @@ struct StoppingRule {
   /// NaN in any argument is never accepted.
   template <class Scalar>
   bool accepts(const Scalar& e, const Scalar& size_m, const Scalar& size_z) const {
+    return accepts(e, size_m, [&] { return size_z; });
+  }
+  /// The same with a function that gives ‖z‖, which is called if the rule needs it.
+  template <class Scalar, std::invocable SizeOfState>
+  bool accepts(const Scalar& e, const Scalar& size_m, const SizeOfState& size_of_state) const {
     const Scalar bound = static_cast<Scalar>(tolerance);
     if (kind == Kind::paper) return e < bound;
+    if (e == Scalar(0)) return true;
     // As a product of ratios: the squares of very small or very large states have no room in the exponent.
-    return e == Scalar(0) || (e / size_z) * ((size_m + e) / size_z) <= bound;
+    const Scalar size_z = size_of_state();
+    return (e / size_z) * ((size_m + e) / size_z) <= bound;
   }
 };
 
@@ -68,27 +76,35 @@ bool within_rounding(const Scalar* f, const Scalar* z, Eigen::Index size, const 
   return true;
 }
 
-/// What solvers ask of a residual beside its values (AnyResidual), from the sizes of the state and of the last evaluation.
+/// Norms that are known: ‖z‖, without the time where that is a coordinate, and how far the mean of the copies moved.
 template <class Scalar>
+struct KnownNorms {
+  Scalar z{}, move{};
+  Scalar size() const { return z; }
+  Scalar distance() const { return move; }
+};
+
+/// What solvers ask of a residual beside its values (AnyResidual), from the sizes of the state and of the last evaluation.
+/// `Norms` has the members of KnownNorms; where it works them out, only the rules that need them pay.
+template <class Scalar, class Norms = KnownNorms<Scalar>>
 struct ResidualSizes {
   const Scalar* z_data = nullptr;
   const Scalar* f_data = nullptr;
   Eigen::Index count = 0;
-  Scalar size{};      ///< ‖z‖, without the time where that is a coordinate
-  Scalar distance{};  ///< that the mean of the copies moved
+  Norms norms;
   Scalar rounding = Eigen::NumTraits<Scalar>::epsilon();  ///< of f, relative; more where differences enter it
 
   /// ‖z‖, but no more than so many moves of a step: see StoppingRule.
   Scalar state_size() const {
-    const Scalar moves = StoppingRule::moves * distance;
+    const Scalar moves = StoppingRule::moves * norms.distance(), size = norms.size();
     return moves < size ? moves : size;
   }
   /// A correction below this may be nothing but rounding: the copies' own, made larger by the kicks in between.
-  Scalar rounding_level() const { return 100 * rounding * (size + distance); }
+  Scalar rounding_level() const { return 100 * rounding * (norms.size() + norms.distance()); }
   /// An iteration that no longer shrinks is allowed the rounding of differences; one that does is not.
   bool within_rounding(double multiple) const {
     const auto unit = static_cast<double>(rounding / Eigen::NumTraits<Scalar>::epsilon());
-    return detail::within_rounding(f_data, z_data, count, distance,
+    return detail::within_rounding(f_data, z_data, count, norms.distance(),
                                    multiple < 1 ? multiple : multiple * unit);
   }
 };
@@ -117,7 +133,7 @@ class Convergence {
     }
     if (!isfinite(e))
       report_.status = Status::not_finite;
-    else if (rule_.accepts(e, size_m, residual.state_size()))
+    else if (rule_.accepts(e, size_m, [&] { return residual.state_size(); }))
       report_.status = Status::success;
     else if (residual.within_rounding(0.01))
       report_.status = Status::rounding_limited;  // m moves no digit of the copies: e would halve for ever

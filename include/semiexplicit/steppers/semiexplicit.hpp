@@ -86,12 +86,18 @@ class Semiexplicit {
         m_(State(dof()).vector()),
         work_(solver_, m_.size()) {}
 
+  struct Norms {
+    const detail::DoubledStep<H>& step;
+    const State& z;
+    Scalar size() const { return detail::state_size(step.hamiltonian(), z); }
+    Scalar distance() const { return step.distance(); }
+  };
   /// f as the solvers see it: a function of m that also knows the sizes that their stopping is judged by.
-  struct Residual : detail::ResidualSizes<Scalar> {
+  struct Residual : detail::ResidualSizes<Scalar, Norms> {
     Residual(detail::DoubledStep<H>& step, const State& start, const Scalar& of_dt)
-        : detail::ResidualSizes<Scalar>{.z_data = start.vector().data(),
-                                        .count = start.vector().size(),
-                                        .size = detail::state_size(step.hamiltonian(), start)},
+        : detail::ResidualSizes<Scalar, Norms>{.z_data = start.vector().data(),
+                                               .count = start.vector().size(),
+                                               .norms = {step, start}},
           doubled(step),
           z(start),
           dt(of_dt) {}
@@ -102,7 +108,6 @@ class Semiexplicit {
     void evaluate(const Vec* m, Vec& f) {
       doubled.residual(z, m, dt, f);
       this->f_data = f.data();
-      this->distance = doubled.distance();
     }
 
     detail::DoubledStep<H>& doubled;

@@ -188,15 +188,16 @@ class TangentStep<Semiexplicit<H, Solver>> {
   /// The sizes that the stopping rule judges by, of the point or of the vectors.
   using Sizes = ResidualSizes<Scalar>;
   Sizes sizes(const State& z) {
-    return {z.vector().data(), copies_.f.data(), copies_.f.size(),
-            detail::state_size(copies_.hamiltonian(), z), copies_.distance(z)};
+    return {z.vector().data(),
+            copies_.f.data(),
+            copies_.f.size(),
+            {detail::state_size(copies_.hamiltonian(), z), copies_.distance(z)}};
   }
   Sizes tangent_sizes(const Vectors& v) const {
     return {v.data(),
             copies_.g.data(),
             v.size(),
-            norm(v.reshaped()),
-            copies_.tangent_distance(v),
+            {norm(v.reshaped()), copies_.tangent_distance(v)},
             copies_.second().rounding()};
   }
 

@@ -70,32 +70,36 @@ class CompensatedUpdate {
  private:
   /// The sums, and what rounding cut off; false where a sum is not finite.
   template <class Size, class Increment>
-  bool add(const Scalar* state, Scalar* __restrict sums, Scalar* __restrict lost, Size size,
-           const Increment& increment) {
+  bool add(const Scalar* state, Scalar* sums, Scalar* lost, Size size, const Increment& increment) {
     const Scalar* const carry = carry_.data();
-    const auto add_part = [&](Eigen::Index begin, auto count) {
-      Scalar not_finite(0);  // becomes NaN
-      detail::for_each_index(count, [&](Eigen::Index k) {
-        const Eigen::Index i = begin + k;
-        // Knuth's two-sum: exact whichever operand is larger.
-        const Scalar delta = increment(i) + carry[i];
-        const Scalar sum = state[i] + delta;
-        const Scalar moved = sum - state[i];
-        lost[i] = (state[i] - (sum - moved)) + (delta - moved);
-        sums[i] = sum;
-        not_finite += sum - sum;
-      });
-      return !(not_finite == Scalar(0));
-    };
     bool failed;
     if constexpr (std::same_as<Size, Eigen::Index>)
-      failed = detail::any_of_many(
-          size, [&](Eigen::Index begin, Eigen::Index end) { return add_part(begin, end - begin); });
+      failed = detail::any_of_many(size, [&](Eigen::Index begin, Eigen::Index end) {
+        return !add_part(state, carry, sums, lost, begin, end - begin, increment);
+      });
     else
-      failed = add_part(0, size);
+      failed = !add_part(state, carry, sums, lost, 0, size, increment);
     if (!failed) return true;
     next_.setConstant(std::numeric_limits<Scalar>::quiet_NaN());  // no state equals it: the carry is dropped
     return false;
+  }
+  /// The same of `size` numbers from `begin` on. (The carry may be where `lost` is.)
+  template <class Size, class Increment>
+  SEMIEXPLICIT_INLINE static bool add_part(const Scalar* state, const Scalar* carry, Scalar* __restrict sums,
+                                           Scalar* lost, Eigen::Index begin, Size size,
+                                           const Increment& increment) {
+    Scalar not_finite(0);  // becomes NaN
+    detail::for_each_index(size, [&](Eigen::Index k) {
+      const Eigen::Index i = begin + k;
+      // Knuth's two-sum: exact whichever operand is larger.
+      const Scalar delta = increment(i) + carry[i];
+      const Scalar sum = state[i] + delta;
+      const Scalar moved = sum - state[i];
+      lost[i] = (state[i] - (sum - moved)) + (delta - moved);
+      sums[i] = sum;
+      not_finite += sum - sum;
+    });
+    return not_finite == Scalar(0);
   }
 
   typename PhasePoint<Scalar, Dof>::Storage carry_, next_;

@@ -23,6 +23,12 @@ SEMIEXPLICIT_INLINE void for_each_index(std::integral_constant<int, N>, const F&
   (std::make_integer_sequence<int, N>());
   else for (Eigen::Index i = 0; i < N; ++i) f(i);
 }
+/// Whether a number of degrees of freedom is a constant, and so small that a loop over it gains nothing by vectors.
+template <class Size>
+inline constexpr bool is_small_constant = false;
+template <int D>
+inline constexpr bool is_small_constant<std::integral_constant<int, D>> = D <= 8;
+
 /// 2d, a constant where d is one.
 inline Eigen::Index twice_of(Eigen::Index d) { return 2 * d; }
 template <int D>

@@ -15,39 +15,47 @@
 
 namespace semiexplicit::detail {
 
-/// to += t X, and likewise the sums, in `size` places, where X = (∂H/∂p, -∂H/∂q) and momenta lie d places after positions.
-/// Plain loops over raw pointers: compilers vectorise these, and not the equivalent Eigen expression on the halves of a
-/// vector of odd fixed size.
-template <class Scalar, class Number, class Size, class... Sum>
-SEMIEXPLICIT_INLINE void add(const Scalar& t, const Number* __restrict gradient, Number* __restrict to,
-                             Size size, Eigen::Index d, Sum* __restrict... sum) {
-  for_each_index(size, [&](Eigen::Index i) {
-    const Number move = t * gradient[size + i];
-    to[i] += move;
-    ((sum[i] += move), ...);
-  });
-  for_each_index(size, [&](Eigen::Index i) {
-    const Number move = t * gradient[i];
-    to[d + i] -= move;
-    ((sum[d + i] -= move), ...);
-  });
+/// x, which clang++ cannot see through where Size is a small constant: it would pack the few numbers of a kick into registers,
+/// and spend more on the shuffles between one kick and the next than it gains.
+template <class Size, class Number>
+SEMIEXPLICIT_INLINE Number apart(Number x) {
+#if defined(__clang__) && defined(__x86_64__)
+  if constexpr (is_small_constant<Size> && (std::same_as<Number, double> || std::same_as<Number, float>))
+    asm("" : "+x"(x));
+#endif
+  return x;
 }
 
-/// The same in long vectors, by threads.
+/// to += t X, and likewise the sums, in `size` places, where X = (∂H/∂p, -∂H/∂q) and momenta lie d places after positions.
+/// Plain loops over raw pointers: compilers vectorise these, and not the equivalent Eigen expression on the halves of a
+/// vector of odd fixed size. Each sum is one expression, which clang++ makes one fused operation where there are some.
+template <class Scalar, class Number, class Size, class... Sum>
+SEMIEXPLICIT_INLINE void add_halves(const Scalar& t, const Number* __restrict dHdq,
+                                    const Number* __restrict dHdp, Number* __restrict to, Size size,
+                                    Eigen::Index d, Sum* __restrict... sum) {
+  for_each_index(size, [&](Eigen::Index i) {
+    const Number slope = dHdp[i];
+    to[i] = apart<Size, Number>(to[i] + t * slope);
+    ((sum[i] = apart<Size, Number>(sum[i] + t * slope)), ...);
+  });
+  for_each_index(size, [&](Eigen::Index i) {
+    const Number slope = dHdq[i];
+    to[d + i] = apart<Size, Number>(to[d + i] - t * slope);
+    ((sum[d + i] = apart<Size, Number>(sum[d + i] - t * slope)), ...);
+  });
+}
+/// The same with both halves of the gradient in a row.
+template <class Scalar, class Number, class Size, class... Sum>
+SEMIEXPLICIT_INLINE void add(const Scalar& t, const Number* gradient, Number* to, Size size, Eigen::Index d,
+                             Sum*... sum) {
+  add_halves(t, gradient, gradient + size, to, size, d, sum...);
+}
+/// And in long vectors, by threads.
 template <class Scalar, class Number, class... Sum>
 SEMIEXPLICIT_NOINLINE void add_many(const Scalar& t, const Number* gradient, Number* to, Eigen::Index d,
                                     Sum*... sum) {
   in_parts(d, 64, long_loop, [&](Eigen::Index begin, Eigen::Index end) {
-    for (Eigen::Index i = begin; i < end; ++i) {
-      const Number move = t * gradient[d + i];
-      to[i] += move;
-      ((sum[i] += move), ...);
-    }
-    for (Eigen::Index i = begin; i < end; ++i) {
-      const Number move = t * gradient[i];
-      to[d + i] -= move;
-      ((sum[d + i] -= move), ...);
-    }
+    add_halves(t, gradient + begin, gradient + d + begin, to + begin, end - begin, d, (sum + begin)...);
   });
 }
 
@@ -88,6 +96,7 @@ template <class H, class Scalar, class... Sum>
 void kick_in_blocks(const H& hamiltonian, const Scalar& t, const Scalar* from, Scalar* to, Scalar* gradient,
                     Eigen::Index d, Sum*... sum) {
   constexpr Eigen::Index least = 16384;
+  if (d < least) return kick_blocks(hamiltonian, t, from, to, gradient, Eigen::Index(0), d, d, sum...);
   in_parts(d, kick_block, least, [&](Eigen::Index begin, Eigen::Index end) {
     kick_blocks(hamiltonian, t, from, to, gradient + 2 * begin, begin, end, d, sum...);
   });

@@ -3,9 +3,10 @@
 #include "catch.hpp"
 
 #include <cmath>
-#include <cstring>
+#include <set>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #ifdef _OPENMP
@@ -263,6 +264,53 @@ TEST_CASE("Parts of a loop begin at whole blocks and leave nothing out") {
       CHECK(seen == std::vector<int>(std::size_t(n), 1));
     }
   }
+}
+
+TEST_CASE("Parts of a wave touch nothing that another part touches at the same time") {
+  // Two copies of a phase point by tiles: stage 0 writes both, a kick reads one in three tiles and writes the other, the last reads both.
+  using Places = std::set<std::pair<int, Eigen::Index>>;
+  struct Part {
+    Places reads, writes;
+  };
+  for (const Eigen::Index stages : {5, 29})
+    for (const int parts : {2, 3, 4}) {
+      const Eigen::Index tiles = 2 * stages * parts + 1;
+      std::vector<std::vector<int>> done(std::size_t(stages), std::vector<int>(std::size_t(tiles), 0));
+      const auto record = [&](Part& part, Eigen::Index s, Eigen::Index b) {
+        if (done[std::size_t(s)][std::size_t(b)]++ != 0) throw std::logic_error("done twice");
+        const auto is_done = [&](Eigen::Index at) {
+          return at < 0 || at >= tiles || done[std::size_t(s - 1)][std::size_t(at)] == 1;
+        };
+        if (s > 0 && !(is_done(b - 1) && is_done(b) && is_done(b + 1)) && s + 1 < stages)
+          throw std::logic_error("too early");
+        const int from = int((s + 1) % 2);
+        if (s == 0) part.writes.insert({{0, b}, {1, b}});
+        if (s == stages - 1) part.reads.insert({{0, b}, {1, b}});
+        if (s == 0 || s == stages - 1) return;
+        part.reads.insert({{from, b - 1}, {from, b}, {from, b + 1}});
+        part.writes.insert({1 - from, b});
+      };
+      const auto no_conflict = [](const std::vector<Part>& all) {
+        for (const Part& one : all)
+          for (const Part& other : all)
+            for (const auto& place : one.writes)
+              if (&one != &other && (other.writes.contains(place) || other.reads.contains(place)))
+                return false;
+        return true;
+      };
+      const auto begin = [&](int part) { return tiles * part / parts; };
+      std::vector<Part> first(std::size_t(parts), Part{}), second(std::size_t(parts - 1), Part{});
+      for (int i = 0; i < parts; ++i)
+        detail::wave(stages, begin(i), begin(i + 1), i > 0, i + 1 < parts,
+                     [&](Eigen::Index s, Eigen::Index b) { record(first[std::size_t(i)], s, b); });
+      for (int i = 0; i + 1 < parts; ++i)
+        detail::fill_between(stages, begin(i + 1),
+                             [&](Eigen::Index s, Eigen::Index b) { record(second[std::size_t(i)], s, b); });
+      CAPTURE(stages, parts);
+      CHECK(no_conflict(first));
+      CHECK(no_conflict(second));
+      for (const auto& stage : done) CHECK(stage == std::vector<int>(std::size_t(tiles), 1));
+    }
 }
 
 TEST_CASE("Large members of an ensemble are as they are alone") {

@@ -20,6 +20,13 @@ void wave(Eigen::Index stages, Eigen::Index first, Eigen::Index last, bool inner
     }
 }
 
+/// What wave() leaves out at the inner end between two parts, in front of the tile `middle`.
+template <class Stage>
+void fill_between(Eigen::Index stages, Eigen::Index middle, const Stage& stage) {
+  for (Eigen::Index s = 1; s < stages; ++s)
+    for (Eigen::Index b = middle - s; b < middle + s; ++b) stage(s, b);
+}
+
 /// How the sites of a large system are shared out to threads and to tiles.
 struct Waves {
   Eigen::Index tile = 0;  ///< sites, a multiple of `block`; 0: kick after kick of the whole system is as fast
@@ -57,11 +64,8 @@ void in_waves(const Waves& waves, Eigen::Index stages, Eigen::Index sites, const
   for_each_in_parallel(threads, static_cast<int>(threads), [&](Eigen::Index part) {
     wave(stages, begin(part), begin(part + 1), part > 0, part + 1 < threads, at);
   });
-  for_each_in_parallel(threads - 1, static_cast<int>(threads - 1), [&](Eigen::Index part) {
-    const Eigen::Index middle = begin(part + 1);
-    for (Eigen::Index s = 1; s < stages; ++s)
-      for (Eigen::Index b = middle - s; b < middle + s; ++b) at(s, b);
-  });
+  for_each_in_parallel(threads - 1, static_cast<int>(threads - 1),
+                       [&](Eigen::Index part) { fill_between(stages, begin(part + 1), at); });
 }
 
 }  // namespace semiexplicit::detail

@@ -157,7 +157,7 @@ TEST_CASE("An energy of packs goes in lanes") {
     CHECK((lanes.state(i).vector() - plain.state(i).vector()).norm() < 1e-12);
 }
 
-TEST_CASE("Failed steps are tried in parts, in lanes as alone") {
+TEST_CASE("Failed steps are tried in parts, in lanes as alone", "[long]") {
   auto starts = lattices(13);
   for (const std::size_t i : {2u, 7u, 12u}) starts[i].q()[1] = 2.5 + 0.1 * double(i);
   for (const std::size_t i : {4u, 9u}) starts[i].q()[1] = 40;  // beyond help

@@ -135,7 +135,7 @@ void compare(const Local& local, const Whole& whole, double dt, int steps, const
 
 }  // namespace
 
-TEST_CASE("A large lattice has the same bits by any number of threads") {
+TEST_CASE("A large lattice has the same bits by any number of threads", "[long]") {
   static_assert(HasLocalGradient<systems::NlsLattice<double>> && !HasLocalGradient<RangesOf<double>>);
   for (const Eigen::Index n : {1000, 7500, 12345, 40'000}) {
     const systems::NlsLattice<double> lattice(n);

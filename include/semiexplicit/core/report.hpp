@@ -27,6 +27,11 @@ enum class Status {
   close_encounter   ///< an exact flow only: bodies came closer than the limit of its scene
 };
 
+namespace detail {
+/// The last of them, for who reads one from a file.
+inline constexpr Status last_status = Status::close_encounter;
+}  // namespace detail
+
 /// What happened, in words, with the remedy.
 SEMIEXPLICIT_COLD inline std::string describe(Status status) {
   switch (status) {

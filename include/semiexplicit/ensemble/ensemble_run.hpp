@@ -153,7 +153,7 @@ void visit_report(Visitor&& visit, IntegrationReport& report) {
   const auto visit_status = [&](Status& status) {
     auto number = static_cast<std::int32_t>(status);
     visit(number);
-    if (number < 0 || number > static_cast<std::int32_t>(Status::gradient_threw))
+    if (number < 0 || number > static_cast<std::int32_t>(last_status))
       throw std::invalid_argument("a status that is none; start anew without it");
     status = static_cast<Status>(number);
   };

@@ -28,6 +28,11 @@ enum class Status {
   invalid_monitor  ///< of steps that follow a monitor function: it is not finite and positive, or grew too fast
 };
 
+namespace detail {
+/// The last of them, for who reads one from a file.
+inline constexpr Status last_status = Status::close_encounter;
+}  // namespace detail
+
 /// What happened, in words, with the remedy.
 SEMIEXPLICIT_COLD inline std::string describe(Status status) {
   switch (status) {

@@ -49,8 +49,8 @@ State at_turning_point(const Choice& c) {
   return z;
 }
 
-/// From the apoapsis of an orbit in the equator of semi-latus rectum p and eccentricity e, p > 6 + 2e: Chandrasekhar,
-/// section 19.
+/// From the apoapsis of an orbit in the equator of semi-latus rectum p and eccentricity e, p > 6 + 2e:
+/// Chandrasekhar, section 19.
 State at_apoapsis(const Choice& c) {
   const double mass = c["mass"], p = c["p"], e = c["e"];
   if (!(0 <= e && e < 1) || !(p > 6 + 2 * e))

@@ -1,4 +1,5 @@
-// The finite-time Lyapunov exponent of a wave packet that spreads in a disordered nonlinear chain, in weak and strong chaos.
+// The finite-time Lyapunov exponent of a wave packet that spreads in a disordered nonlinear chain, in weak
+// and strong chaos.
 #include <cmath>
 #include <filesystem>
 #include <iostream>
@@ -19,8 +20,8 @@ namespace {
 
 using namespace examples;
 
-/// Of 21 sites with |ψ|² = 1 in a chain with W = 4: Laptyeva, Bodyfelt, Krimer, Skokos, Flach, Europhys. Lett. 91 (2010) 30001.
-/// The slopes: Senyange, Many Manda, Skokos, Phys. Rev. E 98 (2018) 052229.
+/// Of 21 sites with |ψ|² = 1 in a chain with W = 4: Laptyeva, Bodyfelt, Krimer, Skokos, Flach, Europhys.
+/// Lett. 91 (2010) 30001. The slopes: Senyange, Many Manda, Skokos, Phys. Rev. E 98 (2018) 052229.
 struct Regime {
   std::string name;
   double beta, published_slope;

@@ -1,4 +1,5 @@
-// A charge in magnetic and electric fields: gyration, a magnetic bottle, a proton in the Earth's dipole field.
+// A charge in magnetic and electric fields: gyration, a magnetic bottle, a proton in the Earth's dipole
+// field.
 #include <cmath>
 #include <stdexcept>
 #include <string>

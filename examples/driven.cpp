@@ -21,8 +21,8 @@ namespace {
 using namespace semiexplicit;
 using std::numbers::pi;
 
-/// Lengths in units of the pendulum's, times in units of √(length/g). Of the angle θ from the lowest position and its momentum
-/// p = θ' - aΩ sin(Ωt) sin θ, without what depends on the time only.
+/// Lengths in units of the pendulum's, times in units of √(length/g). Of the angle θ from the lowest position
+/// and its momentum p = θ' - aΩ sin(Ωt) sin θ, without what depends on the time only.
 auto pendulum(double amplitude, double frequency) {
   return Autonomous(from_energy<1>([=](const auto& t, const auto& q, const auto& p) {
     using std::cos, std::sin;
@@ -32,7 +32,8 @@ auto pendulum(double amplitude, double frequency) {
 }
 using Pendulum = decltype(pendulum(0, 0));
 
-/// Half the trace of the derivative of the motion over a period, at the upper position: between -1 and 1 it is stable.
+/// Half the trace of the derivative of the motion over a period, at the upper position: between -1 and 1 it
+/// is stable.
 double half_trace(const Semiexplicit<Pendulum>& method, double period, std::int64_t steps) {
   auto stepper = method;
   TangentMap tangent(stepper);

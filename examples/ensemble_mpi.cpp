@@ -1,6 +1,6 @@
-// A sweep over the initial conditions of four vortices by any number of processes (MPI). Each block of members that is
-// finished is kept in a file; a run that was interrupted goes on from these when it is started again with the same
-// settings.
+// A sweep over the initial conditions of four vortices by any number of processes (MPI). Each block of
+// members that is finished is kept in a file; a run that was interrupted goes on from these when it is
+// started again with the same settings.
 //
 //     mpirun -n 4 ensemble_mpi --members 100000
 #include <algorithm>

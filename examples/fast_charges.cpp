@@ -1,4 +1,5 @@
-// A charge at nearly the speed of light: gyration, an undulator, a solenoid, a quadrupole, a cosmic ray in the Earth's field.
+// A charge at nearly the speed of light: gyration, an undulator, a solenoid, a quadrupole, a cosmic ray in
+// the Earth's field.
 #include <cmath>
 #include <map>
 #include <stdexcept>

@@ -1,4 +1,5 @@
-// Geodesics of a metric that is given by its components alone: a section through the orbits about a black hole.
+// Geodesics of a metric that is given by its components alone: a section through the orbits about a black
+// hole.
 #include <cmath>
 #include <cstdint>
 #include <filesystem>

@@ -1,4 +1,5 @@
-// The lattice of the nonlinear Schrödinger equation, by any method, or by four of them side by side (--compare).
+// The lattice of the nonlinear Schrödinger equation, by any method, or by four of them side by side
+// (--compare).
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -47,9 +48,9 @@ Run run_sites(const Method& method, Eigen::Index sites, double dt, const Rows& r
   });
 }
 
-/// The four contestants. All take the same step, and the schemes are such that a step costs nearly the same, 21 to 27
-/// gradient calls: the rivals have the published sixth-order one that serves them best at that price (Tao's map takes
-/// compositions of Strang only).
+/// The four contestants. All take the same step, and the schemes are such that a step costs nearly the same,
+/// 21 to 27 gradient calls: the rivals have the published sixth-order one that serves them best at that price
+/// (Tao's map takes compositions of Strang only).
 std::vector<Method> contestants(const Method& semiexplicit) {
   return {{.name = "pihajoki", .scheme = "blanes_moan6"},
           {.name = "tao", .scheme = "kahan_li6", .omega = semiexplicit.omega},

@@ -1,4 +1,5 @@
-// The orbit of one body about a centre, or two: Newton, relativity, oblateness, rotating frame, as the user chooses.
+// The orbit of one body about a centre, or two: Newton, relativity, oblateness, rotating frame, as the user
+// chooses.
 #include <string>
 #include <utility>
 #include <vector>

@@ -1,4 +1,5 @@
-// The Sun and its planets: Kepler's motion exact, their attraction kicked, only relativity doubled. --audit: Clemence's table.
+// The Sun and its planets: Kepler's motion exact, their attraction kicked, only relativity doubled. --audit:
+// Clemence's table.
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>

@@ -1,4 +1,5 @@
-// Point vortices in the plane, from a preset or a CSV file, by any method; in background flows and between walls.
+// Point vortices in the plane, from a preset or a CSV file, by any method; in background flows and between
+// walls.
 #include <map>
 #include <optional>
 #include <string>

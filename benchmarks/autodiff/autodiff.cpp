@@ -1,9 +1,9 @@
-// What a gradient by from_energy() costs in terms of one written by hand: the bare gradient, and a whole step. The two alternate
-// in short batches, so that a busy machine disturbs both alike; the ratio of each pair of batches is taken, and their
-// median and quartiles are printed.
+// What a gradient by from_energy() costs in terms of one written by hand: the bare gradient, and a whole
+// step. The two alternate in short batches, so that a busy machine disturbs both alike; the ratio of each
+// pair of batches is taken, and their median and quartiles are printed.
 //
-// The second table has large systems: what the gradient by terms, backwards and forwards takes, in terms of a plain loop by hand
-// that the compiler vectorises.
+// The second table has large systems: what the gradient by terms, backwards and forwards takes, in terms of a
+// plain loop by hand that the compiler vectorises.
 //
 //     bench_autodiff [rounds]          pin it to a core: taskset -c 1 bench_autodiff
 
@@ -236,7 +236,8 @@ struct PlainUnstructured {
   }
 };
 
-/// One derivative in each of the variables after the other's, eight at a time: what from_energy() did with any energy once.
+/// One derivative in each of the variables after the other's, eight at a time: what from_energy() did with
+/// any energy once.
 template <class Energy>
 class Forwards {
  public:

@@ -1,6 +1,7 @@
-// What Lyapunov exponents cost: the time of a step that is observed by LyapunovExponents over that of a plain one, for the NLS lattice
-// and second derivatives from hessian_times, from dual numbers through the gradient, from differences of it; and by the dense tangent
-// map. Both kinds of runs alternate in batches; medians and quartiles of the ratios of the pairs are printed.
+// What Lyapunov exponents cost: the time of a step that is observed by LyapunovExponents over that of a plain
+// one, for the NLS lattice and second derivatives from hessian_times, from dual numbers through the gradient,
+// from differences of it; and by the dense tangent map. Both kinds of runs alternate in batches; medians and
+// quartiles of the ratios of the pairs are printed.
 //
 //     bench_chaos [rounds]          pin it to a core: taskset -c 1 bench_chaos
 
@@ -52,7 +53,8 @@ struct WithProduct : GradientOnly {
   }
 
  private:
-  /// In blocks: first the squares of each site and their derivatives, ψ² = u + iv, then the sums over neighbours.
+  /// In blocks: first the squares of each site and their derivatives, ψ² = u + iv, then the sums over
+  /// neighbours.
   void times(const double* __restrict q, const double* __restrict p, const double* __restrict dq,
              const double* __restrict dp, double* __restrict hq, double* __restrict hp) const {
     constexpr Eigen::Index block = 128;

@@ -1,5 +1,5 @@
-// Is the advice of cost_of_accuracy() right? Twelve pairs of a system and of what is measured, against a scan of every method and
-// step, and with --energy eight systems and four targets for the energy.
+// Is the advice of cost_of_accuracy() right? Twelve pairs of a system and of what is measured, against a scan
+// of every method and step, and with --energy eight systems and four targets for the energy.
 //
 //     bench_cost [--energy] [--verbose] [--only NAME] [folder]
 //
@@ -30,8 +30,8 @@ struct Point {
   double error, gradients;
 };
 
-/// Errors of whole runs: of an invariant against its first value at every step, of any other observable against a tight run
-/// at `samples` times that all steps fit into.
+/// Errors of whole runs: of an invariant against its first value at every step, of any other observable
+/// against a tight run at `samples` times that all steps fit into.
 template <class H>
 class Judge {
  public:

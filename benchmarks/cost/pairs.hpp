@@ -34,7 +34,8 @@ inline Eigen::Vector2d periapsis(const In<double, 2>& q, const In<double, 2>& p)
   return Eigen::Vector2d(p[1] * turn, -p[0] * turn) - q / q.norm();
 }
 
-/// Calls use(name, H, z0, T, target, observable) for each of the twelve pairs of a system and what is measured.
+/// Calls use(name, H, z0, T, target, observable) for each of the twelve pairs of a system and what is
+/// measured.
 template <class Use>
 void for_each_pair(const Use& use) {
   const auto pair = [&](const std::string& name, const auto& h, const auto& z0, double T, double target,

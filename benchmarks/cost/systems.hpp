@@ -10,7 +10,8 @@ namespace bench {
 
 using namespace semiexplicit;
 
-/// A charge in a magnetic bottle, H = ‖p - A(q)‖²/2 with A = (1 + z²/400)/2 (-y, x, 0): gyration, bounce and drift.
+/// A charge in a magnetic bottle, H = ‖p - A(q)‖²/2 with A = (1 + z²/400)/2 (-y, x, 0): gyration, bounce and
+/// drift.
 struct MagneticBottle {
   using Scalar = double;
   static constexpr int Dof = 3;
@@ -28,8 +29,8 @@ struct MagneticBottle {
   }
 };
 
-/// Two bodies of equal mass in the first post-Newtonian approximation, in their centre of mass (G = m = μ = 1):
-/// H = p²/2 - 1/r + (1/c²)(-(1 - 3ν)p⁴/8 - ((3 + ν)p² + ν (n·p)²)/(2r) + 1/(2r²)), ν = 1/4.
+/// Two bodies of equal mass in the first post-Newtonian approximation, in their centre of mass (G = m = μ =
+/// 1): H = p²/2 - 1/r + (1/c²)(-(1 - 3ν)p⁴/8 - ((3 + ν)p² + ν (n·p)²)/(2r) + 1/(2r²)), ν = 1/4.
 struct PostNewtonian {
   using Scalar = double;
   static constexpr int Dof = 2;

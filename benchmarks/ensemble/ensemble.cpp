@@ -1,10 +1,11 @@
-// What lanes and threads are worth to an ensemble: the time of a step of a member in it, on one thread, beside that of the
-// plain stepper, with and without the latter's own use of registers (HasLaneGradient, where the compiler's target has it);
-// then the same ensemble on more threads. The contestants alternate in short batches, so that a busy machine disturbs all
-// alike; the ratios are taken batch by batch, and their medians and quartiles printed.
+// What lanes and threads are worth to an ensemble: the time of a step of a member in it, on one thread,
+// beside that of the plain stepper, with and without the latter's own use of registers (HasLaneGradient,
+// where the compiler's target has it); then the same ensemble on more threads. The contestants alternate in
+// short batches, so that a busy machine disturbs all alike; the ratios are taken batch by batch, and their
+// medians and quartiles printed.
 //
 //     bench_ensemble [rounds]          the lanes; pin it to a core: taskset -c 1 bench_ensemble
-//     bench_ensemble [rounds] threads  the threads; do not pin it, but hold them to their cores: OMP_PROC_BIND=true
+//     bench_ensemble [rounds] threads  the threads; not pinned, but held to their cores: OMP_PROC_BIND=true
 
 #include <algorithm>
 #include <chrono>

@@ -1,7 +1,8 @@
-// What an exact flow for the dominant effects saves: Mercury with relativity, where Kepler's motion is exact, and a star in a
-// rotating bar, where free motion in the turning frame is. For each accuracy the fastest of the methods without exact flows is
-// set against the fastest with them; the two then alternate, so that a busy machine disturbs both alike, and the median of
-// the ratios of neighbouring runs and their quartiles are printed. Times are those of the processor, not of the clock.
+// What an exact flow for the dominant effects saves: Mercury with relativity, where Kepler's motion is exact,
+// and a star in a rotating bar, where free motion in the turning frame is. For each accuracy the fastest of
+// the methods without exact flows is set against the fastest with them; the two then alternate, so that a
+// busy machine disturbs both alike, and the median of the ratios of neighbouring runs and their quartiles are
+// printed. Times are those of the processor, not of the clock.
 //
 //     bench_flows [rounds]          pin it to a core: taskset -c 1 bench_flows
 
@@ -50,7 +51,8 @@ struct Method {
   std::function<void(std::int64_t steps)> run;         ///< nothing but the run
 };
 
-/// A problem: its methods, the numbers of steps to try, and what is asked for: an error (by its index) and its bounds.
+/// A problem: its methods, the numbers of steps to try, and what is asked for: an error (by its index) and
+/// its bounds.
 struct Problem {
   std::string name;
   std::vector<Method> methods{};

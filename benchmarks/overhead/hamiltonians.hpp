@@ -4,8 +4,8 @@
 
 #include <semiexplicit/core/hamiltonian.hpp>
 
-// Hamiltonians as a user writes them: a struct with gradient(), no registers, no special kernel. The formula itself is a
-// template, so that the kicks by hand can have the same on plain arrays.
+// Hamiltonians as a user writes them: a struct with gradient(), no registers, no special kernel. The formula
+// itself is a template, so that the kicks by hand can have the same on plain arrays.
 
 namespace bench {
 

@@ -1,8 +1,9 @@
-// What a step costs beyond its kicks: the time of a step with one evaluation of f over the time of the same kicks written by
-// hand, on plain arrays, with the same formula of the gradient. The two alternate in short batches, so that a busy machine
-// disturbs both alike; the median and the quartiles of the ratios of the pairs are printed.
+// What a step costs beyond its kicks: the time of a step with one evaluation of f over the time of the same
+// kicks written by hand, on plain arrays, with the same formula of the gradient. The two alternate in short
+// batches, so that a busy machine disturbs both alike; the median and the quartiles of the ratios of the
+// pairs are printed.
 //
-//     bench_overhead [rounds]          pin it to a core: taskset -c 1 bench_overhead; run.sh goes through compilers and options
+//     bench_overhead [rounds]  pinned to a core: taskset -c 1 bench_overhead; run.sh: compilers and options
 
 #include <algorithm>
 #include <cstdio>
@@ -41,8 +42,8 @@ struct Bundled {
   }
 };
 
-/// All kicks of a step from z, and their mean: nothing but the arithmetic of the explicit map. Compilers make one of several
-/// shapes of this code much faster, and not always the same one; the reference is the fastest.
+/// All kicks of a step from z, and their mean: nothing but the arithmetic of the explicit map. Compilers make
+/// one of several shapes of this code much faster, and not always the same one; the reference is the fastest.
 template <class Gradient, int Dof>
 class ByHand {
   static constexpr int Size = twice(Dof);
@@ -141,7 +142,8 @@ void bundled(const char* name, const H& hamiltonian, const PhasePoint<double, H:
   compare(std::string(name) + ", bundled", hamiltonian, Bundled<H>{hamiltonian}, z0, dt, rounds);
 }
 
-/// Time of a step per degree of freedom and kick, which should hardly grow with the size: all work is in passes over vectors.
+/// Time of a step per degree of freedom and kick, which should hardly grow with the size: all work is in
+/// passes over vectors.
 void scale(Eigen::Index sites) {
   PhasePoint<double, Eigen::Dynamic> z(sites);
   std::mt19937_64 random(1);

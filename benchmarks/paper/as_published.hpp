@@ -9,14 +9,15 @@
 
 #include <semiexplicit/semiexplicit.hpp>
 
-// The steps as the published runs took them, which the library does not: it re-centres the copies after every step, keeps
-// the physical Hamiltonian of the vortices, and refuses a step that did not converge.
+// The steps as the published runs took them, which the library does not: it re-centres the copies after every
+// step, keeps the physical Hamiltonian of the vortices, and refuses a step that did not converge.
 
 namespace paper {
 
 using namespace semiexplicit;
 
-/// Half of a Hamiltonian: the vortices with every pair counted once under the factor 1/(4π), at half their speed.
+/// Half of a Hamiltonian: the vortices with every pair counted once under the factor 1/(4π), at half their
+/// speed.
 template <Hamiltonian Base>
 class PairsOnce {
  public:
@@ -38,9 +39,10 @@ class PairsOnce {
   Base base_;
 };
 
-/// A composition of Strang steps as it is written down, A(g₁/2) B(g₁) A(g₁/2) A(g₂/2) B(g₂) ..., where the library merges
-/// neighbouring A flows. The map is the same; more kicks make more rounding errors, and where ε is close to those, more
-/// iterations. (A list of A and B alternating needs a B of size zero between the two, which costs a gradient call.)
+/// A composition of Strang steps as it is written down, A(g₁/2) B(g₁) A(g₁/2) A(g₂/2) B(g₂) ..., where the
+/// library merges neighbouring A flows. The map is the same; more kicks make more rounding errors, and where
+/// ε is close to those, more iterations. (A list of A and B alternating needs a B of size zero between the
+/// two, which costs a gradient call.)
 inline Scheme<double> unmerged(const Scheme<double>& composition) {
   std::vector<double> a, b;
   for (const double weight : composition.b) {
@@ -52,9 +54,9 @@ inline Scheme<double> unmerged(const Scheme<double>& composition) {
   return {composition.name + ", not merged", composition.order, a, b, composition.source};
 }
 
-/// The semiexplicit step on the four blocks ζ = (q, x, p, y). The next one starts from ζ' = map(ζ + Aᵀμ) + Aᵀμ as it is,
-/// with the defect that the solver left. Where the solver does not converge the step is taken all the same; the report's
-/// correction then says so by being no less than ε.
+/// The semiexplicit step on the four blocks ζ = (q, x, p, y). The next one starts from ζ' = map(ζ + Aᵀμ) +
+/// Aᵀμ as it is, with the defect that the solver left. Where the solver does not converge the step is taken
+/// all the same; the report's correction then says so by being no less than ε.
 template <class H, class Solver>
 class AsPublished {
  public:
@@ -84,7 +86,8 @@ class AsPublished {
  private:
   using Vec = typename PhasePoint<double, Dof>::Storage;
 
-  /// f(μ) = A(map(ζ + Aᵀμ) + Aᵀμ), with m = (μ₁, -μ₂): (q, y) moves by +m, (x, p) by -m. Leaves the argument of A in `end`.
+  /// f(μ) = A(map(ζ + Aᵀμ) + Aᵀμ), with m = (μ₁, -μ₂): (q, y) moves by +m, (x, p) by -m. Leaves the argument
+  /// of A in `end`.
   struct Residual {
     Pihajoki<H>& map;
     const State& zeta;
@@ -124,12 +127,13 @@ class AsPublished {
   typename Solver::template Workspace<Vec> work_;
 };
 
-/// Gauss-Legendre with Newton's iteration on the stage values, started at z each step, until the Euclidean norm of the
-/// correction (of all stages together) is below ε; at most 100 iterations, after which the step is taken as it is.
+/// Gauss-Legendre with Newton's iteration on the stage values, started at z each step, until the Euclidean
+/// norm of the correction (of all stages together) is below ε; at most 100 iterations, after which the step
+/// is taken as it is.
 ///
-/// The published counts (up to 16.66 a step) are those of a Jacobian with one block transposed: of the derivative
-/// [H_pq H_pp; -H_qq -H_qp] of the vector field, H_pq in the upper left is replaced by H_qp. The iteration then converges
-/// linearly. With `transposed_block` false it is Newton's method proper.
+/// The published counts (up to 16.66 a step) are those of a Jacobian with one block transposed: of the
+/// derivative [H_pq H_pp; -H_qq -H_qp] of the vector field, H_pq in the upper left is replaced by H_qp. The
+/// iteration then converges linearly. With `transposed_block` false it is Newton's method proper.
 template <class H>
 class GaussAsPublished {
  public:

@@ -15,8 +15,8 @@ namespace paper {
 
 namespace {
 
-/// Relative errors over time in some hundred rows, dense enough for a linear and for a logarithmic axis. A row holds the
-/// largest values since the row before it.
+/// Relative errors over time in some hundred rows, dense enough for a linear and for a logarithmic axis. A
+/// row holds the largest values since the row before it.
 struct Series {
   std::vector<double> t;
   std::vector<std::vector<double>> rows;

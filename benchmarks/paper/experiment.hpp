@@ -42,7 +42,8 @@ struct Result {
   bool ok() const { return status == "success"; }
 };
 
-/// A folder of results, one file an experiment. A file appears when it is whole, so whatever is there is done.
+/// A folder of results, one file an experiment. A file appears when it is whole, so whatever is there is
+/// done.
 class Results {
  public:
   explicit Results(std::filesystem::path folder) : folder_(std::move(folder)) {}

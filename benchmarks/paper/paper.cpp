@@ -1,5 +1,5 @@
-// Recomputes the tables and figures of Jayawardana and Ohsawa, Math. Comp. 92 (2023) 251, and sets the published values
-// beside ours. See README.md in this folder.
+// Recomputes the tables and figures of Jayawardana and Ohsawa, Math. Comp. 92 (2023) 251, and sets the
+// published values beside ours. See README.md in this folder.
 #include <algorithm>
 #include <filesystem>
 #include <iostream>

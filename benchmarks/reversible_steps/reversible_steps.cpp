@@ -1,7 +1,8 @@
-// Steps that follow the motion against steps of one size, at equal gradient calls: for each problem and each bound on the error the
-// fewest calls with which each way of stepping keeps below it. Numbers of calls, no times: any machine prints the same.
+// Steps that follow the motion against steps of one size, at equal gradient calls: for each problem and each
+// bound on the error the fewest calls with which each way of stepping keeps below it. Numbers of calls, no
+// times: any machine prints the same.
 //
-//     bench_reversible_steps [problem]      all, or the one whose name has this in it; `long` is the run over 1e5 periods
+//     bench_reversible_steps [problem]      all, or the one with this in its name; `long`: over 1e5 periods
 
 #include <algorithm>
 #include <array>
@@ -41,7 +42,8 @@ struct Outcome {
 /// A way to run a problem, at a fineness from 0 on, each step of which takes a fifth more work.
 struct Way {
   std::string name;
-  int group;  ///< 0 our fixed steps, 1 Gauss's fixed steps, 2 reversible, 3 time-transformed, 4 from another library
+  int group;  ///< 0 our fixed steps, 1 Gauss's fixed steps, 2 reversible, 3 time-transformed, 4 from another
+              ///< library
   std::function<Outcome(int fineness)> run;
 };
 
@@ -341,7 +343,8 @@ void dipole(const std::string& wanted) {
                       .most_calls = 3e6});
 }
 
-/// g = (Σ (Γ/D²)²)^{-1/2} over the pairs, with the sum Γ of the sizes of their circulations: the fastest pair's turn, about.
+/// g = (Σ (Γ/D²)²)^{-1/2} over the pairs, with the sum Γ of the sizes of their circulations: the fastest
+/// pair's turn, about.
 struct FastestPair {
   const systems::PointVortices<double>* vortices;
   double value(const In<double, Eigen::Dynamic>& q, const In<double, Eigen::Dynamic>& p) const {

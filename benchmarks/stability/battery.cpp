@@ -1,5 +1,5 @@
-// Every hard case with every kind of method. Ours has one setting; a rival tries several of about 1.1 times its gradient calls
-// on a twentieth of the time, the three best go all the way, and the best of these counts.
+// Every hard case with every kind of method. Ours has one setting; a rival tries several of about 1.1 times
+// its gradient calls on a twentieth of the time, the three best go all the way, and the best of these counts.
 
 #include "battery.hpp"
 
@@ -22,8 +22,8 @@ std::string text(const char* format, auto... values) {
   return line;
 }
 
-/// One run: the whole time, in steps of about dt. It ends early where the energy is beyond all help or the budget of
-/// gradient calls is spent (0: none).
+/// One run: the whole time, in steps of about dt. It ends early where the energy is beyond all help or the
+/// budget of gradient calls is spent (0: none).
 template <class H, class S>
 Outcome attempt(const Case<H>& hard, S stepper, double dt, double t_end, std::int64_t budget,
                 std::string setting) {
@@ -52,7 +52,8 @@ Outcome attempt(const Case<H>& hard, S stepper, double dt, double t_end, std::in
   if (hard.invariant) result.invariant = static_cast<double>(errors["invariant"].worst);
   result.gradients = report.gradients;
   result.seconds = report.seconds;
-  // The quadratic invariant may be off by as much as the energy, though symplectic methods keep it much better.
+  // The quadratic invariant may be off by as much as the energy, though symplectic methods keep it much
+  // better.
   result.survived = report.status == Status::success && result.energy <= hard.energy_error &&
                     result.invariant <= hard.energy_error;
   return result;

@@ -26,7 +26,8 @@ struct Line {
 
 const std::vector<std::string>& method_names();
 
-/// Every case with every method, for `part` of the long time (1: all of it), those named `only` if that is not empty.
+/// Every case with every method, for `part` of the long time (1: all of it), those named `only` if that is
+/// not empty.
 std::vector<Line> run_battery(double part, const std::string& only);
 
 }  // namespace stability

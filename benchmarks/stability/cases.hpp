@@ -13,8 +13,8 @@
 
 #include "../cost/systems.hpp"
 
-/// Cases that are hard for long runs of systems that are not separable. The tests run them for a while, bench_stability for long
-/// and with every kind of method.
+/// Cases that are hard for long runs of systems that are not separable. The tests run them for a while,
+/// bench_stability for long and with every kind of method.
 namespace stability {
 
 using namespace semiexplicit;
@@ -37,7 +37,8 @@ struct Case {
   std::function<Scalar(const In<Scalar, H::Dof>&, const In<Scalar, H::Dof>&)> invariant{};
 };
 
-/// H = p²/2 + q⁴/4 - q²/2 + q²p²/5: a double well, of which the orbit comes back to the saddle again and again.
+/// H = p²/2 + q⁴/4 - q²/2 + q²p²/5: a double well, of which the orbit comes back to the saddle again and
+/// again.
 struct DoubleWell {
   using Scalar = double;
   static constexpr int Dof = 1;

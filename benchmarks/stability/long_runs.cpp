@@ -124,7 +124,8 @@ void draw_growth(const std::filesystem::path& folder, const std::vector<Growth>&
 
 void run_rounding(std::int64_t steps, const std::filesystem::path& folder, bool plot) {
   std::cout << "rounding errors over " << number("%.0e", static_cast<double>(steps)) << " steps\n";
-  // Steps at which the method's own error is below the rounding of one step, and a tolerance that the first evaluation meets.
+  // Steps at which the method's own error is below the rounding of one step, and a tolerance that the first
+  // evaluation meets.
   const SimplifiedNewton solver{.stop = StoppingRule::product(1e-24)};
   std::vector<Growth> lines;
 

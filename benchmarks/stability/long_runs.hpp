@@ -5,11 +5,12 @@
 
 namespace stability {
 
-/// The rounding errors of energy and quadratic invariants over `steps` steps of the solvable problem and a tenth of that of NLS,
-/// from several starts, and the exponent of their growth; CSV, a table and a picture.
+/// The rounding errors of energy and quadratic invariants over `steps` steps of the solvable problem and a
+/// tenth of that of NLS, from several starts, and the exponent of their growth; CSV, a table and a picture.
 void run_rounding(std::int64_t steps, const std::filesystem::path& folder, bool plot);
 
-/// How far quadratic invariants drift in n steps, for several tolerances τ of the product rule: a table of drift/(τ n).
+/// How far quadratic invariants drift in n steps, for several tolerances τ of the product rule: a table of
+/// drift/(τ n).
 void run_drift(const std::filesystem::path& folder);
 
 /// A step with compensated summation against one with plain, in alternating batches.

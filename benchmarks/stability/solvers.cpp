@@ -1,4 +1,5 @@
-// A stiff lattice at steps up to twenty radians of its fastest oscillation: which solver goes on, and what it takes.
+// A stiff lattice at steps up to twenty radians of its fastest oscillation: which solver goes on, and what it
+// takes.
 
 #include <cmath>
 #include <cstdio>

@@ -1,6 +1,7 @@
-// One large trajectory by 1, 2, ... threads: the time of a step of Semiexplicit, beside that of one thread that kicks the whole system
-// kick after kick. The contestants take turns in short windows and the best of each counts: what else the machine does comes out of
-// the figures so far as it leaves some windows alone. The states at the end are compared bit for bit.
+// One large trajectory by 1, 2, ... threads: the time of a step of Semiexplicit, beside that of one thread
+// that kicks the whole system kick after kick. The contestants take turns in short windows and the best of
+// each counts: what else the machine does comes out of the figures so far as it leaves some windows alone.
+// The states at the end are compared bit for bit.
 //
 //     bench_threads [windows] [threads] [least] [most]
 //

@@ -8,7 +8,8 @@
 
 namespace work_precision {
 
-/// State of the rivals from other libraries: an array where the size is known, which is what is fastest with them.
+/// State of the rivals from other libraries: an array where the size is known, which is what is fastest with
+/// them.
 template <int Dof>
 using Numbers =
     std::conditional_t<(Dof > 0), std::array<double, std::size_t(Dof == Eigen::Dynamic ? 1 : 2 * Dof)>,
@@ -32,8 +33,8 @@ void vector_field(const H& hamiltonian, const double* z, double* dzdt) {
   for (Eigen::Index i = d; i < 2 * d; ++i) dzdt[i] = -dzdt[i];
 }
 
-/// The loop of all adaptive methods. try_step(t, dt, end) tries a step from t, sets t and the next dt, and says whether the
-/// step was taken.
+/// The loop of all adaptive methods. try_step(t, dt, end) tries a step from t, sets t and the next dt, and
+/// says whether the step was taken.
 template <class TryStep>
 Outcome run_adaptively(double end, double first_dt, Watch* watch, const double* z, std::size_t size,
                        const TryStep& try_step) {

@@ -8,7 +8,8 @@
 #include "problems.hpp"
 #include "task.hpp"
 
-// The clock of every run starts behind the construction of the stepper, which checks its scheme: that is no part of a step.
+// The clock of every run starts behind the construction of the stepper, which checks its scheme: that is no
+// part of a step.
 
 namespace work_precision {
 

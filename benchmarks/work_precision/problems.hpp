@@ -31,7 +31,8 @@ struct Problem {
   std::vector<Yardstick::Invariant> invariants;
   std::function<void(double, double*)> exact = {};
 
-  /// Largest entry of the initial state, which tolerances are relative to. (Eigen's own reductions make g++ 12 warn.)
+  /// Largest entry of the initial state, which tolerances are relative to. (Eigen's own reductions make g++
+  /// 12 warn.)
   double size() const {
     double largest = 0;
     for (const double x : start.vector()) largest = std::max(largest, std::abs(x));
@@ -87,9 +88,9 @@ inline auto nls5_problem() {
                     .invariants = {{"mass", on_numbers<5>(5, H::mass)}}};
 }
 
-/// Five long waves of random phase on a constant: every site moves, and none is faster than the rest by chance, as with
-/// uncorrelated random sites. The constant is unstable: from t = 2 on the mass gathers in peaks (largest |ψ|² 2 at the start, 18 at
-/// the end), which is the regime that the lattice is studied for.
+/// Five long waves of random phase on a constant: every site moves, and none is faster than the rest by
+/// chance, as with uncorrelated random sites. The constant is unstable: from t = 2 on the mass gathers in
+/// peaks (largest |ψ|² 2 at the start, 18 at the end), which is the regime that the lattice is studied for.
 inline auto nls1000_problem(bool is_short) {
   using H = systems::NlsLattice<double>;
   const int sites = is_short ? 40 : 1000;
@@ -164,7 +165,8 @@ inline auto disparate_vortices_problem() {
   return problem;
 }
 
-/// A jittered grid: vortices fill the plane, and none starts so close to another that this pair decides about the step.
+/// A jittered grid: vortices fill the plane, and none starts so close to another that this pair decides about
+/// the step.
 inline auto vortices300_problem(bool is_short) {
   const int count = is_short ? 25 : 300, row = is_short ? 5 : 20;
   Vector<double, Eigen::Dynamic> circulations(count), x(count), y(count);
@@ -202,8 +204,8 @@ inline auto bottle_problem() {
       .invariants = {{"angular_momentum", [](const double* z) { return z[0] * z[4] - z[1] * z[3]; }}}};
 }
 
-/// Spin 0.9, E = 0.95, L = 2.5: an inclined bound orbit, from a turning point of r in the equatorial plane on. H = -1/2 gives
-/// p_u.
+/// Spin 0.9, E = 0.95, L = 2.5: an inclined bound orbit, from a turning point of r in the equatorial plane
+/// on. H = -1/2 gives p_u.
 inline auto kerr_problem() {
   const KerrGeodesic kerr;
   PhasePoint<double, 2> start({7, 0}, {0, 0});

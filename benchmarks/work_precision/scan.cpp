@@ -40,8 +40,8 @@ Row observe(const Task& task, std::size_t index, double parameter, const ScanOpt
   return row;
 }
 
-/// Whether another setting of the family, of as high an order, is better by far in every respect: then finer settings of
-/// this line will be beaten, too.
+/// Whether another setting of the family, of as high an order, is better by far in every respect: then finer
+/// settings of this line will be beaten, too.
 bool is_beaten(const Row& row, const std::vector<Row>& rows) {
   const double far = 1.3;
   return std::any_of(rows.begin(), rows.end(), [&](const Row& other) {

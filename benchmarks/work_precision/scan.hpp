@@ -37,21 +37,22 @@ struct Row {
 /// The levels of the tables: 1e-3 to 1e-13.
 const std::vector<double>& targets();
 
-/// Runs every line from its coarsest setting on, each setting once under watch and, where that is short, once for the
-/// clock. A line ends where its error no longer falls, where its family has long done better with as high an order, or
-/// where a run would take too long.
+/// Runs every line from its coarsest setting on, each setting once under watch and, where that is short, once
+/// for the clock. A line ends where its error no longer falls, where its family has long done better with as
+/// high an order, or where a run would take too long.
 std::vector<Row> scan(const Task& task, const ScanOptions& options);
 
-/// Times what could be first at a target or is on a front of its family again, in turns, and keeps the medians.
+/// Times what could be first at a target or is on a front of its family again, in turns, and keeps the
+/// medians.
 void time_carefully(const Task& task, std::vector<Row>& rows, const ScanOptions& options);
 
-/// A run that is too long to be repeated: watched, and timed by its parts. Takes the settings of the same problem's
-/// carefully timed `rows` that were the cheapest of their family at a target.
+/// A run that is too long to be repeated: watched, and timed by its parts. Takes the settings of the same
+/// problem's carefully timed `rows` that were the cheapest of their family at a target.
 std::vector<Row> long_runs(const Task& task, const Task& short_task, const std::vector<Row>& rows,
                            const ScanOptions& options);
 
-/// Indices of the rows of these families that no other of them beats in error and cost together, by falling error. For times
-/// only the carefully timed rows count, unless `all`.
+/// Indices of the rows of these families that no other of them beats in error and cost together, by falling
+/// error. For times only the carefully timed rows count, unless `all`.
 enum class Cost { seconds, gradients };
 double cost_of(const Row& row, Cost cost);
 std::vector<std::size_t> front(const std::vector<Row>& rows, const std::vector<std::string>& of_families,

@@ -1,15 +1,15 @@
 #pragma once
 
-// Two Hamiltonians that are not in the library: written the way a user would, generically, so that the same lines run on
-// numbers and on SIMD packs.
+// Two Hamiltonians that are not in the library: written the way a user would, generically, so that the same
+// lines run on numbers and on SIMD packs.
 
 #include <semiexplicit/semiexplicit.hpp>
 
 namespace work_precision {
 
-/// A charge in a magnetic bottle, H = |p - A(q)|²/2. The field B = (-xz/L², -yz/L², 1 + z²/L² - (x² + y²)/(2L²)) is free of
-/// divergence and curl; its potential is A = (-y, x, 0) g with g = (1 + z²/L²)/2 - (x² + y²)/(8L²). Keeps H and the canonical
-/// angular momentum x p_y - y p_x.
+/// A charge in a magnetic bottle, H = |p - A(q)|²/2. The field B = (-xz/L², -yz/L², 1 + z²/L² - (x² +
+/// y²)/(2L²)) is free of divergence and curl; its potential is A = (-y, x, 0) g with g = (1 + z²/L²)/2 - (x²
+/// + y²)/(8L²). Keeps H and the canonical angular momentum x p_y - y p_x.
 struct MagneticBottle {
   using Scalar = double;
   using PackGradientOf = MagneticBottle;
@@ -38,11 +38,13 @@ struct MagneticBottle {
   }
 };
 
-/// A geodesic around a rotating black hole (mass 1, spin a) in r and u = cos θ, with the conserved E and L put in:
+/// A geodesic around a rotating black hole (mass 1, spin a) in r and u = cos θ, with the conserved E and L
+/// put in:
 ///
 ///     H = (Δ p_r² + (1 - u²) p_u² + (aE(1 - u²) - L)²/(1 - u²) - P²/Δ)/(2Σ),
 ///
-/// Σ = r² + a²u², Δ = r² - 2r + a², P = (r² + a²)E - aL. A massive particle has H = -1/2. Keeps H and Carter's constant.
+/// Σ = r² + a²u², Δ = r² - 2r + a², P = (r² + a²)E - aL. A massive particle has H = -1/2. Keeps H and
+/// Carter's constant.
 ///
 /// Source: B. Carter, Phys. Rev. 174 (1968) 1559.
 struct KerrGeodesic {

@@ -21,7 +21,8 @@ std::vector<std::string> family_names(bool ours) {
   return names;
 }
 
-/// The families of the library: ours, and its Gauss methods, which count as rivals of the semiexplicit ones above.
+/// The families of the library: ours, and its Gauss methods, which count as rivals of the semiexplicit ones
+/// above.
 bool in_library(const Family& family) {
   return family.ours || family.name == family::gauss || family.name == family::gauss_lanes;
 }
@@ -53,8 +54,8 @@ std::string setting(const Row& row) {
   return text + (row.errors.drifts() ? ", drifting" : "");
 }
 
-/// How many times cheaper ours is than the best rival: above 1 ours is first. Where only one side reaches the target it is
-/// infinite or zero, where none does NaN.
+/// How many times cheaper ours is than the best rival: above 1 ours is first. Where only one side reaches the
+/// target it is infinite or zero, where none does NaN.
 double advantage(const std::vector<Row>& rows, Cost cost, double target,
                  const std::vector<std::string>& rivals,
                  const std::vector<std::string>& of_us = family_names(true)) {

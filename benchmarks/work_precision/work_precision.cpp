@@ -1,5 +1,5 @@
-// What accuracy costs: energy error against CPU time and gradient calls, this library's methods and everybody else's, on
-// eight problems and a long run. See README.md in this folder.
+// What accuracy costs: energy error against CPU time and gradient calls, this library's methods and everybody
+// else's, on eight problems and a long run. See README.md in this folder.
 #include <algorithm>
 #include <filesystem>
 #include <iostream>

@@ -25,8 +25,8 @@ struct Ellipse {
   double p, e;
 };
 
-/// Counts the orbits from apoapsis to apoapsis, and says what they are like. For an `ellipse` about a hole without spin the
-/// turns between two apoapsides are known.
+/// Counts the orbits from apoapsis to apoapsis, and says what they are like. For an `ellipse` about a hole
+/// without spin the turns between two apoapsides are known.
 inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::optional<Ellipse>& ellipse) {
   struct Seen {
     double energy = 0, momentum = 0;  // at first

@@ -13,9 +13,10 @@ using namespace semiexplicit::effects;
 
 using charges::FieldSum;
 
-/// What one magnetic field B adds to the motion in others, A: |p - e(A + B)|²/(2m) - |p - eA|²/(2m). So each field is an
-/// effect of its own, which charges::MagneticKinetic, all of them together, is not. `moves` adds the motion p²/(2m) itself,
-/// for a first field where no kinetic effect is on; it is then charges::MagneticKinetic.
+/// What one magnetic field B adds to the motion in others, A: |p - e(A + B)|²/(2m) - |p - eA|²/(2m). So each
+/// field is an effect of its own, which charges::MagneticKinetic, all of them together, is not. `moves` adds
+/// the motion p²/(2m) itself, for a first field where no kinetic effect is on; it is then
+/// charges::MagneticKinetic.
 template <class Field>
 class FieldEffect {
  public:

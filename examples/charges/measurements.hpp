@@ -97,7 +97,8 @@ inline Measurement<3> gyration(const Choice& c) {
           memory_of(turning)};
 }
 
-/// The adiabatic estimates are for a gyroradius much smaller than the length of the field, and for the field alone.
+/// The adiabatic estimates are for a gyroradius much smaller than the length of the field, and for the field
+/// alone.
 inline Measurement<3> mirrors(const Choice& c) {
   if (!c.on("magnetic_bottle")) return {};
   const auto bouncing = std::make_shared<Bouncing>();
@@ -130,8 +131,8 @@ inline Measurement<3> mirrors(const Choice& c) {
           memory_of(bouncing)};
 }
 
-/// Source: M. Schulz and L. Lanzerotti, Particle Diffusion in the Radiation Belts (1974), section I.4, for a guiding centre
-/// of vanishing gyroradius.
+/// Source: M. Schulz and L. Lanzerotti, Particle Diffusion in the Radiation Belts (1974), section I.4, for a
+/// guiding centre of vanishing gyroradius.
 inline Measurement<3> bounce_and_drift(const Choice& c) {
   if (!c.on("dipole_field")) return {};
   const auto bouncing = std::make_shared<Bouncing>();

@@ -24,7 +24,8 @@ namespace examples {
 
 using namespace semiexplicit;
 
-/// How many steps of dt at most go into `time`; more than a multiple takes one more, and not because of rounding.
+/// How many steps of dt at most go into `time`; more than a multiple takes one more, and not because of
+/// rounding.
 inline std::int64_t steps_in(double time, double dt) {
   if (dt > time)
     throw std::invalid_argument("--dt is larger than --time; give a smaller step or a longer time");
@@ -160,7 +161,8 @@ inline void add_config(CLI::App& app) {
   app.config_formatter(std::make_shared<ConfigFile>(app));
 }
 
-/// What to say of arguments that belong to no option: the nearest one, or that the shell has taken a number and its unit apart.
+/// What to say of arguments that belong to no option: the nearest one, or that the shell has taken a number
+/// and its unit apart.
 inline std::string about_extras(const CLI::App& app, const std::vector<std::string>& extras) {
   for (const std::string& extra : extras) {
     if (!extra.starts_with("-")) continue;
@@ -178,8 +180,8 @@ inline std::string about_extras(const CLI::App& app, const std::vector<std::stri
   }
 }
 
-/// Parses the arguments and runs `body`, which gives the exit code. Bad arguments (std::invalid_argument, too) end in
-/// one line and exit code 2, other failures in one line and exit code 1.
+/// Parses the arguments and runs `body`, which gives the exit code. Bad arguments (std::invalid_argument,
+/// too) end in one line and exit code 2, other failures in one line and exit code 1.
 template <class Body>
 int run_program(CLI::App& app, int argc, char** argv, const Body& body) {
   const std::string name = std::filesystem::path(argv[0]).filename().string();

@@ -23,7 +23,8 @@
 
 namespace examples {
 
-/// What an accuracy with a unit asks for: the largest error of a direction over the run, in radians, for a figure of that name.
+/// What an accuracy with a unit asks for: the largest error of a direction over the run, in radians, for a
+/// figure of that name.
 struct AngleTarget {
   std::function<Eigen::VectorXd(const In<double, Eigen::Dynamic>& q, const In<double, Eigen::Dynamic>& p)>
       direction{};
@@ -54,7 +55,8 @@ struct CostRequest {
               "NAME");
   }
 
-  /// Whether one of them is there. Throws std::invalid_argument where the user has chosen a method or a step as well.
+  /// Whether one of them is there. Throws std::invalid_argument where the user has chosen a method or a step
+  /// as well.
   bool wanted(const CLI::App& app) const {
     if (!curve && app.count("--accuracy") == 0) {
       if (app.count("--cost-by") > 0)
@@ -69,9 +71,9 @@ struct CostRequest {
     return true;
   }
 
-  /// Finds the costs of a run from z0. Shows them, and gives true: there is nothing else to do; or takes the cheapest
-  /// setting for the accuracy, says why, and puts it into method and settings. Throws std::runtime_error where the accuracy
-  /// is out of reach.
+  /// Finds the costs of a run from z0. Shows them, and gives true: there is nothing else to do; or takes the
+  /// cheapest setting for the accuracy, says why, and puts it into method and settings. Throws
+  /// std::runtime_error where the accuracy is out of reach.
   template <class H, class State>
   bool answer(const H& hamiltonian, const State& z0, Method& method, Settings& settings,
               const std::string& file, const std::string& title, const AngleTarget& angle = {}) {

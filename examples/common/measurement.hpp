@@ -52,7 +52,8 @@ struct Measurement {
   }
 };
 
-/// Gives the figures of a run an error, by a measurement of a companion, whose states it is shown; see with_error_estimate().
+/// Gives the figures of a run an error, by a measurement of a companion, whose states it is shown; see
+/// with_error_estimate().
 template <int Dof>
 class FigureErrors {
  public:
@@ -89,8 +90,8 @@ auto memory_of(const std::shared_ptr<Seen>& seen) {
   return [seen](CheckpointMemory& visit) { seen->visit_memory(visit); };
 }
 
-/// Why nothing is measured of a motion that is sampled too coarsely; empty where it is not. `angle`: the largest from one step
-/// to the next.
+/// Why nothing is measured of a motion that is sampled too coarsely; empty where it is not. `angle`: the
+/// largest from one step to the next.
 inline std::string too_coarse(double angle) {
   const double limit = std::acos(-1.0) / 4;
   if (angle < limit) return "";

@@ -32,8 +32,8 @@ struct Method {
 
   static std::vector<std::string> names() { return {"semiexplicit", "midpoint", "pihajoki", "tao", "gauss"}; }
 
-  /// Tao's map takes compositions of Strang only, and low_defect6_s13 needs the projection, so these two have defaults of
-  /// their own.
+  /// Tao's map takes compositions of Strang only, and low_defect6_s13 needs the projection, so these two have
+  /// defaults of their own.
   std::string scheme_name() const {
     return scheme.value_or(name == "tao"         ? "yoshida6"
                            : name == "splitting" ? "blanes_moan6"
@@ -54,8 +54,8 @@ struct Method {
   }
 };
 
-/// Makes the stepper that `method` names and hands it to `use`. Throws std::invalid_argument where the settings do
-/// not fit together.
+/// Makes the stepper that `method` names and hands it to `use`. Throws std::invalid_argument where the
+/// settings do not fit together.
 template <class H, class Use>
 void with_stepper(const Method& method, const H& hamiltonian, const Use& use) {
   const auto hand = [&](auto stepper) { use(stepper); };

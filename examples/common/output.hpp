@@ -28,8 +28,8 @@ inline std::string joined(const std::vector<std::string>& words) {
   return text;
 }
 
-/// Writes what write(out) puts out to a file, which gets its name when it is whole; numbers have a decimal point in any
-/// locale. Throws std::runtime_error where that fails.
+/// Writes what write(out) puts out to a file, which gets its name when it is whole; numbers have a decimal
+/// point in any locale. Throws std::runtime_error where that fails.
 template <class Write>
 void write_whole(const std::filesystem::path& path, const Write& write) {
   std::ostringstream out;
@@ -55,8 +55,9 @@ inline std::string gnuplot_prologue(const std::filesystem::path& png, int width,
          "\n}\nset output output\nset datafile separator ','\nset encoding utf8\n";
 }
 
-/// Leaves the script beside the picture `png`, and draws it. The picture gets its name when it is whole; it comes through a
-/// pipe, since gnuplot does not notice a full disk. Without gnuplot there is a hint and no picture.
+/// Leaves the script beside the picture `png`, and draws it. The picture gets its name when it is whole; it
+/// comes through a pipe, since gnuplot does not notice a full disk. Without gnuplot there is a hint and no
+/// picture.
 inline void draw(const std::filesystem::path& png, const std::string& script) {
   const std::filesystem::path file = std::filesystem::path(png).replace_extension("gp");
   semiexplicit::DurableFile::remove(png);  // an older one would belong to other data

@@ -71,8 +71,8 @@ inline void print_table(std::ostream& out, const std::vector<Run>& runs, double 
   }
 }
 
-/// Writes the rows of runs side by side. Where there is more than one, their columns begin with the method's name; behind
-/// the end of a run that failed early stands nan.
+/// Writes the rows of runs side by side. Where there is more than one, their columns begin with the method's
+/// name; behind the end of a run that failed early stands nan.
 inline void write_series(const std::filesystem::path& path, const std::vector<Run>& runs) {
   std::vector<std::string> names{"t"};
   std::vector<double> t;
@@ -102,8 +102,9 @@ struct Curve {
   static bool visible(double value) { return value > 0 && std::isfinite(value); }
 };
 
-/// The gnuplot lines that draw curves against time in one panel, with logarithmic errors. The label is gnuplot's own text.
-/// The decades hold the curves, within reason: what has failed may leave the panel at the top.
+/// The gnuplot lines that draw curves against time in one panel, with logarithmic errors. The label is
+/// gnuplot's own text. The decades hold the curves, within reason: what has failed may leave the panel at the
+/// top.
 inline std::string panel(const std::filesystem::path& csv, const std::string& label,
                          const std::vector<Curve>& curves) {
   std::vector<double> shown;

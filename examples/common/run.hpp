@@ -71,8 +71,8 @@ inline Rows evenly_spaced(std::int64_t steps, std::int64_t samples) {
 
 /// What came of one method.
 struct Run {
-  /// The relative error of an invariant, or the defect, as it grows. A row holds the largest value since the row before it,
-  /// so that no peak falls between two rows.
+  /// The relative error of an invariant, or the defect, as it grows. A row holds the largest value since the
+  /// row before it, so that no peak falls between two rows.
   struct Quantity {
     std::string name;
     double worst = 0, final = 0, peak = 0;  ///< of the run, at its end, since the last row
@@ -103,8 +103,8 @@ struct Run {
   }
 };
 
-/// An observer that fills a Run's quantities, the defect for methods that work with copies. Comes after the invariants that
-/// it reads.
+/// An observer that fills a Run's quantities, the defect for methods that work with copies. Comes after the
+/// invariants that it reads.
 template <class Watched>
 class Watch {
  public:
@@ -183,8 +183,9 @@ struct NoCompanion {
   void conclude(const auto&, Run&) const {}
 };
 
-/// Integrates from z0 and watches the invariants; a failed step ends up in the Run, with all that came before it. A companion that is
-/// wanted goes along, with half the step, and says in the end what it has seen (FigureErrors).
+/// Integrates from z0 and watches the invariants; a failed step ends up in the Run, with all that came before
+/// it. A companion that is wanted goes along, with half the step, and says in the end what it has seen
+/// (FigureErrors).
 template <class H, class Watched, class Companion, class... Observers>
 Run run_method(const Method& method, const H& hamiltonian, const PhasePoint<double, H::Dof>& z0,
                Watched invariants, double dt, const Rows& rows, std::int64_t steps,

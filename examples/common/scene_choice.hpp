@@ -34,8 +34,8 @@ inline const Allowed half_turn{
     "an angle from 0 to 180 deg; a plain number is in radians, so write \"90 deg\"",
     [](double x) { return x >= 0 && x <= std::acos(-1.0) * (1 + 1e-15); }};
 
-/// A number that the user may set: the option --name. `unit` is any unit of its kind ("m/s" for a velocity), or "" for a
-/// number; users may write one behind the value.
+/// A number that the user may set: the option --name. `unit` is any unit of its kind ("m/s" for a velocity),
+/// or "" for a number; users may write one behind the value.
 struct Parameter {
   std::string name, unit, about;
   Allowed allowed{};
@@ -71,8 +71,8 @@ class Choice {
   }
 };
 
-/// An effect that can be chosen: the parameters that it takes, where it comes from, and how it is made. Name and description
-/// are those of the effect, unless given.
+/// An effect that can be chosen: the parameters that it takes, where it comes from, and how it is made. Name
+/// and description are those of the effect, unless given.
 template <int Dof>
 struct EffectEntry {
   std::vector<std::string> parameters;
@@ -95,7 +95,8 @@ struct EffectEntry {
                                  : "acts on q and on p") {}
 };
 
-/// What --accuracy with a unit is about: a direction that turns, as a unit vector f(q, p), so that its error is an angle.
+/// What --accuracy with a unit is about: a direction that turns, as a unit vector f(q, p), so that its error
+/// is an angle.
 template <int Dof>
 struct TurningFigure {
   std::string name;   ///< of the Figure of the measurement
@@ -106,7 +107,8 @@ struct TurningFigure {
       direction;
 };
 
-/// A set-up ready made. Numbers may have units behind them, as on the command line: "1 GMsun", "2 day", "0.1".
+/// A set-up ready made. Numbers may have units behind them, as on the command line: "1 GMsun", "2 day",
+/// "0.1".
 template <int Dof>
 struct ScenePreset {
   std::string name, about;
@@ -132,7 +134,8 @@ struct SceneProgram {
   /// Adds what is kept beside the energy.
   std::function<void(Invariants<double, Dof>&, const Choice&)> add_invariants{};
   std::function<void(CLI::App&)> add_options{};
-  /// Called once the arguments are read, with the preset's name, before anything is made of them; gives the name to take.
+  /// Called once the arguments are read, with the preset's name, before anything is made of them; gives the
+  /// name to take.
   std::function<std::string(const std::string& preset)> prepare{};
   Compare compare = Compare::positions;  ///< orbits in an audit
 };

@@ -25,8 +25,8 @@ inline std::string in(const std::string& what, const std::string& unit) {
   return unit.empty() ? what : what + ", " + unit;
 }
 
-/// Sees the rows of a path in the plane, and tells how to draw it: rows that lie too far apart, fewer than 24 a turn, must
-/// not be joined by lines, which would show places where nothing has been.
+/// Sees the rows of a path in the plane, and tells how to draw it: rows that lie too far apart, fewer than 24
+/// a turn, must not be joined by lines, which would show places where nothing has been.
 class Path {
  public:
   void see(double x, double y) {
@@ -89,7 +89,8 @@ inline std::string square_around(std::span<const Path> paths) {
   return "set x" + range(all.left, all.right) + "set y" + range(all.low, all.high);
 }
 
-/// How a program shows states: the columns of its trajectory file, t first, and the upper part of its picture.
+/// How a program shows states: the columns of its trajectory file, t first, and the upper part of its
+/// picture.
 template <int Dof>
 struct View {
   using Half = In<double, Dof>;
@@ -102,7 +103,8 @@ struct View {
   std::size_t paths = 1;
 };
 
-/// gnuplot's lines for a path in the plane of two columns of the file, with a ring where it starts and dots at `marks`.
+/// gnuplot's lines for a path in the plane of two columns of the file, with a ring where it starts and dots
+/// at `marks`.
 inline std::string path_plot(const std::filesystem::path& csv, std::size_t x_column, std::size_t y_column,
                              const std::string& x_label, const std::string& y_label, const Path& path,
                              const std::vector<std::pair<double, double>>& marks = {}) {
@@ -124,8 +126,8 @@ inline std::string path_plot(const std::filesystem::path& csv, std::size_t x_col
   return out.str();
 }
 
-/// A view of t, q0, q1, ..., p0, p1, ... under the names given, and the path in the plane of two of them, which are lengths in
-/// `unit`.
+/// A view of t, q0, q1, ..., p0, p1, ... under the names given, and the path in the plane of two of them,
+/// which are lengths in `unit`.
 template <int Dof>
 View<Dof> path_view(const std::vector<std::string>& columns, const std::string& x, const std::string& y,
                     const std::string& unit, const std::vector<std::pair<double, double>>& marks = {}) {

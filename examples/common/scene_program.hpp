@@ -28,16 +28,21 @@
 //     SceneProgram<3> program{.name = "orbits", .about = "An orbit."};
 //     program.parameters = {{"gm", "m3/s2", "GM of the centre"}, {"a", "m", "semi-major axis"}};
 //     program.effects = {{{}, "", [](const Choice&) { return orbits::Kinetic<double, 3>{}; }},
-//                        {{"gm"}, "Newton", [](const Choice& c) { return orbits::Attraction<double, 3>{.gm = c["gm"]}; }}};
+//                        {{"gm"}, "Newton",
+//                         [](const Choice& c) { return orbits::Attraction<double, 3>{.gm = c["gm"]}; }}};
 //     program.presets = {{.name = "earth", .about = "the Earth about the Sun",
-//                         .units = {"AU, year", 149597870700.0, 31557600.0}, .effects = {"kinetic", "attraction"},
+//                         .units = {"AU, year", 149597870700.0, 31557600.0},
+//                         .effects = {"kinetic", "attraction"},
 //                         .values = {{"gm", "1 GMsun"}, {"a", "1"}}, .dt = "2 day", .time = "1 century",
 //                         .start = [](const Choice& c) { return PhasePoint<double, 3>(...); }}};
-//     program.view = [](const Choice&) { return path_view<3>({"t", "x", "y", "z", "px", "py", "pz"}, "x", "y", "AU"); };
+//     program.view = [](const Choice&) {
+//       return path_view<3>({"t", "x", "y", "z", "px", "py", "pz"}, "x", "y", "AU");
+//     };
 //     return run_scene_program(program, argc, argv);
 //
-// Options of its own (a file to read, say) it adds by `program.add_options`; the functions above are called after the arguments
-// are read, and may refer to what these wrote. No parameter has the name of a common option (dt, time, omega, ...).
+// Options of its own (a file to read, say) it adds by `program.add_options`; the functions above are called
+// after the arguments are read, and may refer to what these wrote. No parameter has the name of a common
+// option (dt, time, omega, ...).
 namespace examples {
 
 /// The table of the audit, and what it means at some accuracies.
@@ -114,8 +119,8 @@ Measurement<Dof> with_books(const RuntimeScene<double, Dof>& scene, const Measur
           }};
 }
 
-/// What an accuracy with a unit asks for; nothing where there is none. Throws std::invalid_argument where the preset measures no
-/// such figure.
+/// What an accuracy with a unit asks for; nothing where there is none. Throws std::invalid_argument where the
+/// preset measures no such figure.
 template <int Dof>
 AngleTarget angle_of(const CostRequest& cost, const ScenePreset<Dof>& preset, const Choice& choice,
                      double time) {
@@ -134,8 +139,9 @@ struct NoKernel {
   NoKernel operator()(const Choice&) const { return {}; }
 };
 
-/// Reads the arguments, does what they ask for, and gives the exit code. A program may know a faster Hamiltonian than its scene
-/// for some choices: kernel(choice) gives it, as a std::optional, and is taken where there is one.
+/// Reads the arguments, does what they ask for, and gives the exit code. A program may know a faster
+/// Hamiltonian than its scene for some choices: kernel(choice) gives it, as a std::optional, and is taken
+/// where there is one.
 template <int Dof, class Kernel = NoKernel>
 int run_scene_program(const SceneProgram<Dof>& program, int argc, char** argv, const Kernel& kernel = {}) {
   CLI::App app{program.about};

@@ -115,8 +115,8 @@ class SceneRequest {
     return RuntimeScene<double, Dof>(std::move(list));
   }
 
-  /// To be called when the effects and the start are made. Throws std::invalid_argument where one of the parameters that the
-  /// user gave has not been asked for.
+  /// To be called when the effects and the start are made. Throws std::invalid_argument where one of the
+  /// parameters that the user gave has not been asked for.
   void refuse_idle_parameters(const Choice& choice) const {
     for (const auto& [name, text] : texts_) {
       if (text.empty() || choice.used->count(name) > 0) continue;

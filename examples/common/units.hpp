@@ -24,8 +24,8 @@ struct Unit {
   std::array<int, 4> powers{};
 };
 
-/// The units that users may write behind a number. Angles are numbers, in radians. The masses of celestial bodies come as
-/// GM, which is what is known of them.
+/// The units that users may write behind a number. Angles are numbers, in radians. The masses of celestial
+/// bodies come as GM, which is what is known of them.
 inline const std::map<std::string, Unit>& known_units() {
   static const std::map<std::string, Unit> units = [] {
     std::map<std::string, Unit> all;
@@ -52,8 +52,8 @@ inline const std::map<std::string, Unit>& known_units() {
   return units;
 }
 
-/// Reads "km/s", "AU^3/year^2", "m3/s2", "1/s": units with powers, joined by blanks, * or /, each / for the one unit behind
-/// it. Throws std::invalid_argument, with the nearest names, for an unknown one.
+/// Reads "km/s", "AU^3/year^2", "m3/s2", "1/s": units with powers, joined by blanks, * or /, each / for the
+/// one unit behind it. Throws std::invalid_argument, with the nearest names, for an unknown one.
 inline Unit read_unit(const std::string& text) {
   Unit product;
   int sign = 1;
@@ -110,7 +110,8 @@ inline std::string dimension(const Unit& unit) {
   return (sides[0].empty() ? "1" : sides[0]) + "/" + sides[1];
 }
 
-/// The units that a preset counts in, by what they are in SI units. One that is NaN is not fixed: numbers only.
+/// The units that a preset counts in, by what they are in SI units. One that is NaN is not fixed: numbers
+/// only.
 struct UnitSystem {
   std::string about;  ///< "AU, year"
   double length = NAN, time = NAN, mass = NAN, charge = NAN;
@@ -134,8 +135,9 @@ struct UnitSystem {
   }
 };
 
-/// Reads "0.3", in units of the system, or "0.3 km/s", and gives the number in those units. `wanted` is any unit of the kind
-/// that is meant. Throws std::invalid_argument for anything else, and for zero and less where it has to be positive.
+/// Reads "0.3", in units of the system, or "0.3 km/s", and gives the number in those units. `wanted` is any
+/// unit of the kind that is meant. Throws std::invalid_argument for anything else, and for zero and less
+/// where it has to be positive.
 inline double read_quantity(const std::string& text, const std::string& wanted, const UnitSystem& system,
                             bool positive = false) {
   const auto refuse = [&](const std::string& why) { throw std::invalid_argument("'" + text + "' " + why); };

@@ -17,9 +17,9 @@
 
 namespace examples {
 
-/// The finished blocks of a long computation, a file each, in a folder whose name tells which computation: `settings` is
-/// all that the numbers depend on, in words. A file is whole or not there; it holds the settings, the number of the block, the
-/// numbers as they are in memory, and the checksum of all that.
+/// The finished blocks of a long computation, a file each, in a folder whose name tells which computation:
+/// `settings` is all that the numbers depend on, in words. A file is whole or not there; it holds the
+/// settings, the number of the block, the numbers as they are in memory, and the checksum of all that.
 class FinishedBlocks {
  public:
   FinishedBlocks(const std::filesystem::path& beside, std::string settings)
@@ -34,8 +34,8 @@ class FinishedBlocks {
     semiexplicit::write_durably(file(block), bytes + tail(bytes));
   }
 
-  /// The numbers of a block, or nothing where there is no such file yet. Throws std::runtime_error where there is one that is
-  /// not what save() wrote.
+  /// The numbers of a block, or nothing where there is no such file yet. Throws std::runtime_error where
+  /// there is one that is not what save() wrote.
   std::optional<std::vector<double>> load(std::int64_t block) const {
     std::ifstream in(file(block), std::ios::binary);
     if (!in && !std::filesystem::exists(file(block))) return {};

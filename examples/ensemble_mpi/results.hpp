@@ -35,8 +35,9 @@ class SweepResults {
     return values;
   }
 
-  /// Writes them beside each other into the folder: sweep.h5, with a dataset a column and the settings as an attribute, or
-  /// sweep.csv where the program was built without HDF5. The file gets its name when it is whole.
+  /// Writes them beside each other into the folder: sweep.h5, with a dataset a column and the settings as an
+  /// attribute, or sweep.csv where the program was built without HDF5. The file gets its name when it is
+  /// whole.
   std::filesystem::path write(const std::filesystem::path& folder) const {
 #ifdef SEMIEXPLICIT_EXAMPLES_HDF5
     const std::filesystem::path path = folder / "sweep.h5";
@@ -95,8 +96,8 @@ class SweepResults {
         << quantile(0.99) << ", worst " << quantile(1) << '\n';
   }
 
-  /// The square of initial places with the reversibility error in colours, and below it the distribution of both errors.
-  /// The script holds the data.
+  /// The square of initial places with the reversibility error in colours, and below it the distribution of
+  /// both errors. The script holds the data.
   std::string script(const std::filesystem::path& png) const {
     std::ostringstream out;
     out << gnuplot_prologue(png, 1200, 1560) << "set datafile missing 'nan'\n$map << END\n";

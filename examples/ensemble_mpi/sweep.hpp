@@ -19,8 +19,8 @@ namespace examples {
 
 using namespace semiexplicit;
 
-/// A uniform number in [0, 1): the n-th of the stream of a seed, without those before it. SplitMix64: G. L. Steele, D. Lea,
-/// C. H. Flood, OOPSLA 2014.
+/// A uniform number in [0, 1): the n-th of the stream of a seed, without those before it. SplitMix64: G. L.
+/// Steele, D. Lea, C. H. Flood, OOPSLA 2014.
 inline double uniform(std::uint64_t seed, std::uint64_t n) {
   std::uint64_t x = seed * 0xd1342543de82ef95u + (n + 1) * 0x9e3779b97f4a7c15u;
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
@@ -28,18 +28,18 @@ inline double uniform(std::uint64_t seed, std::uint64_t n) {
   return static_cast<double>((x ^ (x >> 31)) >> 11) * 0x1p-53;
 }
 
-/// Four point vortices: three of circulation 1 on the corners of an equilateral triangle, which by itself turns for ever,
-/// and a fourth that disturbs them, at random in a square. Alone, the three are integrable; the four are not: H. Aref, N.
-/// Pomphrey, Proc. R. Soc. A 380 (1982) 359.
+/// Four point vortices: three of circulation 1 on the corners of an equilateral triangle, which by itself
+/// turns for ever, and a fourth that disturbs them, at random in a square. Alone, the three are integrable;
+/// the four are not: H. Aref, N. Pomphrey, Proc. R. Soc. A 380 (1982) 359.
 struct Sweep {
   std::int64_t members = 100'000, seed = 1;
   double dt = 0.1, time = 1000, strength = 1, extent = 2.5;
 
-  /// What comes of a member, in this order in memory and files. Its place in the square; ‖z' - z‖/‖z‖, z' being the state
-  /// after `time` forward and the same back, which rounding makes small for regular motion and of order one for chaotic
-  /// (the reversibility error: F. Panichi, K. Goździewski, G. Turchetti, MNRAS 468 (2017) 469); the energy error at `time`,
-  /// absolute, since a sum of logarithms has no zero that means anything; evaluations a step; and the Status, as a number.
-  /// The errors are NaN where a step failed.
+  /// What comes of a member, in this order in memory and files. Its place in the square; ‖z' - z‖/‖z‖, z'
+  /// being the state after `time` forward and the same back, which rounding makes small for regular motion
+  /// and of order one for chaotic (the reversibility error: F. Panichi, K. Goździewski, G. Turchetti, MNRAS
+  /// 468 (2017) 469); the energy error at `time`, absolute, since a sum of logarithms has no zero that means
+  /// anything; evaluations a step; and the Status, as a number. The errors are NaN where a step failed.
   static const std::vector<std::string>& columns() {
     static const std::vector<std::string> names{"x",           "y",     "reversibility_error", "energy_error",
                                                 "evaluations", "status"};
@@ -58,8 +58,8 @@ struct Sweep {
   /// The results of members first ... last - 1, a row each.
   std::vector<double> run(std::int64_t first, std::int64_t last, int threads) const {
     const systems::PointVortices<double, 4> vortices(Eigen::Vector4d{1, 1, 1, strength});
-    // Lanes wait for the slowest of their register, so members that will take alike many evaluations go side by side: those
-    // with a pair of vortices at like distance.
+    // Lanes wait for the slowest of their register, so members that will take alike many evaluations go side
+    // by side: those with a pair of vortices at like distance.
     std::vector<std::int64_t> order(static_cast<std::size_t>(last - first));
     std::iota(order.begin(), order.end(), first);
     std::stable_sort(order.begin(), order.end(),

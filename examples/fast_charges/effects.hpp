@@ -22,8 +22,9 @@ struct FastKinetic : charges::RelativisticKinetic<double> {
   static constexpr const char* about = "√(m²c⁴ + c²p²) - mc²";
 };
 
-/// What one magnetic field adds to the motion in those before it: √(m²c⁴ + c²|p - e(A + B)|²) - √(m²c⁴ + c²|p - eA|²), so that each
-/// is an effect of its own. `moves` leaves the second root out, for a first field where no kinetic effect is on.
+/// What one magnetic field adds to the motion in those before it: √(m²c⁴ + c²|p - e(A + B)|²) - √(m²c⁴ + c²|p
+/// - eA|²), so that each is an effect of its own. `moves` leaves the second root out, for a first field where
+/// no kinetic effect is on.
 class FastFieldEffect {
  public:
   using Acts = OnBoth<double, 3>;

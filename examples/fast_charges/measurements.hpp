@@ -122,8 +122,9 @@ inline Measurement<3> focusing(const Choice& c) {
   });
 }
 
-/// Stoermer's lemma: with the angular momentum L about the dipole, kept, sin χ = v_φ/v = L/(pρ) - eMρ/(pr³); where its
-/// absolute value is above 1 no charge of this momentum can be. C. Störmer, The Polar Aurora (1955).
+/// Stoermer's lemma: with the angular momentum L about the dipole, kept, sin χ = v_φ/v = L/(pρ) - eMρ/(pr³);
+/// where its absolute value is above 1 no charge of this momentum can be. C. Störmer, The Polar Aurora
+/// (1955).
 struct Stoermer {
   double per_momentum, square;  ///< L/p and eM/p
 

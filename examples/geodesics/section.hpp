@@ -20,7 +20,8 @@ using namespace semiexplicit;
 namespace geodesics = effects::geodesics;
 using State4 = PhasePoint<double, 4>;
 
-/// p_θ of a body in the equator at r, with p_r = 0, energy E and angular momentum L, from H = -1/2; none where it cannot be.
+/// p_θ of a body in the equator at r, with p_r = 0, energy E and angular momentum L, from H = -1/2; none
+/// where it cannot be.
 template <class M>
 std::optional<State4> equatorial(const M& metric, double r, double energy, double l) {
   const Vector<double, 4> x(0, r, std::numbers::pi / 2, 0);
@@ -31,8 +32,8 @@ std::optional<State4> equatorial(const M& metric, double r, double energy, doubl
   return State4(x, {-energy, 0, std::sqrt(square), l});
 }
 
-/// The widest interval of r between `least` and `most` in which a body can be, in steps of `step`, but not one that reaches to these: there it
-/// falls in or leaves.
+/// The widest interval of r between `least` and `most` in which a body can be, in steps of `step`, but not
+/// one that reaches to these: there it falls in or leaves.
 template <class M>
 std::pair<double, double> allowed(const M& metric, double energy, double l, double least, double most,
                                   double step) {
@@ -59,7 +60,8 @@ struct OrbitSeen {
   bool ended = false;  ///< it fell into the hole, left, or a step failed
 };
 
-/// One orbit from the equator: calls point(r, p_r) where it passes the equator upwards, until there are so many.
+/// One orbit from the equator: calls point(r, p_r) where it passes the equator upwards, until there are so
+/// many.
 template <class M, class Point>
 OrbitSeen follow(const M& metric, const State4& start, double dt, std::int64_t crossings,
                  const Point& point) {

@@ -46,7 +46,8 @@ inline double participation(const Eigen::VectorXd& density) {
   return scaled.sum() * scaled.sum() / scaled.squaredNorm();
 }
 
-/// The densities at t where nothing but hopping and disorder acts: the eigenvectors of the chain turn at their energies.
+/// The densities at t where nothing but hopping and disorder acts: the eigenvectors of the chain turn at
+/// their energies.
 inline Eigen::VectorXd by_eigenvectors(const Choice& c, double t) {
   Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(sites(c), sites(c));
   if (c.on("disorder")) matrix.diagonal() = energies(c);
@@ -84,8 +85,9 @@ inline Measurement<Eigen::Dynamic> localisation(const Choice& c) {
           memory_of(seen)};
 }
 
-/// Does the mass stay where it starts? On two sites the least that is left there is known: M. Kenkre and D. Campbell, Phys.
-/// Rev. B 34 (1986) 4959; the threshold of the long chain: M. Molina and G. Tsironis, Physica D 65 (1993) 267.
+/// Does the mass stay where it starts? On two sites the least that is left there is known: M. Kenkre and D.
+/// Campbell, Phys. Rev. B 34 (1986) 4959; the threshold of the long chain: M. Molina and G. Tsironis, Physica
+/// D 65 (1993) 267.
 inline Measurement<Eigen::Dynamic> trapping(const Choice& c) {
   struct Seen {
     double least = 1, sum = 0, count = 0, last = 1, change = 0;

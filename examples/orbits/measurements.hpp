@@ -20,8 +20,8 @@
 
 namespace examples {
 
-/// Follows a direction, in the plane across `axis`, from one upward passage of a function through zero to the next. In between
-/// it turns slowly, so that a straight line between the two steps about a passage is enough.
+/// Follows a direction, in the plane across `axis`, from one upward passage of a function through zero to the
+/// next. In between it turns slowly, so that a straight line between the two steps about a passage is enough.
 class Passages {
  public:
   using Direction = Eigen::Vector3d;
@@ -70,8 +70,9 @@ class Passages {
   int passages_ = 0;
 };
 
-/// What turns an orbit, in radians a radian of the mean motion, to first order. Oblateness: Vallado, section 9.4; relativity:
-/// Damour and Deruelle, Ann. Inst. H. Poincaré 43 (1985) 107, at this order without the mass ratio; spin: Lense, Thirring.
+/// What turns an orbit, in radians a radian of the mean motion, to first order. Oblateness: Vallado,
+/// section 9.4; relativity: Damour and Deruelle, Ann. Inst. H. Poincaré 43 (1985) 107, at this order without
+/// the mass ratio; spin: Lense, Thirring.
 struct FirstOrder {
   explicit FirstOrder(const Choice& c) {
     const double a = c["a"], e = c["e"], tilt = c["inclination"], p = a * (1 - e * e);
@@ -94,8 +95,9 @@ struct FirstOrder {
   bool holds() const { return largest < 0.01; }
 };
 
-/// How the periapsis and the node of an orbit turn, in `unit`: a radian a unit of time is `factor` of these. Where something
-/// turns the node the periapsis is also counted from there; along the orbit (dω + cos i dΩ) it has a meaning without a node, too.
+/// How the periapsis and the node of an orbit turn, in `unit`: a radian a unit of time is `factor` of these.
+/// Where something turns the node the periapsis is also counted from there; along the orbit (dω + cos i dΩ)
+/// it has a meaning without a node, too.
 inline Measurement<3> turning_orbit(const Choice& c, const std::string& unit, double factor) {
   using std::numbers::pi;
   struct Seen {
@@ -148,12 +150,14 @@ inline Measurement<3> turning_orbit(const Choice& c, const std::string& unit, do
                             formatted("give a --dt %.0f times smaller", std::ceil(seen->step * 12 / pi)));
     const FirstOrder expected(c);
     const double motion = std::sqrt(gm / std::pow(c["a"], 3)) * factor;  // per radian of the mean motion
-    // An error of the energy goes along with a turn of the periapsis, as measured up to five times as large a radian.
+    // An error of the energy goes along with a turn of the periapsis, as measured up to five times as large a
+    // radian.
     const double by_energy = 6 * run.quantities.front().worst * motion;
     const auto figure = [&](const std::string& what, const Passages& passages, double closed_form) {
       const auto by_companion = run.figure_errors.find(what);
       const bool measured = by_companion != run.figure_errors.end();
-      // A straight line between steps leaves of what swings once an orbit the square of the step, over the whole run.
+      // A straight line between steps leaves of what swings once an orbit the square of the step, over the
+      // whole run.
       const double by_lines = 0.75 * seen->step * seen->step / (2 * pi * std::max(passages.orbits(), 1)) *
                               expected.largest * motion;
       const double uncertain = (measured ? by_companion->second : by_energy) + by_lines;

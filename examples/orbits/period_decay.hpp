@@ -16,8 +16,9 @@
 
 namespace examples {
 
-/// How fast the period of a binary shrinks, from the work of 2.5pn from one apoapsis to another, where it hardly works: the
-/// energy itself changes by less than its digits. dP/dt = -3/2 (P/E) dE/dt. Beside it Peters (1964).
+/// How fast the period of a binary shrinks, from the work of 2.5pn from one apoapsis to another, where it
+/// hardly works: the energy itself changes by less than its digits. dP/dt = -3/2 (P/E) dE/dt. Beside it
+/// Peters (1964).
 inline Measurement<3> period_decay(const Choice& c) {
   using Loss = orbits::RadiationReaction<double, 3>;
   struct Seen {

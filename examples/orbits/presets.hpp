@@ -67,7 +67,8 @@ inline std::vector<ScenePreset<3>> orbit_presets() {
        .units = {"km, s", 1000, 1},
        .effects = {"kinetic", "attraction", "1pn", "2.5pn"},
        .also = {"2pn"},
-       // J. Weisberg, J. Taylor, ASP Conf. Ser. 328 (2005) 25: 1.4414 and 1.3867 suns, 27906.979587 s, e; a by Kepler's third law
+       // J. Weisberg, J. Taylor, ASP Conf. Ser. 328 (2005) 25: 1.4414 and 1.3867 suns, 27906.979587 s, e; a
+       // by Kepler's third law
        .values = {{"gm", "2.8281 GMsun"},
                   {"c", "1 c"},
                   {"nu", "0.2499065"},

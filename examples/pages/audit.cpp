@@ -22,7 +22,8 @@ int main() {
   for (const std::string& name : wanted) std::cout << ' ' << name;
   std::cout << '\n';
 
-  // The same choice by name; with_stepper_for takes explicit splitting where the chosen effects are separable.
+  // The same choice by name; with_stepper_for takes explicit splitting where the chosen effects are
+  // separable.
   PhasePoint<double, 3> z = start, z_all = start;
   const IntegrationOptions<double> options{.dt = 0.1, .steps = 200};
   with_stepper_for(all.with_only(wanted), [&](auto& stepper) { integrate(stepper, z, options); });

@@ -1,5 +1,5 @@
-// A star with two planets: Kepler's motion of each is exact, their attraction is kicked, only relativity is doubled. And an
-// effect of one's own: a companion far away, which pulls all of them apart.
+// A star with two planets: Kepler's motion of each is exact, their attraction is kicked, only relativity is
+// doubled. And an effect of one's own: a companion far away, which pulls all of them apart.
 #include <iostream>
 #include <numbers>
 
@@ -10,8 +10,8 @@ using namespace semiexplicit;
 namespace nbody = effects::nbody;
 namespace orbits = effects::orbits;
 
-struct
-    Tide {  // of a mass at a distance along z: ½ k Σ m (x² + y² - 2z²), k = GM/distance³, in Jacobi coordinates with μ for m
+struct Tide {  // of a mass at a distance along z: ½ k Σ m (x² + y² - 2z²), k = GM/distance³, in Jacobi
+               // coordinates with μ for m
   using Acts = OnPosition<double, Eigen::Dynamic>;
   static constexpr const char* name = "tide";
   nbody::Bodies<double> bodies;

@@ -1,5 +1,5 @@
-// Two orbits of Hénon and Heiles' system at the energy 1/8, one chaotic and one regular: tangent map, Lyapunov
-// exponents, Poincaré section.
+// Two orbits of Hénon and Heiles' system at the energy 1/8, one chaotic and one regular: tangent map,
+// Lyapunov exponents, Poincaré section.
 #include <cmath>
 #include <iostream>
 

@@ -1,4 +1,5 @@
-// A map of chaos: the Lyapunov exponent of every orbit that starts in a slice of phase space, with checkpoints.
+// A map of chaos: the Lyapunov exponent of every orbit that starts in a slice of phase space, with
+// checkpoints.
 #include <algorithm>
 #include <cmath>
 #include <iostream>

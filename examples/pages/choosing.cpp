@@ -49,7 +49,8 @@ int main() {
             << ", by the paper's: " << paper.gradients << ", energy errors " << product.error << " and "
             << paper.error << '\n';
 
-  // The solver: at a step that is too large for simplified Newton, Broyden's method and Robust still converge.
+  // The solver: at a step that is too large for simplified Newton, Broyden's method and Robust still
+  // converge.
   const auto by = [](const auto& solver) {
     return tried(Semiexplicit(H, schemes::low_defect6_s13<double>(), solver), 0.06);
   };

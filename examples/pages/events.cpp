@@ -1,4 +1,5 @@
-// A ball that bounces and loses a tenth of its speed each time: its bounces and tops, in order, and the end where it comes to rest.
+// A ball that bounces and loses a tenth of its speed each time: its bounces and tops, in order, and the end
+// where it comes to rest.
 #include <cmath>
 #include <iostream>
 #include <vector>

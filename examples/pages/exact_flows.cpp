@@ -1,4 +1,5 @@
-// Mercury with relativity: Kepler's motion is exact, only relativity is doubled. And an effect of one's own with a flow.
+// Mercury with relativity: Kepler's motion is exact, only relativity is doubled. And an effect of one's own
+// with a flow.
 #include <cmath>
 #include <iostream>
 #include <numbers>

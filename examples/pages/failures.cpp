@@ -14,8 +14,8 @@ int main() {
   Semiexplicit stepper(H, schemes::low_defect6_s13<double>());
   bool all_right = true;
 
-  // A single step says why it failed, and leaves the state alone. The factor by which the corrections change tells which
-  // step would converge.
+  // A single step says why it failed, and leaves the state alone. The factor by which the corrections change
+  // tells which step would converge.
   Point z = start;
   const StepReport report = stepper.step(z, 0.6);
   std::cout << describe(report.status) << "; corrections change by a factor " << report.rate

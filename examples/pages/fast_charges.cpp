@@ -1,4 +1,5 @@
-// An electron in an undulator, and one in a pulse of light: fields of the library, and one of one's own from A(t, x) alone.
+// An electron in an undulator, and one in a pulse of light: fields of the library, and one of one's own from
+// A(t, x) alone.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -24,7 +25,8 @@ int main() {
   const double slippage = t - z.q()[2], expected = t * (1 + strength * strength / 2) / (2 * gamma * gamma);
   std::cout << "undulator: behind light by " << slippage << ", textbook " << expected << '\n';
 
-  // A pulse along z with a Gaussian shape, polarised along x. Potential and derivatives come from this one function.
+  // A pulse along z with a Gaussian shape, polarised along x. Potential and derivatives come from this one
+  // function.
   const charges::FieldFrom pulse([=](const auto& time, const auto& x) {
     using std::cos, std::exp;
     const auto phase = x[2] - time;

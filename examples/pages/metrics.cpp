@@ -1,4 +1,5 @@
-// Geodesics of a metric of one's own, given by its components alone: a wormhole. And Kerr's, beside the one of the library.
+// Geodesics of a metric of one's own, given by its components alone: a wormhole. And Kerr's, beside the one
+// of the library.
 #include <cmath>
 #include <iostream>
 #include <numbers>
@@ -25,7 +26,8 @@ struct Wormhole {  // ds² = -dt² + dl² + (b² + l²)(dθ² + sin²θ dφ²): 
 
 int main() {
   using std::numbers::pi;
-  // Light from the other side: it passes the throat if its angular momentum is below bE, and turns back if it is above.
+  // Light from the other side: it passes the throat if its angular momentum is below bE, and turns back if it
+  // is above.
   const geodesics::Geodesic wormhole(Wormhole{});
   const Scene scene(wormhole);
   auto stepper = stepper_for(scene);

@@ -1,5 +1,5 @@
-// A pendulum with friction and a motor, and a satellite in thin air: forces that no Hamiltonian has, and where
-// the energy goes.
+// A pendulum with friction and a motor, and a satellite in thin air: forces that no Hamiltonian has, and
+// where the energy goes.
 #include <cmath>
 #include <iostream>
 

@@ -1,4 +1,5 @@
-// The projected step by four solvers, and whether it is symplectic: for one degree of freedom, whether it keeps areas.
+// The projected step by four solvers, and whether it is symplectic: for one degree of freedom, whether it
+// keeps areas.
 #include <cmath>
 #include <iostream>
 

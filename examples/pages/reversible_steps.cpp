@@ -1,4 +1,5 @@
-// A comet of eccentricity 0.99 by steps that follow it: a monitor function without derivatives, no energy, a hundred steps an orbit.
+// A comet of eccentricity 0.99 by steps that follow it: a monitor function without derivatives, no energy, a
+// hundred steps an orbit.
 #include <algorithm>
 #include <cmath>
 #include <iostream>

@@ -25,8 +25,8 @@ int main() {
   const Scene turning(orbits::Kinetic<double, 2>{}, Trap{}, orbits::RotatingFrame<double, 2>{.omega = omega});
   static_assert(at_rest.separable && !turning.separable);
 
-  // At rest nothing couples q and p: stepper_for gives plain explicit splitting. In the turning frame the angular momentum
-  // couples them, and it gives Semiexplicit.
+  // At rest nothing couples q and p: stepper_for gives plain explicit splitting. In the turning frame the
+  // angular momentum couples them, and it gives Semiexplicit.
   auto plain = stepper_for(at_rest);
   auto projected = stepper_for(turning);
   const PhasePoint<double, 2> start({1, 0}, {0, 0.5});
@@ -34,7 +34,8 @@ int main() {
   integrate(plain, z, {.dt = 0.05, .steps = 400});
   integrate(projected, z_turning, {.dt = 0.05, .steps = 400});
 
-  // q(t) = (cos t, sin(t)/2), and in the turning frame the same point seen from axes that are ahead by omega t.
+  // q(t) = (cos t, sin(t)/2), and in the turning frame the same point seen from axes that are ahead by omega
+  // t.
   const Vector<double, 2> q(std::cos(t), std::sin(t) / 2);
   const double c = std::cos(omega * t), s = std::sin(omega * t);
   const Vector<double, 2> q_turning(c * q[0] + s * q[1], c * q[1] - s * q[0]);

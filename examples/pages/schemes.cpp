@@ -7,7 +7,8 @@
 
 using namespace semiexplicit;
 
-/// How far from (-3, 0) the state is after a period, in n steps. The period is 4 K(k)/√(1 + q₀²), k² = q₀²/(1 + q₀²).
+/// How far from (-3, 0) the state is after a period, in n steps. The period is 4 K(k)/√(1 + q₀²), k² = q₀²/(1
+/// + q₀²).
 double miss(const Scheme<double>& scheme, int n) {
   const double period = 4 * std::comp_ellint_1(3 / std::sqrt(10.0)) / std::sqrt(10.0);
   Semiexplicit stepper(systems::Product<>{}, scheme);

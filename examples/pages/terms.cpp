@@ -1,4 +1,5 @@
-// The nonlinear Schrödinger lattice with 32 sites, from its energy as a sum over sites and bonds; its largest exponent.
+// The nonlinear Schrödinger lattice with 32 sites, from its energy as a sum over sites and bonds; its largest
+// exponent.
 #include <cmath>
 #include <iostream>
 

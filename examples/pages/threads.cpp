@@ -1,6 +1,7 @@
 // Needs the component openmp
-// One large trajectory by several threads: a chain whose gradient comes in ranges, and bodies that all pull at each
-// other, whose gradient takes threads by itself. The results have the same bits by any number of threads.
+// One large trajectory by several threads: a chain whose gradient comes in ranges, and bodies that all pull
+// at each other, whose gradient takes threads by itself. The results have the same bits by any number of
+// threads.
 #include <cmath>
 #include <iostream>
 

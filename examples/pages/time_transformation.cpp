@@ -1,4 +1,5 @@
-// A comet of eccentricity 0.99: ten orbits in a thousand steps, and its place at given times by Kepler's equation.
+// A comet of eccentricity 0.99: ten orbits in a thousand steps, and its place at given times by Kepler's
+// equation.
 #include <algorithm>
 #include <cmath>
 #include <iostream>

@@ -17,8 +17,8 @@
 
 namespace examples {
 
-/// How Mercury's perihelion turns in a scene, fitted over half of the time before J2000 and half of it behind: the rates change
-/// slowly, and so that of J2000 comes out.
+/// How Mercury's perihelion turns in a scene, fitted over half of the time before J2000 and half of it
+/// behind: the rates change slowly, and so that of J2000 comes out.
 inline Perihelion perihelion_of(const std::vector<std::string>& effects, const NearIntegrable<double>& list,
                                 double dt, double time) {
   const System system(effects);
@@ -33,8 +33,8 @@ inline Perihelion perihelion_of(const std::vector<std::string>& effects, const N
   return perihelion;
 }
 
-/// Clemence's table: what each effect turns Mercury's perihelion by, alone with Mercury and the Sun, and all of them together.
-/// Gives the curves as (name, rows), and the largest distance from the figures of 2017.
+/// Clemence's table: what each effect turns Mercury's perihelion by, alone with Mercury and the Sun, and all
+/// of them together. Gives the curves as (name, rows), and the largest distance from the figures of 2017.
 struct PerihelionTable {
   std::vector<std::pair<std::string, Perihelion>> curves{};
   double worst = 0;

@@ -16,8 +16,8 @@ namespace examples {
 
 inline constexpr double arcsecond = std::numbers::pi / 648000;
 
-/// Follows the perihelion of body 1 in the plane of its orbit: the sum of the turns of Laplace's vector about the angular momentum,
-/// dω + cos i dΩ, and the straight line through it.
+/// Follows the perihelion of body 1 in the plane of its orbit: the sum of the turns of Laplace's vector about
+/// the angular momentum, dω + cos i dΩ, and the straight line through it.
 class Perihelion {
  public:
   explicit Perihelion(const System& system, std::int64_t every)

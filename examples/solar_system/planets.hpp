@@ -23,11 +23,11 @@ inline constexpr double gm_sun = 1.32712440041e20 / (au * au * au) * year * year
 inline constexpr double light = 299792458.0 / au * year;
 inline constexpr double sun_j2 = 2.2e-7, sun_radius = 6.957e8 / au;  // Park et al., Astron. J. 153 (2017) 121
 
-/// A planet, the Earth with the Moon. Elements of J2000 about the Sun in the ecliptic: E. M. Standish, Keplerian Elements for
-/// Approximate Positions of the Major Planets (JPL), table 1, at the epoch. Masses: IAU WGAS Sub-group on Numerical
-/// Standards (1994), as the Sun's mass in theirs. The last two: by what it turns Mercury's perihelion, arcseconds a
-/// century, after G. M. Clemence, Rev. Mod. Phys. 19 (1947) 361, and with today's masses after R. Park et al., Astron. J. 153
-/// (2017) 121.
+/// A planet, the Earth with the Moon. Elements of J2000 about the Sun in the ecliptic: E. M. Standish,
+/// Keplerian Elements for Approximate Positions of the Major Planets (JPL), table 1, at the epoch. Masses:
+/// IAU WGAS Sub-group on Numerical Standards (1994), as the Sun's mass in theirs. The last two: by what it
+/// turns Mercury's perihelion, arcseconds a century, after G. M. Clemence, Rev. Mod. Phys. 19 (1947) 361, and
+/// with today's masses after R. Park et al., Astron. J. 153 (2017) 121.
 struct Planet {
   std::string name;
   double suns, a, e, inclination, longitude, perihelion, node, clemence = 0, park = 0;
@@ -90,7 +90,8 @@ struct System {
   bool pair_relativity = false, full_relativity = false, oblate = false;
 };
 
-/// Calls use(stepper) with the splitting that moves the Kepler parts exactly, and doubles nothing but relativity.
+/// Calls use(stepper) with the splitting that moves the Kepler parts exactly, and doubles nothing but
+/// relativity.
 template <class Use>
 void with_splitting(const System& system, const NearIntegrable<double>& list, const Use& use) {
   const auto& bodies = system.bodies;

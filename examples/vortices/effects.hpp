@@ -60,7 +60,8 @@ inline std::vector<EffectEntry<Eigen::Dynamic>> vortex_effects(const Vortices& v
            }}};
 }
 
-/// What the flow keeps. An impulse that cancels but for rounding counts as zero, so that its error is absolute.
+/// What the flow keeps. An impulse that cancels but for rounding counts as zero, so that its error is
+/// absolute.
 inline void add_impulses(Invariants<double, Eigen::Dynamic>& invariants, const Vortices& v, const Choice& c) {
   using System = systems::PointVortices<>;
   const System system(v.circulation);

@@ -28,9 +28,9 @@ inline std::string trimmed(const std::string& text) {
   return begin == std::string::npos ? "" : text.substr(begin, text.find_last_not_of(blanks) + 1 - begin);
 }
 
-/// Reads CSV with the columns x,y,gamma: a line a vortex, an optional header, blank lines, comments from # on.
-/// Throws std::invalid_argument, "file:line: reason", for anything else, and for vortices that cannot be: zero
-/// circulation, two in one place.
+/// Reads CSV with the columns x,y,gamma: a line a vortex, an optional header, blank lines, comments from #
+/// on. Throws std::invalid_argument, "file:line: reason", for anything else, and for vortices that cannot be:
+/// zero circulation, two in one place.
 inline Vortices read_vortices(std::istream& in, const std::string& file) {
   std::vector<double> columns[3];
   std::map<std::pair<double, double>, int> line_of_place;

@@ -14,8 +14,8 @@
 
 namespace examples {
 
-/// A pair of vortices, the second of circulation 1, that comes down to a wall: it parts there, and its halves go along the
-/// wall, with 1/x² + 1/y² kept. Source: H. Lamb, Hydrodynamics (1932), article 155.
+/// A pair of vortices, the second of circulation 1, that comes down to a wall: it parts there, and its halves
+/// go along the wall, with 1/x² + 1/y² kept. Source: H. Lamb, Hydrodynamics (1932), article 155.
 inline Measurement<Eigen::Dynamic> along_the_wall(const Choice& c) {
   if (!c.only({"pairs", "half_plane"})) return {};
   struct Seen {

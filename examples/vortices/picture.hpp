@@ -14,7 +14,8 @@
 
 namespace examples {
 
-/// gnuplot's lines for the paths in the plane, in the colours of the circulations, with a dot where each starts, and the wall.
+/// gnuplot's lines for the paths in the plane, in the colours of the circulations, with a dot where each
+/// starts, and the wall.
 inline std::string plane(const std::filesystem::path& csv, const std::vector<Path>& paths, const Vortices& v,
                          const std::string& wall) {
   // gnuplot reads the file anew for every path.

@@ -29,16 +29,17 @@ struct IntegrationOptions {
       Scalar(0);  ///< the step; negative goes back in time; of a stepper that ChoosesSteps in its parameter
   std::int64_t steps = 0;  ///< how many, those of `done` included; instead of t_end
   OnFailure on_failure = OnFailure::raise;
-  /// A step that does not converge or is not finite is tried again as 2, 4, ... up to 2^subdivide equal ones before it counts as
-  /// failed; IntegrationReport::subdivided says how often. The energy then may drift: a step that depends on the state is
-  /// a symplectic map no more. 0: never.
+  /// A step that does not converge or is not finite is tried again as 2, 4, ... up to 2^subdivide equal ones
+  /// before it counts as failed; IntegrationReport::subdivided says how often. The energy then may drift: a
+  /// step that depends on the state is a symplectic map no more. 0: never.
   int subdivide = 0;
   Scalar t0 = Scalar(0);  ///< time of the state that is handed in, or of the first one where the run goes on
-  /// Where the run ends, exactly: with the fewest equal steps that are no longer than dt. IntegrationReport::dt says which
-  /// dt that took. A stepper that ChoosesSteps keeps dt and cuts its last two steps. NaN: not given, `steps` says how far.
+  /// Where the run ends, exactly: with the fewest equal steps that are no longer than dt.
+  /// IntegrationReport::dt says which dt that took. A stepper that ChoosesSteps keeps dt and cuts its last
+  /// two steps. NaN: not given, `steps` says how far.
   Scalar t_end = std::numeric_limits<Scalar>::quiet_NaN();
-  /// Report of an earlier part, which the run goes on from: its steps count among `steps`, and its sums are added to. See
-  /// Checkpoints::resume().
+  /// Report of an earlier part, which the run goes on from: its steps count among `steps`, and its sums are
+  /// added to. See Checkpoints::resume().
   IntegrationReport done{};
 };
 
@@ -78,7 +79,8 @@ StepReport one_step(S& stepper, typename S::State& state, const typename S::Scal
   return stepper.step(state, dt);
 }
 
-/// The failed step from `state` as 2, 4, ... equal ones, the first number that succeeds; adds to the report what they cost.
+/// The failed step from `state` as 2, 4, ... equal ones, the first number that succeeds; adds to the report
+/// what they cost.
 template <class S>
 SEMIEXPLICIT_COLD bool step_in_parts(S& stepper, typename S::State& state,
                                      const IntegrationOptions<typename S::Scalar>& options,
@@ -121,8 +123,8 @@ SEMIEXPLICIT_COLD bool step_in_parts(S& stepper, typename S::State& state,
   return false;
 }
 
-/// The options with t_end turned into steps and the dt that they take, unless the stepper S chooses its steps. A quotient that is a
-/// whole number but for rounding is one.
+/// The options with t_end turned into steps and the dt that they take, unless the stepper S chooses its
+/// steps. A quotient that is a whole number but for rounding is one.
 template <class S, class Scalar = typename S::Scalar>
 SEMIEXPLICIT_COLD IntegrationOptions<Scalar> with_steps(
     std::type_identity_t<IntegrationOptions<Scalar>> options) {
@@ -181,9 +183,9 @@ auto& changing(First& first, Others&... others) {
     return changing(others...);
 }
 
-/// A step that was taken from `start`, at the time t, to `state`, cut where an observer wants to change the state: `state` and t
-/// become those after the last event, and what is left of the step is taken from there. tell() notifies all observers.
-/// Success, `stopped` at an event, or why the rest of the step failed.
+/// A step that was taken from `start`, at the time t, to `state`, cut where an observer wants to change the
+/// state: `state` and t become those after the last event, and what is left of the step is taken from there.
+/// tell() notifies all observers. Success, `stopped` at an event, or why the rest of the step failed.
 template <class S, class Tell, class Observer>
 Status cut_at_events(S& stepper, typename S::State& start, typename S::State& state, typename S::Scalar& t,
                      const typename S::Scalar& end, const IntegrationOptions<typename S::Scalar>& options,
@@ -340,17 +342,20 @@ IntegrationReport integrate_checked(S& stepper, typename S::State& state,
 
 }  // namespace detail
 
-/// Takes `steps` steps of size dt, or those that end at t_end, and calls every observer, in order, at the start and after each step. An observer is any
-/// callable (t, state), or (t, state, StepReport), or (t, state, IntegrationReport), which is the run's so far but for
-/// status, t and seconds; one that returns the bool false ends the run there (status `stopped`).
+/// Takes `steps` steps of size dt, or those that end at t_end, and calls every observer, in order, at the
+/// start and after each step. An observer is any callable (t, state), or (t, state, StepReport), or (t,
+/// state, IntegrationReport), which is the run's so far but for status, t and seconds; one that returns the
+/// bool false ends the run there (status `stopped`).
 ///
 ///     PhasePoint<double, 1> z(-3, 0);
-///     integrate(stepper, z, {.dt = 0.01, .steps = 1000}, [](double t, const auto& z) { std::cout << t << ' ' << z.q() << '\n'; });
+///     integrate(stepper, z, {.dt = 0.01, .steps = 1000},
+///               [](double t, const auto& z) { std::cout << t << ' ' << z.q() << '\n'; });
 ///
-/// Times are t0 + n dt, without accumulated rounding; of a stepper that ChoosesSteps they are its own. A step that fails leaves `state` at the last good one and throws
-/// IntegrationError, or ends the run (OnFailure::stop). An exception of a gradient or an observer passes through, with the
-/// state likewise. Throws std::invalid_argument for a negative number of steps,
-/// a t_end that dt leads away from, and a senseless `subdivide`.
+/// Times are t0 + n dt, without accumulated rounding; of a stepper that ChoosesSteps they are its own. A step
+/// that fails leaves `state` at the last good one and throws IntegrationError, or ends the run
+/// (OnFailure::stop). An exception of a gradient or an observer passes through, with the state likewise.
+/// Throws std::invalid_argument for a negative number of steps, a t_end that dt leads away from, and a
+/// senseless `subdivide`.
 template <class S, class State, class... Observers>
 IntegrationReport integrate(S& stepper, State& state,
                             const IntegrationOptions<typename detail::StepperScalar<S>::Type>& options,

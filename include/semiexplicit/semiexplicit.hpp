@@ -1,7 +1,7 @@
 #pragma once
 
-/// What a run of one's own Hamiltonian needs. Each room beyond has its header: scene.hpp, systems.hpp, accuracy.hpp,
-/// ensemble.hpp, checkpoint.hpp, chaos.hpp, time.hpp, derivatives.hpp.
+/// What a run of one's own Hamiltonian needs. Each room beyond has its header: scene.hpp, systems.hpp,
+/// accuracy.hpp, ensemble.hpp, checkpoint.hpp, chaos.hpp, time.hpp, derivatives.hpp.
 
 #include <semiexplicit/core/hamiltonian.hpp>
 #include <semiexplicit/core/phase_point.hpp>

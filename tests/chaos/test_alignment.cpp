@@ -86,7 +86,8 @@ TEST_CASE("On a torus GALI_2 stays, GALI_3 falls as 1/t² and GALI_4 as 1/t⁴",
   double sums[5] = {};
   int seen = 0;
   run(regular, 100'000, gali, [&](double, const auto&, const IntegrationReport& so_far) {
-    // Means of the logarithm over the last tenth before 200, 2000 and 20000, which the revolutions of the torus modulate.
+    // Means of the logarithm over the last tenth before 200, 2000 and 20000, which the revolutions of the
+    // torus modulate.
     for (const std::int64_t end : {1'000, 10'000, 100'000}) {
       if (so_far.steps <= end - end / 2 || so_far.steps > end) continue;
       ++seen;

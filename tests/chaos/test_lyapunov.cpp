@@ -38,7 +38,8 @@ Semiexplicit henon_heiles(WithHessian{}, schemes::low_defect6_s13());
 }  // namespace
 
 TEST_CASE("A ring of eight vortices parts at Havelock's rate", "[lyapunov][long]") {
-  // The fastest mode m = 4 of N = 8 grows at Γ/(4πR²) √(m(N - m)(m(N - m) - 2(N - 1))): T. H. Havelock, Phil. Mag. 11 (1931) 617.
+  // The fastest mode m = 4 of N = 8 grows at Γ/(4πR²) √(m(N - m)(m(N - m) - 2(N - 1))): T. H. Havelock, Phil.
+  // Mag. 11 (1931) 617.
   const systems::PointVortices<double, 8> vortices(Vector<double, 8>::Constant(2 * std::numbers::pi));
   Vector<double, 8> x, y;
   for (int k = 0; k < 8; ++k) {
@@ -192,8 +193,8 @@ struct DrivenQuintic {
 }  // namespace
 
 TEST_CASE("A driven chaotic oscillator has the exponent that was published", "[lyapunov][long]") {
-  // 0.163 from the origin at rest: J. C. Sprott, "Simple Driven Conservative Chaotic Flows" (2001), table; see also his
-  // Chaos and Time-Series Analysis (2003). Estimates over this time scatter by some percent.
+  // 0.163 from the origin at rest: J. C. Sprott, "Simple Driven Conservative Chaotic Flows" (2001), table;
+  // see also his Chaos and Time-Series Analysis (2003). Estimates over this time scatter by some percent.
   const Autonomous driven(DrivenQuintic{});
   Semiexplicit stepper(driven, schemes::blanes_moan4());
   LyapunovExponents lyapunov(stepper, 1);

@@ -81,7 +81,8 @@ struct WithHessian : Plain<Scalar> {
   }
 };
 
-/// How far the tangent map by differences is from the one by the Hessian, of all steps of a run; it has seen another place before.
+/// How far the tangent map by differences is from the one by the Hessian, of all steps of a run; it has seen
+/// another place before.
 template <class Scalar>
 Scalar difference_of_maps(const Plain<Scalar>& plain, PhasePoint<Scalar, 1> z, Scalar dt, int steps = 1) {
   const auto scheme = schemes::low_defect6_s13<Scalar>();

@@ -19,7 +19,8 @@
 
 namespace test_files {
 
-// Checkpoint files: those that must not be gone on from, those that cannot be written, and what goes on beside the stepper.
+// Checkpoint files: those that must not be gone on from, those that cannot be written, and what goes on
+// beside the stepper.
 
 namespace {
 
@@ -111,7 +112,7 @@ TEST_CASE("A checkpoint with any byte changed, cut short or lengthened is refuse
   std::string other = sound;
   other[28] = 1;
   run.write(other);
-  CHECK(says(run.refusal_of_file(), "has the format 1, and this program reads the format 3; go on with"));
+  CHECK(says(run.refusal_of_file(), "has the format 1, and this program reads the format 4; go on with"));
   std::memcpy(other.data() + 24, "\x01\x02\x03\x04", 4);
   run.write(other);
   CHECK(says(run.refusal_of_file(), "another byte order"));
@@ -286,7 +287,8 @@ TEST_CASE("A CSV file goes on where the checkpoint has it, byte for byte", "[che
   const systems::Product<double> h;
   IntegrationOptions<double> options{.dt = 0.1, .steps = 100};
   struct Killed {};
-  /// Runs until it is done or dies after some steps; what was written after the last checkpoint stays in the .part.
+  /// Runs until it is done or dies after some steps; what was written after the last checkpoint stays in the
+  /// .part.
   const auto run = [&](std::int64_t dies) {
     GaussLegendre stepper(h, {.stages = 2});
     PhasePoint<double, 1> z(-3, 0);

@@ -219,7 +219,8 @@ TEST_CASE("Another Hamiltonian of the same kind is refused", "[checkpoint]") {
 
 TEST_CASE("A Hamiltonian that differs in a sign, or in the smaller half of its gradient, is refused",
           "[checkpoint]") {
-  // A charge in the field of another one, repelled or attracted, in units where the force is far smaller than the velocity.
+  // A charge in the field of another one, repelled or attracted, in units where the force is far smaller than
+  // the velocity.
   for (const double unit : {1.0, 1e-14}) {
     const auto charges = [unit](double k, double turn = 1) {
       return Semiexplicit(

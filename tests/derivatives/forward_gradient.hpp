@@ -3,7 +3,8 @@
 #include <semiexplicit/core/phase_point.hpp>
 #include <semiexplicit/derivatives/dual.hpp>
 
-/// The gradient of energy(q, p), one derivative at a time by dual numbers: what other ways to find it are compared with.
+/// The gradient of energy(q, p), one derivative at a time by dual numbers: what other ways to find it are
+/// compared with.
 template <class Energy, class Scalar, int Dof>
 typename semiexplicit::PhasePoint<Scalar, Dof>::Storage forward_gradient(
     const Energy& energy, const semiexplicit::PhasePoint<Scalar, Dof>& z) {

@@ -193,7 +193,8 @@ TEST_CASE("Not judged is told from right", "[check_gradient]") {
   const auto times = [](double factor) {
     return [factor](double& to, double value) { to = factor * value; };
   };
-  // So near to the origin that steps of a tenth of z move the energy by less than its rounding: larger ones judge.
+  // So near to the origin that steps of a tenth of z move the energy by less than its rounding: larger ones
+  // judge.
   for (const double size : {1e-4, 1e-8, 1e-10}) {
     CAPTURE(size);
     const PhasePoint<double, 1> z(size, -2 * size);

@@ -31,7 +31,8 @@ PhasePoint<Scalar, Eigen::Dynamic> some_point(Index dof) {
   return z;
 }
 
-/// How far the gradient of that energy is from its derivatives one by one, at the first call and later, relative to its size.
+/// How far the gradient of that energy is from its derivatives one by one, at the first call and later,
+/// relative to its size.
 template <class Energy, class Scalar, int Dof>
 double error_at(const Energy& energy, const PhasePoint<Scalar, Dof>& z) {
   const auto h = from_energy<Scalar>(z.dof(), energy);

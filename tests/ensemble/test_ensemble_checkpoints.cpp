@@ -43,7 +43,8 @@ struct Interrupt {
   bool operator()(double, const EnsembleReport& so_far) const { return so_far.done < at; }
 };
 
-/// Interrupted at step 36 after a checkpoint at step 30, and resumed by other numbers of threads and other parts.
+/// Interrupted at step 36 after a checkpoint at step 30, and resumed by other numbers of threads and other
+/// parts.
 template <class Start, class Make, class Number>
 void check(const Start& start, const EnsembleOptions& whole, const Make& make, const Number& number) {
   const Folder folder;
@@ -118,7 +119,8 @@ struct Fragile {
 
 }  // namespace
 
-/// With exponents of members that take all their steps, and with invariants of such as fail or need their steps in parts.
+/// With exponents of members that take all their steps, and with invariants of such as fail or need their
+/// steps in parts.
 template <class Make>
 void check(const Make& ensemble) {
   check(

@@ -1,4 +1,5 @@
-// Ensembles whose members are stepped one by one, and what lanes and these have in common: against the plain stepper.
+// Ensembles whose members are stepped one by one, and what lanes and these have in common: against the plain
+// stepper.
 #include "catch.hpp"
 
 #include <cmath>

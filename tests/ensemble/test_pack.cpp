@@ -1,5 +1,5 @@
-// Compiled for the processor at hand and without contraction to fused operations (see tests/CMakeLists.txt): a lane then
-// has to give the very bits of the plain stepper.
+// Compiled for the processor at hand and without contraction to fused operations (see tests/CMakeLists.txt):
+// a lane then has to give the very bits of the plain stepper.
 #include "catch.hpp"
 
 #include <cmath>
@@ -30,7 +30,8 @@ bool same(const StepReport& x, const StepReport& y) {
          same(x.correction, y.correction) && same(x.rate, y.rate);
 }
 
-/// 40 steps of a pack and of the plain stepper; gives the largest difference of the evaluations of two lanes in a step.
+/// 40 steps of a pack and of the plain stepper; gives the largest difference of the evaluations of two lanes
+/// in a step.
 template <class Packed, class Plain, int Dof>
 std::int64_t compare(const Packed& packed, const Plain& plain,
                      const std::vector<PhasePoint<double, Dof>>& starts, double dt,

@@ -46,8 +46,8 @@ const SceneProgram<1>& program() {
   return program;
 }
 
-/// Hands the options of a program to parse(app), and looks at what has come of them: refused in one line, or options that
-/// mean something.
+/// Hands the options of a program to parse(app), and looks at what has come of them: refused in one line, or
+/// options that mean something.
 template <class Parse>
 void put_options(const Parse& parse) {
   const auto one_line = [](const std::string& what) {

@@ -14,8 +14,8 @@
 #include <semiexplicit/steppers/gauss_legendre.hpp>
 #include <semiexplicit/systems/product.hpp>
 
-// A checkpoint file: refused with nothing changed, or gone on with. The first byte decides whether the rest is the file, or
-// contents that get a sound frame, which random bytes would never have.
+// A checkpoint file: refused with nothing changed, or gone on with. The first byte decides whether the rest
+// is the file, or contents that get a sound frame, which random bytes would never have.
 namespace {
 
 using namespace semiexplicit;

@@ -16,7 +16,8 @@ namespace {
 
 using namespace semiexplicit;
 
-/// H = (q² + p²)²/4, a rotation at the rate 2H/r² = r²/2... with r = 1 at the rate 1: not separable, and known in closed form.
+/// H = (q² + p²)²/4, a rotation at the rate 2H/r² = r²/2... with r = 1 at the rate 1: not separable, and
+/// known in closed form.
 const auto rotor = make_hamiltonian<double, 1>(
     [](const auto& q, const auto& p) { return std::pow(q[0] * q[0] + p[0] * p[0], 2) / 4; },
     [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {

@@ -29,7 +29,8 @@
 
 namespace test_outlets {
 
-// What observers let out: CSV files where writing fails, the progress bar, every() with observers of all kinds.
+// What observers let out: CSV files where writing fails, the progress bar, every() with observers of all
+// kinds.
 
 namespace {
 

@@ -33,7 +33,8 @@
 
 namespace test_outputs {
 
-// Outputs on disks that are full, behind links, to devices and pipes, of runs that are killed, and of two runs at once.
+// Outputs on disks that are full, behind links, to devices and pipes, of runs that are killed, and of two
+// runs at once.
 
 namespace {
 
@@ -47,7 +48,8 @@ void write_table(const fs::path& path, double value = 1) {
   writer.commit();
 }
 
-/// How many rows there are, below a header and each with its two numbers, n and 1/3; -1 where one is not whole.
+/// How many rows there are, below a header and each with its two numbers, n and 1/3; -1 where one is not
+/// whole.
 std::int64_t whole_rows(const fs::path& path) {
   const std::string text = contents(path);
   if (text.empty() || !text.starts_with("n,third\n") || text.back() != '\n') return -1;

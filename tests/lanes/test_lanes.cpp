@@ -1,5 +1,5 @@
-// Compiled for the processor at hand (see tests/CMakeLists.txt). Where that has AVX-512, small systems run in registers;
-// here they are held against the same systems without that path.
+// Compiled for the processor at hand (see tests/CMakeLists.txt). Where that has AVX-512, small systems run in
+// registers; here they are held against the same systems without that path.
 
 #include <cmath>
 #include <utility>

@@ -114,7 +114,8 @@ TEST_CASE("Where orbits part the estimate says nothing, and when", "[error estim
   CHECK_FALSE(estimate.error());
   CHECK_FALSE(estimate.worst());
   CHECK_FALSE(estimate.error_of([](const auto& q, const auto&) { return q[0]; }));
-  // An exponent of 0.1 or so takes an error of 1e-6 a unit of time to the size of the orbit within some hundreds.
+  // An exponent of 0.1 or so takes an error of 1e-6 a unit of time to the size of the orbit within some
+  // hundreds.
   CHECK(*estimate.parted_at() > 20);
   CHECK(*estimate.parted_at() < 1000);
   CHECK(before < *estimate.parted_at());

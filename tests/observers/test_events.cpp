@@ -48,7 +48,8 @@ struct Oscillator {
 constexpr auto height = [](const auto& q, const auto&) { return q[0]; };
 constexpr auto speed = [](const auto&, const auto& p) { return p[0]; };
 
-/// Height at the time t of a ball that is let go at the height 1/2 and bounces without loss: bounces at t = 1, 3, 5, ...
+/// Height at the time t of a ball that is let go at the height 1/2 and bounces without loss: bounces at t =
+/// 1, 3, 5, ...
 double elastic(double t) {
   const double since = std::remainder(t, 2.0);
   return 0.5 - since * since / 2;
@@ -93,7 +94,8 @@ TEST_CASE("A ball that bounces without loss keeps to its closed form", "[events]
 }
 
 TEST_CASE("A ball that loses speed is stopped where its bounces pile up", "[events]") {
-  // Flights of lengths 2 r, 2 r², ...: after the bounce n the time is 1 + 2 (r + ... + r^n), and their sum is finite.
+  // Flights of lengths 2 r, 2 r², ...: after the bounce n the time is 1 + 2 (r + ... + r^n), and their sum is
+  // finite.
   const double r = 0.7;
   auto stepper = semiexplicit_of(Ball());
   Point z(0.5, 0);

@@ -9,8 +9,8 @@
 
 namespace test_late_times {
 
-// An autonomous system does not know what time it is: from any t0 on an observer sees what it sees from 0 on, although late
-// times are rounded so coarsely that many steps have the same one.
+// An autonomous system does not know what time it is: from any t0 on an observer sees what it sees from 0 on,
+// although late times are rounded so coarsely that many steps have the same one.
 
 namespace {
 

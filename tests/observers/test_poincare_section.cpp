@@ -55,7 +55,8 @@ TEST_CASE("A fine run crosses where the closed form does", "[section]") {
 }
 
 TEST_CASE("Crossings are as accurate as the interpolation", "[section]") {
-  // Of the exact states, so that nothing else is in the error. q rises through q₀/2 where cn = 1/2, but for the period.
+  // Of the exact states, so that nothing else is in the error. q rises through q₀/2 where cn = 1/2, but for
+  // the period.
   const double first = boost::math::ellint_1(modulus, std::acos(0.5)) / omega;
   for (const int nodes : {2, 3, 4}) {
     const auto error = [&](int steps) {

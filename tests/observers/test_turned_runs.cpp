@@ -138,7 +138,8 @@ TEST_CASE("every() counts on from run to run, and begins anew with another orbit
   REQUIRE(record.t.size() == 5);
   for (std::size_t i = 0; i < 5; ++i) CHECK(record.t[i] == Approx(double(i)));
 
-  // Two orbits of different energies: what lies between the end of one and the start of the other is no crossing.
+  // Two orbits of different energies: what lies between the end of one and the start of the other is no
+  // crossing.
   std::vector<double> energies;
   auto section = poincare_section(
       rotor, position, [&](double, const Point& w) { energies.push_back(w.vector().squaredNorm() / 2); },

@@ -55,8 +55,8 @@ Iterates limited_memory(const Function& f, Eigen::Index n, const Broyden& solver
   return {report, residual.visited, residual.visited.back()};
 }
 
-/// The first `count` iterates with the inverse Jacobian as a matrix, by the update of Sherman and Morrison; it starts anew
-/// from 4I after every `memory` updates.
+/// The first `count` iterates with the inverse Jacobian as a matrix, by the update of Sherman and Morrison;
+/// it starts anew from 4I after every `memory` updates.
 std::vector<Vec> with_matrix(const Function& f, Eigen::Index n, std::size_t count, int memory) {
   const Eigen::MatrixXd first = Eigen::MatrixXd::Identity(n, n) / 4;
   Eigen::MatrixXd inverse = first;
@@ -148,7 +148,8 @@ TEST_CASE("A full memory starts anew from the current point", "[broyden]") {
 }
 
 TEST_CASE("A singular update is left out", "[broyden]") {
-  // In the first step m goes from 0 to -f(0)/4, where f has the same value again: Δf = 0, and no secant exists.
+  // In the first step m goes from 0 to -f(0)/4, where f has the same value again: Δf = 0, and no secant
+  // exists.
   const Function flat_then_linear = [](const Vec& m) {
     Vec f(1);
     f[0] = m[0] > -0.3 ? 1 : 4 * m[0] + 2;

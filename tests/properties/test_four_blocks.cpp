@@ -8,7 +8,8 @@
 
 namespace test_four_blocks {
 
-// The method as its source writes it down, with the four blocks ζ = (q, x, p, y), against the library's two copies.
+// The method as its source writes it down, with the four blocks ζ = (q, x, p, y), against the library's two
+// copies.
 
 namespace {
 
@@ -108,7 +109,8 @@ Solved simplified_newton(const Map& map, double dt, const Blocks& zeta, double e
   }
 }
 
-/// The same with Broyden's method: the inverse Jacobian as a matrix, updated by the formula of Sherman and Morrison.
+/// The same with Broyden's method: the inverse Jacobian as a matrix, updated by the formula of Sherman and
+/// Morrison.
 Solved broyden(const Map& map, double dt, const Blocks& zeta, double epsilon) {
   Multiplier mu = Multiplier::Zero(), step = mu, before = mu;
   Eigen::Matrix<double, 8, 8> inverse = Eigen::Matrix<double, 8, 8>::Identity() / 4;

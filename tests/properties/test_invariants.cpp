@@ -10,8 +10,8 @@
 
 namespace test_invariants {
 
-// Linear and quadratic invariants of H are kept by the converged method itself, not only as well as the solution is; the
-// energy error stays bounded.
+// Linear and quadratic invariants of H are kept by the converged method itself, not only as well as the
+// solution is; the energy error stays bounded.
 
 namespace {
 

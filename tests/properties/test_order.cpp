@@ -15,8 +15,8 @@
 
 namespace test_order {
 
-// The order that is measured on nonlinear, non-separable problems must be the one that is claimed. (Harmonic oscillators
-// would not do: they hardly tell a wrong sequence of coefficients from the right one.)
+// The order that is measured on nonlinear, non-separable problems must be the one that is claimed. (Harmonic
+// oscillators would not do: they hardly tell a wrong sequence of coefficients from the right one.)
 
 namespace {
 
@@ -39,7 +39,8 @@ Problem<systems::Product<Real>> product() {
   return {{}, {-3, 0}, {q, slope / (q * q + 1)}, T};
 }
 
-/// Three sites of the NLS lattice; the solution by a method of another family, of order 16 and with fine steps.
+/// Three sites of the NLS lattice; the solution by a method of another family, of order 16 and with fine
+/// steps.
 Problem<systems::NlsLattice<Real, 3>> lattice() {
   Problem<systems::NlsLattice<Real, 3>> problem{{}, {{1, 0.5L, -0.3L}, {0.4L, -0.7L, 0.2L}}, {}, 1};
   problem.end = problem.start;
@@ -72,9 +73,11 @@ double order(const Problem<H>& problem, const Stepper& stepper, double small) {
   return std::log2(now / error(problem, stepper, 2 * n));
 }
 
-/// Small enough to be ruled by the leading term, and so large that after another halving rounding is not yet seen.
+/// Small enough to be ruled by the leading term, and so large that after another halving rounding is not yet
+/// seen.
 double small_error(const methods::Claim& claim) {
-  // Here the leading term is that of the defect, which is small by design, and the next is two or four orders higher.
+  // Here the leading term is that of the defect, which is small by design, and the next is two or four orders
+  // higher.
   if (claim.name.starts_with("Pihajoki, low_defect6") || claim.name.starts_with("Pihajoki, low_defect8"))
     return 1e-11;
   return claim.order > 10 ? 1e-9 : std::pow(10.0, -2.5 - 0.9 * claim.order);

@@ -7,8 +7,9 @@
 
 namespace test_published_counts {
 
-// The evaluations of f per step that Jayawardana and Ohsawa (Math. Comp. 92 (2023) 251, appendix A.1) publish for the NLS
-// lattice with the step 0.01 and the tolerance 1e-13: the figures of their tables that do not depend on the machine.
+// The evaluations of f per step that Jayawardana and Ohsawa (Math. Comp. 92 (2023) 251, appendix A.1) publish
+// for the NLS lattice with the step 0.01 and the tolerance 1e-13: the figures of their tables that do not
+// depend on the machine.
 
 namespace {
 

@@ -131,8 +131,8 @@ TEST_CASE("The default stopping rule keeps the form within its budget", "[symple
 }
 
 TEST_CASE("What is left of f enters the form at second order only", "[symplecticity]") {
-  // With k evaluations the multiplier is of size h³ for Strang and what is left of size h^(k + 2). The product of the two
-  // is of order k + 5; a method that ended with z + m would have k + 2.
+  // With k evaluations the multiplier is of size h³ for Strang and what is left of size h^(k + 2). The
+  // product of the two is of order k + 5; a method that ended with z + m would have k + 2.
   const auto defect = [](int evaluations, double dt) {
     return symplectic_defect(Semiexplicit(Lattice<Wide>{}, schemes::strang<Wide>(), FixedNumber{evaluations}),
                              start<Wide>(), dt, 1e-6);

@@ -121,7 +121,8 @@ TEST_CASE("Mercury's perihelion turns by 43 arcseconds a century, with five step
   const double l = z.q()[0] * z.p()[1] - z.q()[1] * z.p()[0], r = z.q().norm();
   const double angle =
       std::atan2(-z.p()[0] * l - mercury_gm * z.q()[1] / r, z.p()[1] * l - mercury_gm * z.q()[0] / r);
-  // 42.98 is the mean; what the osculating ellipse adds at the end of this century was found with 40 000 steps of Gauss's method.
+  // 42.98 is the mean; what the osculating ellipse adds at the end of this century was found with 40 000
+  // steps of Gauss's method.
   CHECK(angle * 180 * 3600 / std::acos(-1.0) == Approx(43.0949).margin(0.01));
 }
 

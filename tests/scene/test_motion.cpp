@@ -104,7 +104,8 @@ TEST_CASE("a projectile with drag flies as its closed form says") {
 }
 
 TEST_CASE("a spiral through an atmosphere loses what the drag takes") {
-  // A circle in thin air: da/dt = -2 b ρ a v with v² = GM/a; King-Hele, Theory of Satellite Orbits, section 4.
+  // A circle in thin air: da/dt = -2 b ρ a v with v² = GM/a; King-Hele, Theory of Satellite Orbits,
+  // section 4.
   const double b = 1e-6, height = 0.05;
   const Scene scene(Kinetic{}, orbits::Attraction<double, 2>{},
                     Drag{.quadratic = b, .height = height, .radius = 1});

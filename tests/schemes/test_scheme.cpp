@@ -49,9 +49,9 @@ std::vector<detail::ConditionScalar<S>> interleaved(const Scheme<S>& s) {
   return c;
 }
 
-/// The coefficient of one word in the product of the exponentials, by counting how the kicks can share the word
-/// among them: no series and no logarithm, so independent of the library's own computation. Bit i of `word` is
-/// letter i, 0 for A.
+/// The coefficient of one word in the product of the exponentials, by counting how the kicks can share the
+/// word among them: no series and no logarithm, so independent of the library's own computation. Bit i of
+/// `word` is letter i, 0 for A.
 template <class T>
 T word_coefficient(const std::vector<T>& kicks, unsigned word, unsigned length) {
   std::vector<T> done(length + 1, T(0));  // done[j]: the first j letters are used up
@@ -411,8 +411,8 @@ TEST_CASE("A coefficient that is off in the tenth digit is refused", "[scheme]")
         const Scheme<double> found = make_scheme("wrong", wrong.a, wrong.b);
         CHECK(found.order + found.explicit_order < right.order + right.explicit_order);
 
-        // In a list made of Strang steps a shift between A kicks changes the even part to second order only: for the
-        // projected method of order 4, one of 1e-10 is no error at all, and a new Scheme may say so.
+        // In a list made of Strang steps a shift between A kicks changes the even part to second order only:
+        // for the projected method of order 4, one of 1e-10 is no error at all, and a new Scheme may say so.
         const bool harmless = in_a && change == -1e-10 && (name == "triple_jump4" || name == "suzuki4");
         const std::string claim = refusal([&] { Scheme<double>("again", right.order, wrong.a, wrong.b); });
         CHECK(says_all(claim, {harmless ? "nothing was refused" : "is claimed"}));
@@ -433,8 +433,8 @@ TEST_CASE("The coefficients carry the digits of a wide type", "[scheme]") {
     int more = 0;
     for (std::size_t i = 0; i < w.a.size(); ++i) {
       more += l.a[i] != static_cast<long double>(d.a[i]);
-      // Each is the number closest to the true one; the merged kicks of a composition in the widest built-in type
-      // have two roundings.
+      // Each is the number closest to the true one; the merged kicks of a composition in the widest built-in
+      // type have two roundings.
       const long double rounding = std::numeric_limits<long double>::epsilon();
       CHECK(size_of(l.a[i] - static_cast<long double>(w.a[i])) <= rounding);
       if (wider) CHECK(d.a[i] == static_cast<double>(w.a[i]));

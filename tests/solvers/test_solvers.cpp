@@ -189,7 +189,8 @@ TEST_CASE("A tolerance below all rounding is met by what rounding allows", "[sol
     for (const auto& rule : {StoppingRule::paper(0), StoppingRule::paper(1e-300), StoppingRule::product(0),
                              StoppingRule::product(1e-300)}) {
       solver.stop = rule;
-      // Once m is below the rounding of the state only 2m is left of f, and the correction would halve for ever.
+      // Once m is below the rounding of the state only 2m is left of f, and the correction would halve for
+      // ever.
       Residual halving{[](const Vec& m) { return Vec(2 * m + Vec(1e-14, 0)); }, 1, 1e-14};
       CHECK(accepted(solve(solver, halving)));
       Residual exact{[](const Vec&) { return Vec(0, 0); }, 1, 1e-14};

@@ -1,5 +1,6 @@
-// The battery: every case of benchmarks/stability/cases.hpp for a while, with two solvers, and what has no figure there. Bad
-// gradients (NaN, Inf, exceptions at any kick), wrong states and equilibria are in tests/steppers/test_failures.cpp.
+// The battery: every case of benchmarks/stability/cases.hpp for a while, with two solvers, and what has no
+// figure there. Bad gradients (NaN, Inf, exceptions at any kick), wrong states and equilibria are in
+// tests/steppers/test_failures.cpp.
 
 #include "catch.hpp"
 

@@ -1,4 +1,5 @@
-// Steps that do not resolve the fastest motion: the solvers that survive them, what they say, and what integrate() can do.
+// Steps that do not resolve the fastest motion: the solvers that survive them, what they say, and what
+// integrate() can do.
 
 #include "catch.hpp"
 

@@ -18,8 +18,8 @@
 
 namespace test_failures {
 
-// What a step does that cannot be done: it says so, leaves the state alone to the last bit, and the stepper goes on as if
-// nothing had been.
+// What a step does that cannot be done: it says so, leaves the state alone to the last bit, and the stepper
+// goes on as if nothing had been.
 
 namespace {
 
@@ -316,8 +316,8 @@ TEST_CASE("States of any size are stepped to the same relative accuracy", "[fail
 }
 
 TEST_CASE("The size of a system does not change its steps", "[failures][long]") {
-  // Sites of the lattice that are empty stay so: 70000 sites of which five are taken are these five. Vectors of that
-  // length are worked on in another way than short ones.
+  // Sites of the lattice that are empty stay so: 70000 sites of which five are taken are these five. Vectors
+  // of that length are worked on in another way than short ones.
   const PhasePoint<double, 5> five({3, 0.01, 0.02, -0.01, 0.5}, {1, 0, 0.1, 0, -0.2});
   PhasePoint<double, Eigen::Dynamic> many(70'000);
   many.q().head(5) = five.q();

@@ -151,7 +151,8 @@ TEST_CASE("What a step of a Gauss method costs", "[gauss]") {
       CHECK(report.gradients == 1 + s * report.evaluations);
     }
 
-    // The Hessian costs none, differences for it 4d more a stage, and more where their shifts are looked for: at first.
+    // The Hessian costs none, differences for it 4d more a stage, and more where their shifts are looked for:
+    // at first.
     auto y = product_start;
     GaussLegendre given(product, {.stages = s, .solver = StageSolver::newton});
     const StepReport with_hessian = given.step(y, 0.02);

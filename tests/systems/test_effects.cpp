@@ -27,7 +27,8 @@ PhasePoint<double, Dof> some_point(Eigen::Index dof = Dof) {
   return z;
 }
 
-/// How far the gradient of an effect, on top of what is there, is from central differences of the energy of order 6.
+/// How far the gradient of an effect, on top of what is there, is from central differences of the energy of
+/// order 6.
 template <int Dof>
 double gradient_error(const AnyEffect<double, Dof>& effect, const PhasePoint<double, Dof>& z) {
   PhasePoint<double, Dof> g(z.dof()), other = z;

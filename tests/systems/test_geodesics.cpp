@@ -36,7 +36,8 @@ struct LowerKerr {
   }
 };
 
-/// Schwarzschild's in the coordinates (t, x, y, z) of Kerr and Schild, regular at the horizon: η^{μν} - 2M/r l^μ l^ν.
+/// Schwarzschild's in the coordinates (t, x, y, z) of Kerr and Schild, regular at the horizon: η^{μν} - 2M/r
+/// l^μ l^ν.
 struct KerrSchild {
   auto operator()(const auto& x) const {
     using std::sqrt;

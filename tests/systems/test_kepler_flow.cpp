@@ -38,7 +38,8 @@ Status move(const Flow& flow, PhasePoint<Scalar, Dim>& z, const Scalar& t) {
   return status;
 }
 
-/// Kepler's motion from the eccentric anomaly, or the hyperbolic one, with 50 digits: by elements, not by universal variables.
+/// Kepler's motion from the eccentric anomaly, or the hyperbolic one, with 50 digits: by elements, not by
+/// universal variables.
 Point<Wide> by_elements(const Point<Wide>& z, const Wide& gm, const Wide& t) {
   const Vector<Wide, 3> q = z.q(), p = z.p();
   const Wide r = sqrt(q.dot(q)), eta = q.dot(p), a = 1 / (2 / r - p.dot(p) / gm);

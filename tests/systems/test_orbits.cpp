@@ -19,8 +19,8 @@ using Chosen = RuntimeScene<double, Dim>;  // few steppers for all tests: it com
 
 const double pi = std::acos(-1.0);
 
-/// Steps on until crossing(z) has passed zero upwards `times` times, and leaves z on the last crossing; returns the time.
-/// Not in the first step, which may begin on one.
+/// Steps on until crossing(z) has passed zero upwards `times` times, and leaves z on the last crossing;
+/// returns the time. Not in the first step, which may begin on one.
 template <class Stepper, class Crossing>
 double run_to_crossing(Stepper& stepper, typename Stepper::State& z, double dt, int times,
                        const Crossing& crossing) {
@@ -93,7 +93,8 @@ TEST_CASE("The periapsis turns as the second post-Newtonian order says, for any 
 }
 
 TEST_CASE("A circular orbit of second post-Newtonian order has the energy of its frequency", "[systems]") {
-  // E = -x/2 (1 - (9 + ν)x/12 - (81 - 57ν + ν²)x²/24), x = Ω^(2/3). Blanchet, Living Rev. Relativ. 17 (2014) 2, eq. (232).
+  // E = -x/2 (1 - (9 + ν)x/12 - (81 - 57ν + ν²)x²/24), x = Ω^(2/3). Blanchet, Living Rev. Relativ. 17 (2014)
+  // 2, eq. (232).
   const double nu = 0.25, r = 4000;
   const Chosen<2> scene{Kinetic<double, 2>{}, Attraction<double, 2>{}, PostNewtonian1<double, 2>{.nu = nu},
                         PostNewtonian2<double, 2>{.nu = nu}};

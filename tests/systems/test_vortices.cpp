@@ -104,7 +104,8 @@ TEST_CASE("Circulations refuse what makes no sense", "[systems]") {
 }
 
 TEST_CASE("Linear waves on a lattice: hopping and disorder", "[systems]") {
-  // A standing wave of the open chain, ψᵢ = sin(k(i + 1)), k = π/(n + 1), turns at -2J cos k; equal energies add theirs.
+  // A standing wave of the open chain, ψᵢ = sin(k(i + 1)), k = π/(n + 1), turns at -2J cos k; equal energies
+  // add theirs.
   const int n = 20;
   const double j = 0.7, energy = 0.4, k = pi / (n + 1), t = 5, angle = -(energy - 2 * j * std::cos(k)) * t;
   const Chosen scene{lattice::Hopping<>{.sites = n, .rate = j},

@@ -1,5 +1,5 @@
-// One large trajectory by several threads (tests/CMakeLists.txt: OpenMP): the bits are those of one thread, and those of a Hamiltonian that
-// does not say how far its sites reach, which is kicked as a whole.
+// One large trajectory by several threads (tests/CMakeLists.txt: OpenMP): the bits are those of one thread,
+// and those of a Hamiltonian that does not say how far its sites reach, which is kicked as a whole.
 #include "catch.hpp"
 
 #include <cmath>
@@ -67,7 +67,8 @@ struct RangesOf {
   }
 };
 
-/// A user's chain: Σ (qᵢ² + 1)(pᵢ² + 1)/2 + c/2 Σ (qᵢ - qᵢ₊ᵣ)², of reach r; the gradient throws where a q is above `limit`.
+/// A user's chain: Σ (qᵢ² + 1)(pᵢ² + 1)/2 + c/2 Σ (qᵢ - qᵢ₊ᵣ)², of reach r; the gradient throws where a q is
+/// above `limit`.
 template <bool local>
 struct Chain {
   using Scalar = double;
@@ -267,7 +268,8 @@ TEST_CASE("Parts of a loop begin at whole blocks and leave nothing out") {
 }
 
 TEST_CASE("Parts of a wave touch nothing that another part touches at the same time") {
-  // Two copies of a phase point by tiles: stage 0 writes both, a kick reads one in three tiles and writes the other, the last reads both.
+  // Two copies of a phase point by tiles: stage 0 writes both, a kick reads one in three tiles and writes the
+  // other, the last reads both.
   using Places = std::set<std::pair<int, Eigen::Index>>;
   struct Part {
     Places reads, writes;

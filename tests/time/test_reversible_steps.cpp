@@ -292,7 +292,8 @@ TEST_CASE("A checkpoint of reversible steps by another monitor function is refus
 }
 
 TEST_CASE("A reversible step that fails leaves the state, the time and the density", "[reversible steps]") {
-  // Everything stays where the monitor throws, is not positive, or the stepper fails; and the run goes on after.
+  // Everything stays where the monitor throws, is not positive, or the stepper fails; and the run goes on
+  // after.
   struct Fault {
     int* calls;
     int at;
@@ -350,7 +351,8 @@ TEST_CASE("A reversible step cut into parts keeps time and density", "[reversibl
 }
 
 TEST_CASE("Lyapunov exponents under reversible steps are those of the motion", "[reversible steps]") {
-  // The hyperbolic fixed point at which the equations of motion are linear: q' = p, p' = q, exponents 1 and -1.
+  // The hyperbolic fixed point at which the equations of motion are linear: q' = p, p' = q, exponents 1 and
+  // -1.
   const auto h = from_energy<1>([](const auto& q, const auto& p) { return (p[0] * p[0] - q[0] * q[0]) / 2; });
   ReversibleSteps stepper(Semiexplicit(h, schemes::blanes_moan6()),
                           [](const auto& q, const auto&) { return 1 / (1 + q[0] * q[0]); });

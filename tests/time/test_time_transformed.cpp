@@ -173,8 +173,8 @@ TEST_CASE("An energy that is a little off is taken up", "[time transformed]") {
 }
 
 TEST_CASE("Three vortices that nearly collapse", "[time transformed]") {
-  // With 1/Γ₁ + 1/Γ₂ + 1/Γ₃ = 0 and Σ ΓᵢΓⱼD² = 0 all distances shrink to nothing in finite time (Aref, Phys. Fluids 22
-  // (1979) 393, section IV); a little off they turn round at a distance that is small.
+  // With 1/Γ₁ + 1/Γ₂ + 1/Γ₃ = 0 and Σ ΓᵢΓⱼD² = 0 all distances shrink to nothing in finite time (Aref, Phys.
+  // Fluids 22 (1979) 393, section IV); a little off they turn round at a distance that is small.
   const systems::PointVortices<double, 3> h({2, 2, -1});
   const auto start = h.phase_point({-1, 1, 1.0003}, {0, 0, std::sqrt(2.0)});
   const double e0 = h.energy(start.q(), start.p());

@@ -10,19 +10,23 @@
 
 namespace semiexplicit {
 
-/// An observer that tells chaos from order sooner than Lyapunov exponents do: the generalised alignment indices GALI_2 to GALI_k,
-/// the volumes of the parallelepipeds of the first 2 to k of its k tangent vectors, each of length one. All start at 1. In chaos the vectors
-/// fall into line, and GALI_j decays as exp(-[(λ₁-λ₂) + ... + (λ₁-λⱼ)] t); on a regular orbit, a torus of d dimensions, it stays
-/// about constant for j ≤ d, and falls as t^{-2(j-d)} beyond. (Where the torus has fewer dimensions s, constant up to j = s.)
+/// An observer that tells chaos from order sooner than Lyapunov exponents do: the generalised alignment
+/// indices GALI_2 to GALI_k, the volumes of the parallelepipeds of the first 2 to k of its k tangent vectors,
+/// each of length one. All start at 1. In chaos the vectors fall into line, and GALI_j decays as
+/// exp(-[(λ₁-λ₂) + ... + (λ₁-λⱼ)] t); on a regular orbit, a torus of d dimensions, it stays about constant
+/// for j ≤ d, and falls as t^{-2(j-d)} beyond. (Where the torus has fewer dimensions s, constant up to j =
+/// s.)
 ///
 ///     AlignmentIndex gali(stepper, 2);                   // SALI is GALI_2 but for a factor between 1 and √2
 ///     integrate(stepper, z, {.dt = 0.05, .steps = 20'000}, gali);
 ///     gali.index(2), gali.log_index(2);
 ///
-/// The vectors are carried as V = QR, Q orthonormal, so that an index is right long after the vectors themselves agree in all digits: of
-/// what is smaller than any number log_index() still tells. What it takes of steppers, work and memory is as for LyapunovExponents.
+/// The vectors are carried as V = QR, Q orthonormal, so that an index is right long after the vectors
+/// themselves agree in all digits: of what is smaller than any number log_index() still tells. What it takes
+/// of steppers, work and memory is as for LyapunovExponents.
 ///
-/// Source: Ch. Skokos, T. C. Bountis, Ch. Antonopoulos, Physica D 231 (2007) 30; SALI: Ch. Skokos, J. Phys. A 34 (2001) 10029.
+/// Source: Ch. Skokos, T. C. Bountis, Ch. Antonopoulos, Physica D 231 (2007) 30; SALI: Ch. Skokos, J. Phys. A
+/// 34 (2001) 10029.
 template <class Stepper>
 class AlignmentIndex {
  public:
@@ -72,7 +76,8 @@ class AlignmentIndex {
     visit(log_sides_);
   }
 
-  /// GALI_j, 2 ≤ j ≤ count, between 0 and 1, and its natural logarithm. Throws std::invalid_argument for another j.
+  /// GALI_j, 2 ≤ j ≤ count, between 0 and 1, and its natural logarithm. Throws std::invalid_argument for
+  /// another j.
   Scalar index(Eigen::Index j) const {
     using std::exp;
     return exp(log_index(j));

@@ -11,22 +11,24 @@
 
 namespace semiexplicit {
 
-/// An observer that measures how fast neighbouring orbits part: the Lyapunov exponents of the run it observes, the largest
-/// first, in units of 1/time, as growth in the direction of the run, forward or backward. It carries a few tangent vectors along
-/// (TangentVectors: which steppers, where the second derivatives come from) and makes them orthonormal again after each step; an
-/// exponent is the mean growth of the logarithm of their lengths.
+/// An observer that measures how fast neighbouring orbits part: the Lyapunov exponents of the run it
+/// observes, the largest first, in units of 1/time, as growth in the direction of the run, forward or
+/// backward. It carries a few tangent vectors along (TangentVectors: which steppers, where the second
+/// derivatives come from) and makes them orthonormal again after each step; an exponent is the mean growth of
+/// the logarithm of their lengths.
 ///
 ///     LyapunovExponents lyapunov(stepper, 1);            // the maximal one; without a number all 2d
 ///     integrate(stepper, z, {.dt = 0.05, .steps = 200'000}, lyapunov);
 ///     lyapunov.exponents()[0];                           // now
 ///     lyapunov.times(), lyapunov.series(0);              // the first one, twenty times a decade
 ///
-/// These are estimates at the time reached: of a regular orbit they fall to zero like ln(t)/t, so look at the series. The exponents of
-/// a Hamiltonian system come in pairs ±λ, two of them zero for each integral of motion. Let the stepper be the one that makes the run.
+/// These are estimates at the time reached: of a regular orbit they fall to zero like ln(t)/t, so look at the
+/// series. The exponents of a Hamiltonian system come in pairs ±λ, two of them zero for each integral of
+/// motion. Let the stepper be the one that makes the run.
 ///
-/// k exponents cost 2 + ck plain steps a step, where c is the cost of a product over that of a gradient (2 to 4, benchmarks/chaos), k d of
-/// memory and no heap in a step.
-/// A hessian_times that is no derivative of the gradient at the first state is refused with std::invalid_argument.
+/// k exponents cost 2 + ck plain steps a step, where c is the cost of a product over that of a gradient (2 to
+/// 4, benchmarks/chaos), k d of memory and no heap in a step. A hessian_times that is no derivative of the
+/// gradient at the first state is refused with std::invalid_argument.
 ///
 /// Source: G. Benettin, L. Galgani, A. Giorgilli, J.-M. Strelcyn, Meccanica 15 (1980) 9 and 21.
 template <class Stepper>
@@ -46,15 +48,17 @@ class LyapunovExponents {
   }
   explicit LyapunovExponents(const Stepper& stepper) : LyapunovExponents(stepper, 2 * stepper.dof()) {}
 
-  /// Starts with these vectors, 2d rows and a column each, made orthonormal, in place of those that have a part in every direction: in
-  /// the excited sites of a large lattice, say. Throws std::invalid_argument where they do not fit, or the run has begun.
+  /// Starts with these vectors, 2d rows and a column each, made orthonormal, in place of those that have a
+  /// part in every direction: in the excited sites of a large lattice, say. Throws std::invalid_argument
+  /// where they do not fit, or the run has begun.
   template <class Derived>
   void start_with(const Eigen::MatrixBase<Derived>& vectors) {
     run_.start_with(vectors);
   }
 
-  /// Takes in the next state. Throws std::runtime_error, saying what is wrong, where the step has no tangent map,
-  /// and std::invalid_argument where the time turns round, another orbit begins or it is not shown every step.
+  /// Takes in the next state. Throws std::runtime_error, saying what is wrong, where the step has no tangent
+  /// map, and std::invalid_argument where the time turns round, another orbit begins or it is not shown every
+  /// step.
   void operator()(const Scalar& t, const State& z, const IntegrationReport& run = {}) {
     if (!run_.follow(t, z, run)) return;
     run_.orthonormalise([&](Eigen::Index i, Eigen::Index j, const Scalar& r) {
@@ -89,8 +93,8 @@ class LyapunovExponents {
     return (sums_ / Sum(std::abs(run_.elapsed()))).template cast<Scalar>();
   }
 
-  /// The times since the first state at which the estimates were kept, twenty a decade or every step, of a backward run negative; and the
-  /// j-th exponent at each, 0 being the largest.
+  /// The times since the first state at which the estimates were kept, twenty a decade or every step, of a
+  /// backward run negative; and the j-th exponent at each, 0 being the largest.
   const std::vector<double>& times() const { return times_; }
   std::vector<Scalar> series(Eigen::Index j = 0) const {
     std::vector<Scalar> list;

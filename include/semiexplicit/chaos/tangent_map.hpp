@@ -11,21 +11,22 @@
 
 namespace semiexplicit {
 
-/// The derivative M = ∂z'/∂z of a step of Semiexplicit, by the implicit function theorem. With the copies a = z + m, b = z - m
-/// before and a', b' after the kicks, which are linearised one by one with the Hessian of H,
+/// The derivative M = ∂z'/∂z of a step of Semiexplicit, by the implicit function theorem. With the copies a =
+/// z + m, b = z - m before and a', b' after the kicks, which are linearised one by one with the Hessian of H,
 ///
 ///     δm = -F⁻¹ (δa' - δb')|_{δm = 0},   F = ∂(a' - b' + 2m)/∂m,   M δz = (δa' + δb')/2.
 ///
-/// M is symplectic to rounding, MᵀJM = J. It is the derivative of the step whose projection is solved exactly; the multiplier
-/// is found anew here, by Newton's method with F.
+/// M is symplectic to rounding, MᵀJM = J. It is the derivative of the step whose projection is solved
+/// exactly; the multiplier is found anew here, by Newton's method with F.
 ///
 ///     TangentMap tangent(stepper);
 ///     if (tangent.at(z, dt) == Status::success) ... tangent.matrix() ...   // of the step that starts at z
 ///
-/// Give H a Hessian, by hand or by from_energy(), if you can: without one it is taken from differences of the gradient, and M is
-/// off by about 1e-9 of its size in double, though symplectic still; of an angle x by (2e-16 |x|)^{2/3}, 1e-6 at 6e6. Their shifts
-/// are kept from call to call. Cost: two or three sweeps with a Hessian a kick and products of matrices, O(d³). Memory: O(d²). No heap use for a size known at compile time; otherwise Eigen's factorisation and
-/// products take some.
+/// Give H a Hessian, by hand or by from_energy(), if you can: without one it is taken from differences of the
+/// gradient, and M is off by about 1e-9 of its size in double, though symplectic still; of an angle x by
+/// (2e-16 |x|)^{2/3}, 1e-6 at 6e6. Their shifts are kept from call to call. Cost: two or three sweeps with a
+/// Hessian a kick and products of matrices, O(d³). Memory: O(d²). No heap use for a size known at compile
+/// time; otherwise Eigen's factorisation and products take some.
 template <class H>
 class TangentMap {
  public:
@@ -59,7 +60,8 @@ class TangentMap {
   explicit TangentMap(const Semiexplicit<H, Solver>& stepper)
       : TangentMap(stepper.hamiltonian(), stepper.scheme()) {}
 
-  /// Finds M for the step of size dt from z. Status::success, or what went wrong (describe() says it in words).
+  /// Finds M for the step of size dt from z. Status::success, or what went wrong (describe() says it in
+  /// words).
   Status at(const State& z, const Scalar& dt) {
     using std::isfinite;
     using std::pow;
@@ -72,8 +74,8 @@ class TangentMap {
       sweep(z, dt);
       slope_ = da_.rightCols(size_) - db_.rightCols(size_) + 2 * Matrix::Identity(size_, size_);
       solver_.compute(slope_);
-      // At a multiplier that is off by this M is off by this times dt and third derivatives. The time of an extended
-      // point may be large, and its rounding then is what is left.
+      // At a multiplier that is off by this M is off by this times dt and third derivatives. The time of an
+      // extended point may be large, and its rounding then is what is left.
       if (iteration == 0) {
         const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon();
         close = pow(epsilon, Scalar(0.75)) *
@@ -93,7 +95,8 @@ class TangentMap {
     return Status::no_convergence;
   }
 
-  /// M of the last at() that succeeded; the identity before. Rows and columns in the order of PhasePoint::vector().
+  /// M of the last at() that succeeded; the identity before. Rows and columns in the order of
+  /// PhasePoint::vector().
   const Matrix& matrix() const { return matrix_; }
 
   /// What the differences for a Hessian carry from step to step; see CheckpointMemory.
@@ -119,7 +122,8 @@ class TangentMap {
     matrix_.noalias() -= da_.rightCols(size_) * solution_ / 2;
   }
 
-  /// All kicks on the copies and on their derivatives with respect to z (left half of the columns) and m (right half).
+  /// All kicks on the copies and on their derivatives with respect to z (left half of the columns) and m
+  /// (right half).
   void sweep(const State& z, const Scalar& dt) {
     a_ = z.vector() + m_;
     b_ = z.vector() - m_;

@@ -8,22 +8,26 @@
 
 namespace semiexplicit {
 
-/// Tangent vectors of a phase space that a stepper's steps carry along: each step multiplies them by its derivative, which is never
-/// written down. k vectors take time and memory as k d, where TangentMap takes d³ and d².
+/// Tangent vectors of a phase space that a stepper's steps carry along: each step multiplies them by its
+/// derivative, which is never written down. k vectors take time and memory as k d, where TangentMap takes d³
+/// and d².
 ///
 ///     TangentVectors tangents(stepper, 2);
 ///     tangents.vectors().col(0) = ...;
 ///     if (tangents.advance(z, dt).ok()) stepper.step(z, dt);     // of the step that starts at z
 ///
-/// Of Semiexplicit (with any solver), MidpointProjection and ExplicitSplitting. A tangent vector of the projected step has an equation
-/// of projection of its own, which the stepper's solver solves to the stepper's rule: vᵀJu of two vectors is kept as the steps keep
-/// symplecticity. Beside the step's own sweep that takes one sweep of gradients, and one of second derivatives for each vector.
+/// Of Semiexplicit (with any solver), MidpointProjection and ExplicitSplitting. A tangent vector of the
+/// projected step has an equation of projection of its own, which the stepper's solver solves to the
+/// stepper's rule: vᵀJu of two vectors is kept as the steps keep symplecticity. Beside the step's own sweep
+/// that takes one sweep of gradients, and one of second derivatives for each vector.
 ///
-/// Second derivatives along a vector come from `hessian_times` of the Hamiltonian (HasHessianTimes), which costs about two gradients; else
-/// from its gradient with dual numbers where `using PackGradientOf = H;` says that it is a template that only indexes its arguments; else
-/// from its `hessian`; else from differences of the gradient, two calls a vector and kick. Those are off by about 1e-9 of their size in
-/// double, of an angle that has wound up to x by (2e-16 x)^{2/3}, and so is what is kept of vᵀJu, where the others are exact to
-/// rounding. Up to four degrees of freedom, and with d vectors and more, a matrix of differences is taken, which is symmetric.
+/// Second derivatives along a vector come from `hessian_times` of the Hamiltonian (HasHessianTimes), which
+/// costs about two gradients; else from its gradient with dual numbers where `using PackGradientOf = H;` says
+/// that it is a template that only indexes its arguments; else from its `hessian`; else from differences of
+/// the gradient, two calls a vector and kick. Those are off by about 1e-9 of their size in double, of an
+/// angle that has wound up to x by (2e-16 x)^{2/3}, and so is what is kept of vᵀJu, where the others are
+/// exact to rounding. Up to four degrees of freedom, and with d vectors and more, a matrix of differences is
+/// taken, which is symmetric.
 ///
 /// Memory: 5k + 9 vectors of length 2d. No heap use in a step.
 template <class Stepper>
@@ -48,8 +52,9 @@ class TangentVectors {
   const Vectors& vectors() const { return vectors_; }
   Eigen::Index count() const { return vectors_.cols(); }
 
-  /// The vectors become their images by the derivative of the step of size dt, which may be negative, from z. They are untouched
-  /// unless the report is ok(); its evaluations and its correction are those of the vectors' own projection.
+  /// The vectors become their images by the derivative of the step of size dt, which may be negative, from z.
+  /// They are untouched unless the report is ok(); its evaluations and its correction are those of the
+  /// vectors' own projection.
   StepReport advance(const State& z, const Scalar& dt) {
     // To a length near one, since one rule judges all, and by powers of two, which rounds nothing.
     for (Eigen::Index j = 0; j < count(); ++j) scale_[j] = to_length_one(j);
@@ -63,8 +68,9 @@ class TangentVectors {
     return step_(z, vectors_, dt);
   }
 
-  /// Throws std::invalid_argument where the Hamiltonian's hessian_times is not the derivative of its gradient at z along the first
-  /// vector, as far as differences of the gradient can tell. Some dozens of gradients, and memory of its own.
+  /// Throws std::invalid_argument where the Hamiltonian's hessian_times is not the derivative of its gradient
+  /// at z along the first vector, as far as differences of the gradient can tell. Some dozens of gradients,
+  /// and memory of its own.
   void check(const State& z) {
     typename State::Storage v = vectors_.col(0);
     const Scalar length = detail::norm(v);

@@ -24,13 +24,15 @@ namespace semiexplicit {
 struct CheckpointOptions {
   std::int64_t every = 0;  ///< after so many steps; 0: by the clock
   double seconds = 60;     ///< by the clock: not before so many seconds have passed since the last one
-  /// Anything that tells this run from others, the parameters of H, say: a checkpoint with another text is refused.
+  /// Anything that tells this run from others, the parameters of H, say: a checkpoint with another text is
+  /// refused.
   std::string run = "";
 };
 
 namespace detail {
 
-/// Whether a function that has these values at the same place is the same: but for the rounding of another compiler.
+/// Whether a function that has these values at the same place is the same: but for the rounding of another
+/// compiler.
 template <class Scalar>
 bool same_but_for_rounding(const Scalar& there, const Scalar& here) {
   using std::abs;
@@ -57,7 +59,8 @@ inline void visit_sums(CheckpointMemory& memory, IntegrationReport& report) {
   for (auto* number : {&report.max_correction, &report.seconds}) memory(*number);
 }
 
-/// visit(from) puts everything back, and require() may say that it does not fit: where either throws nothing is changed.
+/// visit(from) puts everything back, and require() may say that it does not fit: where either throws nothing
+/// is changed.
 template <class Visit, class Require>
 void restore_all_or_nothing(CheckpointMemory& from, const Visit& visit, const Require& require) {
   CheckpointMemory now;
@@ -74,11 +77,12 @@ void restore_all_or_nothing(CheckpointMemory& from, const Visit& visit, const Re
 
 }  // namespace detail
 
-/// An observer that saves a run from time to time, so that it can be gone on with after a crash: bit for bit the same
-/// trajectory, times and reports. It saves the state, what the stepper carries from step to step, and the memory of the
-/// observers that are named (Checkpointable: Invariants, Record, CsvTrajectory, LyapunovExponents, at_times(),
-/// poincare_section(), every() of any observer, or your own). A run with other options of the stepper, its solver or these
-/// observers is refused, and integrate() refuses to resume with one of them that was not named.
+/// An observer that saves a run from time to time, so that it can be gone on with after a crash: bit for bit
+/// the same trajectory, times and reports. It saves the state, what the stepper carries from step to step,
+/// and the memory of the observers that are named (Checkpointable: Invariants, Record, CsvTrajectory,
+/// LyapunovExponents, at_times(), poincare_section(), every() of any observer, or your own). A run with other
+/// options of the stepper, its solver or these observers is refused, and integrate() refuses to resume with
+/// one of them that was not named.
 ///
 ///     IntegrationOptions<double> options{.dt = 0.01, .steps = 1'000'000'000};
 ///     Checkpoints checkpoints("run.checkpoint", {.every = 1'000'000}, stepper, options, invariants, csv);
@@ -87,12 +91,13 @@ void restore_all_or_nothing(CheckpointMemory& from, const Visit& visit, const Re
 ///     csv.commit();
 ///     checkpoints.remove();
 ///
-/// Comes last among the observers, for it saves what those before it have seen. The file is written whole and flushed to the
-/// disk before it takes the place of the one before; where that fails, std::runtime_error is thrown and the old one stays.
-/// From resume(), or the first save, on it is locked as long as this object lives, and a run of another process on it is refused.
-/// Refers to the stepper and the observers, which must outlive it. `steps` may grow from run to run, and `t_end` where the steps that it
-/// takes stay the same: it is refused where dt divides one of the times only. A checkpoint holds for the compiler and the flags
-/// that the program was built with, as the last bits of any floating-point result do.
+/// Comes last among the observers, for it saves what those before it have seen. The file is written whole and
+/// flushed to the disk before it takes the place of the one before; where that fails, std::runtime_error is
+/// thrown and the old one stays. From resume(), or the first save, on it is locked as long as this object
+/// lives, and a run of another process on it is refused. Refers to the stepper and the observers, which must
+/// outlive it. `steps` may grow from run to run, and `t_end` where the steps that it takes stay the same: it
+/// is refused where dt divides one of the times only. A checkpoint holds for the compiler and the flags that
+/// the program was built with, as the last bits of any floating-point result do.
 template <class S, class... Observers>
 class Checkpoints {
  public:
@@ -113,11 +118,11 @@ class Checkpoints {
       throw std::invalid_argument("Checkpoints: seconds is not positive; give a time, 60 say");
   }
 
-  /// Puts stepper, observers and z, which comes as the run began, back to where the file has them, and gives the report up to
-  /// there, for IntegrationOptions::done. Where there is no such file it changes nothing and gives an empty report. Throws
-  /// std::invalid_argument, naming file, reason and remedy, where the file is damaged or belongs to another run, and
-  /// std::runtime_error where it cannot be written or another run that is alive has it open; z, the stepper and the observers are then
-  /// untouched.
+  /// Puts stepper, observers and z, which comes as the run began, back to where the file has them, and gives
+  /// the report up to there, for IntegrationOptions::done. Where there is no such file it changes nothing and
+  /// gives an empty report. Throws std::invalid_argument, naming file, reason and remedy, where the file is
+  /// damaged or belongs to another run, and std::runtime_error where it cannot be written or another run that
+  /// is alive has it open; z, the stepper and the observers are then untouched.
   IntegrationReport resume(State& z) {
     start_state_ = checksum_of(z);
     last_time_ = Clock::now();
@@ -169,8 +174,8 @@ class Checkpoints {
   /// Lines "what: value" of all that the run was made with, by which its checkpoints are known.
   const std::string& settings() const { return settings_; }
 
-  /// Takes the file away: the run is done. Does nothing where there is none. Throws std::runtime_error where another run has
-  /// it open.
+  /// Takes the file away: the run is done. Does nothing where there is none. Throws std::runtime_error where
+  /// another run has it open.
   void remove() { file_.remove(); }
 
  private:
@@ -199,8 +204,8 @@ class Checkpoints {
     visit_functions(memory, z);
   }
 
-  /// The values of H's gradient and of the observers' functions where the run was saved: equal but for the rounding of another
-  /// compiler, or they are other functions.
+  /// The values of H's gradient and of the observers' functions where the run was saved: equal but for the
+  /// rounding of another compiler, or they are other functions.
   void visit_functions(CheckpointMemory& memory, const State& z) {
     detail::FunctionValues<State> here(z);
     list_all(here, stepper_, observers_);
@@ -216,8 +221,8 @@ class Checkpoints {
     }
   }
 
-  /// Lists the stepper and the observers, all that tells this trajectory and what is seen of it from others beside H and the
-  /// initial state.
+  /// Lists the stepper and the observers, all that tells this trajectory and what is seen of it from others
+  /// beside H and the initial state.
   template <class List>
   static void list_all(List& list, const S& stepper, const std::tuple<Observers&...>& observers) {
     list("stepper", stepper.name);

@@ -18,10 +18,11 @@
 
 namespace semiexplicit::detail {
 
-/// The format of checkpoints: a line that says what it is, byte order, version, length, contents, checksum of all that.
+/// The format of checkpoints: a line that says what it is, byte order, version, length, contents, checksum of
+/// all that.
 struct CheckpointFrame {
   static constexpr std::string_view magic = "semiexplicit checkpoint\n";
-  static constexpr std::uint32_t byte_order = 0x01020304, foreign_order = 0x04030201, version = 3;
+  static constexpr std::uint32_t byte_order = 0x01020304, foreign_order = 0x04030201, version = 4;
   static constexpr std::size_t head = magic.size() + 2 * sizeof(std::uint32_t) + sizeof(std::uint64_t);
   static constexpr std::size_t tail = sizeof(std::uint64_t);
 
@@ -88,14 +89,15 @@ inline std::optional<std::string> read_if_there(const std::filesystem::path& pat
   return bytes;
 }
 
-/// The file of a run, which is locked from the first time that it is read or written on, as long as this object lives.
+/// The file of a run, which is locked from the first time that it is read or written on, as long as this
+/// object lives.
 class CheckpointFile {
  public:
   explicit CheckpointFile(std::filesystem::path path) : path_(std::move(path)) {}
 
-  /// Hands the contents to restore(), and gives false where there is no such file. What that throws as std::invalid_argument gets the
-  /// name of the file; the file is not locked then. Throws std::runtime_error where it cannot be written, or another run that
-  /// is alive has it open.
+  /// Hands the contents to restore(), and gives false where there is no such file. What that throws as
+  /// std::invalid_argument gets the name of the file; the file is not locked then. Throws std::runtime_error
+  /// where it cannot be written, or another run that is alive has it open.
   template <class Restore>
   bool read(const Restore& restore) {
     DurableFile{path_};  // what cannot be written is to be said before the run

@@ -1,6 +1,7 @@
 #pragma once
 
-// Needs the headers of Boost (Debian, Ubuntu: apt-get install libboost-dev), so semiexplicit.hpp does not include it.
+// Needs the headers of Boost (Debian, Ubuntu: apt-get install libboost-dev), so semiexplicit.hpp does not
+// include it.
 
 #include <concepts>
 #include <cstdint>
@@ -14,24 +15,27 @@
 
 namespace semiexplicit {
 
-/// What an OdeintStepper takes for odeint's `system` argument: nothing, since the Hamiltonian is in the stepper.
+/// What an OdeintStepper takes for odeint's `system` argument: nothing, since the Hamiltonian is in the
+/// stepper.
 struct OdeintSystem {};
 
-/// A stepper of this library as a stepper of Boost.odeint (its concept "Stepper"), for programs that integrate with odeint:
+/// A stepper of this library as a stepper of Boost.odeint (its concept "Stepper"), for programs that
+/// integrate with odeint:
 ///
 ///     OdeintStepper stepper(Semiexplicit(H, schemes::low_defect6_s13()));
 ///     boost::numeric::odeint::integrate_const(stepper, stepper.system(), x, 0.0, 100.0, 0.1, observer);
 ///
-/// The `system` of odeint's functions is stepper.system(); the right-hand side is that of the H which the stepper was made of,
-/// and anything else in that place does not compile. The state x is a PhasePoint, or 2d numbers with positions first
-/// (std::vector, std::array, an Eigen column), or the pair of q and p that odeint's own symplectic steppers take. (Pihajoki and
-/// Tao, which move two copies, have no place here.)
+/// The `system` of odeint's functions is stepper.system(); the right-hand side is that of the H which the
+/// stepper was made of, and anything else in that place does not compile. The state x is a PhasePoint, or 2d
+/// numbers with positions first (std::vector, std::array, an Eigen column), or the pair of q and p that
+/// odeint's own symplectic steppers take. (Pihajoki and Tao, which move two copies, have no place here.)
 ///
 /// A step that fails throws IntegrationError and leaves x as it was; a state of another size than H throws
-/// std::invalid_argument. odeint copies the stepper it is given, unless it gets std::ref(stepper). The step is fixed: odeint's
-/// controlled steppers would break what a symplectic method is for.
+/// std::invalid_argument. odeint copies the stepper it is given, unless it gets std::ref(stepper). The step
+/// is fixed: odeint's controlled steppers would break what a symplectic method is for.
 ///
-/// Source: K. Ahnert, M. Mulansky, AIP Conf. Proc. 1389 (2011) 1586; odeint's documentation, "Concepts: Stepper".
+/// Source: K. Ahnert, M. Mulansky, AIP Conf. Proc. 1389 (2011) 1586; odeint's documentation, "Concepts:
+/// Stepper".
 template <Stepper S>
 requires std::same_as<typename S::State, PhasePoint<typename S::Scalar, S::Dof>>
 class OdeintStepper {

@@ -8,8 +8,8 @@
 
 namespace semiexplicit::detail {
 
-/// What core/simd.hpp takes for std::experimental::simd where the standard library has none: as much of its interface as the
-/// library and a gradient of packs need, on a plain array, lane by lane.
+/// What core/simd.hpp takes for std::experimental::simd where the standard library has none: as much of its
+/// interface as the library and a gradient of packs need, on a plain array, lane by lane.
 template <class Scalar, std::size_t Width>
 class ArrayPack {
  public:

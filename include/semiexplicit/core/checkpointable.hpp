@@ -28,13 +28,14 @@ class AnyList {
 
 }  // namespace detail
 
-/// A class that says what it is, so that a run is not resumed with another one: `static constexpr const char* name` and
+/// A class that says what it is, so that a run is not resumed with another one: `static constexpr const char*
+/// name` and
 ///
 ///     template <class List>
 ///     void describe(List& list) const {
-///       list("damping", damping_);          // an option: a number, an enum, a text, a std::vector of numbers, or what has
+///       list("damping", damping_);          // a number, an enum, a text, a vector of numbers, or what has
 ///                                           // a describe() of its own
-///       list.function("surface", surface_);  // a function of (q, p): told by its value where the run was saved
+///       list.function("surface", surface_);  // a function of (q, p): by its value where it was saved
 ///     }
 template <class T>
 concept Describable = requires(const T& t, detail::AnyList& list) {
@@ -42,15 +43,17 @@ concept Describable = requires(const T& t, detail::AnyList& list) {
   t.describe(list);
 };
 
-/// What a checkpoint can keep: a class that is Describable and has memory, the numbers that go on from step to step, which may
-/// be none: `template <class Visitor> void visit_memory(Visitor&& visit)`, see CheckpointMemory. An observer may also say
-/// `bool fresh() const`: whether it has seen nothing yet and must not be left out where a run is resumed.
+/// What a checkpoint can keep: a class that is Describable and has memory, the numbers that go on from step
+/// to step, which may be none: `template <class Visitor> void visit_memory(Visitor&& visit)`, see
+/// CheckpointMemory. An observer may also say `bool fresh() const`: whether it has seen nothing yet and must
+/// not be left out where a run is resumed.
 template <class T>
 concept Checkpointable = Describable<T> && HasMemory<T>;
 
 namespace detail {
 
-/// Whether an observer that a checkpoint can keep has seen nothing yet and must not be left out where a run is resumed.
+/// Whether an observer that a checkpoint can keep has seen nothing yet and must not be left out where a run
+/// is resumed.
 template <class T>
 bool is_fresh(const T& observer) {
   if constexpr (Checkpointable<T> && requires {

@@ -8,8 +8,9 @@
 
 namespace semiexplicit {
 
-/// The phase space of d degrees of freedom with the time as one more coordinate: (q, t) and (p, p_t). A Hamiltonian says
-/// that it lives in it by deriving from this class, as Autonomous and TimeTransformed do; see InExtendedPhaseSpace.
+/// The phase space of d degrees of freedom with the time as one more coordinate: (q, t) and (p, p_t). A
+/// Hamiltonian says that it lives in it by deriving from this class, as Autonomous and TimeTransformed do;
+/// see InExtendedPhaseSpace.
 template <class ScalarType, int D>
 class ExtendedPhaseSpace {
  public:
@@ -48,8 +49,8 @@ class ExtendedPhaseSpace {
   }
 };
 
-/// H derives from ExtendedPhaseSpace: its last coordinate is the time. Observers then take the time from the state, and
-/// tolerances leave it out. A member that is merely called time() says nothing.
+/// H derives from ExtendedPhaseSpace: its last coordinate is the time. Observers then take the time from the
+/// state, and tolerances leave it out. A member that is merely called time() says nothing.
 template <class H>
 concept InExtendedPhaseSpace =
     (H::Dof == Eigen::Dynamic || H::Dof > 1) &&
@@ -58,8 +59,8 @@ concept InExtendedPhaseSpace =
 
 namespace detail {
 
-/// The size that tolerances are relative to: ‖z‖, in an extended phase space without the last degree of freedom, (t, p_t).
-/// After a long time t would outweigh all else, and every tolerance with it.
+/// The size that tolerances are relative to: ‖z‖, in an extended phase space without the last degree of
+/// freedom, (t, p_t). After a long time t would outweigh all else, and every tolerance with it.
 template <class H, class Scalar, int Dof>
 Scalar state_size(const H&, const PhasePoint<Scalar, Dof>& z) {
   if constexpr (InExtendedPhaseSpace<H>)
@@ -68,9 +69,9 @@ Scalar state_size(const H&, const PhasePoint<Scalar, Dof>& z) {
     return norm(z.vector());
 }
 
-/// What the rounding of a sum of `kicks` terms leaves of a difference of the copies in the last degree of freedom of an
-/// extended phase space, (t, p_t) = (z[d-1], z[2d-1]), where both should be equal: |f| <= this is nothing. At a late time it
-/// would outweigh all else, and hide an iteration that diverges.
+/// What the rounding of a sum of `kicks` terms leaves of a difference of the copies in the last degree of
+/// freedom of an extended phase space, (t, p_t) = (z[d-1], z[2d-1]), where both should be equal: |f| <= this
+/// is nothing. At a late time it would outweigh all else, and hide an iteration that diverges.
 template <class Scalar>
 Scalar time_rounding(const Scalar& value, std::size_t kicks) {
   using std::abs;

@@ -5,8 +5,8 @@
 
 namespace semiexplicit::detail {
 
-/// A function that lives elsewhere, of which only the signature shows: what takes one is compiled once, whatever function it
-/// is handed. Must not outlive the function.
+/// A function that lives elsewhere, of which only the signature shows: what takes one is compiled once,
+/// whatever function it is handed. Must not outlive the function.
 template <class Signature>
 class FunctionRef;
 template <class Result, class... Arguments>

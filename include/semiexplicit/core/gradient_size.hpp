@@ -9,10 +9,11 @@
 
 namespace semiexplicit::detail {
 
-/// A number as large as ∇H, as a function of (q, p): by its value at some state a checkpoint tells one Hamiltonian from another.
-/// Each half g of the gradient gives ‖g‖ + w·g/2 with weights w of length one at most and of either sign: other signs are
-/// another number, and it lies between ‖g‖/2 and 3‖g‖/2, so that nothing cancels. Their geometric mean shows a change of
-/// either, however much larger the other one is in its units.
+/// A number as large as ∇H, as a function of (q, p): by its value at some state a checkpoint tells one
+/// Hamiltonian from another. Each half g of the gradient gives ‖g‖ + w·g/2 with weights w of length one at
+/// most and of either sign: other signs are another number, and it lies between ‖g‖/2 and 3‖g‖/2, so that
+/// nothing cancels. Their geometric mean shows a change of either, however much larger the other one is in
+/// its units.
 template <class H>
 class GradientSize {
  public:

@@ -57,9 +57,9 @@ concept HasGradient = requires(const H& h, const detail::InColumn<H>& q, const d
   h.gradient(q, p, dHdq, dHdp);
 };
 
-/// What a user writes where H depends on the time: the same with the time as the first argument. Autonomous(H) makes a
-/// Hamiltonian of it; without that no integrator takes it. Optional are `energy(t, q, p)` and ∂H/∂t,
-/// `time_derivative(t, q, p)`.
+/// What a user writes where H depends on the time: the same with the time as the first argument.
+/// Autonomous(H) makes a Hamiltonian of it; without that no integrator takes it. Optional are `energy(t, q,
+/// p)` and ∂H/∂t, `time_derivative(t, q, p)`.
 template <class H>
 concept TimeDependentHamiltonian = std::copy_constructible<H> && HasScalar<H> && HasDof<H> &&
     requires(const H& h, const typename H::Scalar& t, const detail::InColumn<H>& q,
@@ -96,11 +96,12 @@ concept HasEnergy = Hamiltonian<H> &&
   { h.energy(q, p) } -> std::convertible_to<typename H::Scalar>;
 };
 
-/// Optional, for large systems in which a site feels its neighbours only: the entries begin to end - 1 of the gradient, into
-/// dHdq[0], dHdp[0] and on. An explicit step then goes through such a system in blocks that stay in the nearest cache,
-/// instead of writing a whole gradient to memory and reading it back: 1.2 times faster at 1000 sites, 1.8 at 10⁶. H says
-/// that it agrees with gradient() by `using RangeGradientOf = H;`, which does not hold for a type that derives from H and
-/// changes gradient(). With OpenMP several threads call it at once, for different ranges.
+/// Optional, for large systems in which a site feels its neighbours only: the entries begin to end - 1 of the
+/// gradient, into dHdq[0], dHdp[0] and on. An explicit step then goes through such a system in blocks that
+/// stay in the nearest cache, instead of writing a whole gradient to memory and reading it back: 1.2 times
+/// faster at 1000 sites, 1.8 at 10⁶. H says that it agrees with gradient() by `using RangeGradientOf = H;`,
+/// which does not hold for a type that derives from H and changes gradient(). With OpenMP several threads
+/// call it at once, for different ranges.
 template <class H>
 concept HasRangeGradient = Hamiltonian<H> && std::same_as<typename H::RangeGradientOf, H> &&
     requires(const H& h, Eigen::Index begin, Eigen::Index end, const typename H::Scalar* at,
@@ -108,16 +109,18 @@ concept HasRangeGradient = Hamiltonian<H> && std::same_as<typename H::RangeGradi
   h.gradient_range(begin, end, at, at, gradient, gradient);  // q, p, dHdq, dHdp
 };
 
-/// Optional, beside a range gradient: entry i of the gradient reads the entries i - reach() to i + reach() of q and p, and no others. In
-/// a large system a step then takes every block through many kicks while it is in the cache, and each thread a part of the system
-/// through all of them: at 10⁶ sites 1.4 times as fast on one core, and 2.6 times on two. A ring, whose ends are neighbours, has no reach.
+/// Optional, beside a range gradient: entry i of the gradient reads the entries i - reach() to i + reach() of
+/// q and p, and no others. In a large system a step then takes every block through many kicks while it is in
+/// the cache, and each thread a part of the system through all of them: at 10⁶ sites 1.4 times as fast on one
+/// core, and 2.6 times on two. A ring, whose ends are neighbours, has no reach.
 template <class H>
 concept HasLocalGradient = HasRangeGradient<H> && requires(const H& h) {
   { h.reach() } -> std::convertible_to<Eigen::Index>;
 };
 
 /// Optional: the symmetric 2d × 2d matrix [H_qq H_qp; H_pq H_pp]. Tangent maps and Newton's method of
-/// GaussLegendre use it; without it they take differences of the gradient. Tangent vectors of large systems want HasHessianTimes.
+/// GaussLegendre use it; without it they take differences of the gradient. Tangent vectors of large systems
+/// want HasHessianTimes.
 template <class H>
 concept HasHessian = Hamiltonian<H> &&
     requires(const H& h, const detail::InColumn<H>& q, const detail::InColumn<H>& p,
@@ -125,20 +128,21 @@ concept HasHessian = Hamiltonian<H> &&
   h.hessian(q, p, hessian);
 };
 
-/// Optional: that matrix times a column (dq, dp), written to the halves hq and hp, without the matrix. Tangent vectors use it: their
-/// cost is then that of a few gradients, whatever the size.
+/// Optional: that matrix times a column (dq, dp), written to the halves hq and hp, without the matrix.
+/// Tangent vectors use it: their cost is then that of a few gradients, whatever the size.
 ///
-///     void hessian_times(In<double, 1> q, In<double, 1> p, In<double, 1> dq, In<double, 1> dp, Out<double, 1> hq,
-///                        Out<double, 1> hp) const;
+///     void hessian_times(In<double, 1> q, In<double, 1> p, In<double, 1> dq, In<double, 1> dp,
+///                        Out<double, 1> hq, Out<double, 1> hp) const;
 template <class H>
 concept HasHessianTimes = Hamiltonian<H> &&
     requires(const H& h, const detail::InColumn<H>& at, detail::OutColumn<H>& half) {
   h.hessian_times(at, at, at, at, half, half);  // q, p, dq, dp, hq, hp
 };
 
-/// Optional: H(q, p) = V(q) + T(p), and each half of the gradient can be had alone. H says so by `static constexpr bool
-/// separable = true;` and `using SeparableGradientOf = H;`, which does not hold for a type that derives from H and changes
-/// gradient(). ExplicitSplitting then needs no second copy of the phase point.
+/// Optional: H(q, p) = V(q) + T(p), and each half of the gradient can be had alone. H says so by `static
+/// constexpr bool separable = true;` and `using SeparableGradientOf = H;`, which does not hold for a type
+/// that derives from H and changes gradient(). ExplicitSplitting then needs no second copy of the phase
+/// point.
 template <class H>
 concept SeparableHamiltonian =
     Hamiltonian<H> && std::same_as<typename H::SeparableGradientOf, H> && requires {

@@ -4,8 +4,9 @@
 
 #include <semiexplicit/core/hamiltonian.hpp>
 
-// What the library says of a class that is no Hamiltonian, in one line: the mistake and the remedy. A class or a function that
-// takes an H takes Scalar and Dof from HamiltonianDoor<H>, so that this line is the compiler's first error.
+// What the library says of a class that is no Hamiltonian, in one line: the mistake and the remedy. A class
+// or a function that takes an H takes Scalar and Dof from HamiltonianDoor<H>, so that this line is the
+// compiler's first error.
 
 namespace semiexplicit::detail {
 
@@ -102,8 +103,8 @@ concept NamesDof = requires(H& h) {
   h.Dof;
 };
 
-/// Compiles for a Hamiltonian, and what it gives is true. For anything else the compiler says what is missing, and how to write
-/// it; of several mistakes the first.
+/// Compiles for a Hamiltonian, and what it gives is true. For anything else the compiler says what is
+/// missing, and how to write it; of several mistakes the first.
 template <class H>
 consteval bool is_hamiltonian() {
   if constexpr (!HasScalar<H>) {
@@ -124,8 +125,8 @@ consteval bool is_hamiltonian() {
                   "a Hamiltonian with Dof = Eigen::Dynamic says its size at run time: write `Eigen::Index "
                   "dof() const { return n; }` in it");
     return false;
-  } else if constexpr (gradient_does_not_fit<
-                           H>()) {  // before a call is tried: Eigen's own errors come first then
+  } else if constexpr (gradient_does_not_fit<H>()) {  // before a call is tried: Eigen's own errors come first
+                                                      // then
     static_assert(!gradient_does_not_fit<H>(),
                   "the gradient of this Hamiltonian takes columns of another size or of other numbers than "
                   "its Dof and Scalar: write In<Scalar, Dof> and Out<Scalar, Dof>");

@@ -4,7 +4,8 @@
 
 #include <semiexplicit/core/hamiltonian.hpp>
 
-// Where the target has registers wide enough to be worth it, and the compiler can shuffle them (g++ from 12 on, clang).
+// Where the target has registers wide enough to be worth it, and the compiler can shuffle them (g++ from 12
+// on, clang).
 #if defined(__AVX512F__) && defined(__has_builtin)
 #if __has_builtin(__builtin_shufflevector)
 #define SEMIEXPLICIT_HAS_LANES 1
@@ -21,11 +22,11 @@ using Lanes = double __attribute__((vector_size(64)));
 /// How many registers hold `dof` numbers.
 constexpr int registers_for(int dof) { return (dof + 7) / 8; }
 
-/// Optional, for a system so small that its positions fit into one or two registers, and its momenta into as many: the
-/// gradient on registers, entry i in lane i % 8 of register i / 8. Lanes from Dof on are zero on entry and have to be zero
-/// on exit. The copies then stay in registers through all kicks of a step. gradient() is needed all the same and must agree:
-/// H says that it does by `using LaneGradientOf = H;`, which does not hold for a type that derives from H and changes
-/// gradient().
+/// Optional, for a system so small that its positions fit into one or two registers, and its momenta into as
+/// many: the gradient on registers, entry i in lane i % 8 of register i / 8. Lanes from Dof on are zero on
+/// entry and have to be zero on exit. The copies then stay in registers through all kicks of a step.
+/// gradient() is needed all the same and must agree: H says that it does by `using LaneGradientOf = H;`,
+/// which does not hold for a type that derives from H and changes gradient().
 template <class H>
 concept HasLaneGradient = Hamiltonian<H> && std::same_as<typename H::Scalar, double> &&
                           std::same_as<typename H::LaneGradientOf, H> &&(H::Dof > 0) &&

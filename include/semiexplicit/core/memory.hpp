@@ -15,9 +15,9 @@
 
 namespace semiexplicit {
 
-/// What visit_memory() of a stepper or an observer hands its numbers to, one after the other: numbers, vectors and matrices
-/// (Eigen's, whose size is fixed by then), std::vectors of numbers and texts. One list serves three ends: to save the
-/// numbers, to check whether saved ones would fit, and to put them back.
+/// What visit_memory() of a stepper or an observer hands its numbers to, one after the other: numbers,
+/// vectors and matrices (Eigen's, whose size is fixed by then), std::vectors of numbers and texts. One list
+/// serves three ends: to save the numbers, to check whether saved ones would fit, and to put them back.
 ///
 ///     template <class Visitor>
 ///     void visit_memory(Visitor&& visit) {
@@ -25,13 +25,14 @@ namespace semiexplicit {
 ///       visit(count_);
 ///     }
 ///
-/// Which numbers there are must not depend on their values. Bytes are those of this machine; see checkpoint/file.hpp.
+/// Which numbers there are must not depend on their values. Bytes are those of this machine; see
+/// checkpoint/file.hpp.
 class CheckpointMemory {
  public:
   /// Collects.
   CheckpointMemory() = default;
-  /// Reads what another one collected: either only checks, or puts the values back. Throws std::invalid_argument where the
-  /// kind or the number of values differs.
+  /// Reads what another one collected: either only checks, or puts the values back. Throws
+  /// std::invalid_argument where the kind or the number of values differs.
   enum class Read { check, restore };
   CheckpointMemory(std::string bytes, Read mode)
       : bytes_(std::move(bytes)), reading_(true), restoring_(mode == Read::restore) {}

@@ -17,15 +17,17 @@ concept TakesRunReport = std::invocable<O&, const Scalar&, const State&, const I
 
 }  // namespace detail
 
-/// What integrate() tells of the run, at the start and after each step: any callable (t, state), or (t, state, StepReport), or
-/// (t, state, IntegrationReport), which is the run's so far but for status, t and seconds. Arguments by value or by const
-/// reference. One that returns the bool false ends the run; what else it returns is ignored.
+/// What integrate() tells of the run, at the start and after each step: any callable (t, state), or (t,
+/// state, StepReport), or (t, state, IntegrationReport), which is the run's so far but for status, t and
+/// seconds. Arguments by value or by const reference. One that returns the bool false ends the run; what else
+/// it returns is ignored.
 template <class O, class Scalar, class State>
 concept Observer = std::invocable<O&, const Scalar&, const State&> ||
     detail::TakesStepReport<O, Scalar, State> || detail::TakesRunReport<O, Scalar, State>;
 
-/// An observer for which integrate() cuts steps, since it may change the state there: `static constexpr bool changes_state = true;`,
-/// first_event(start, end, h, move), the first event on a step, and act(found, t, z, report), which may change z; see Events.
+/// An observer for which integrate() cuts steps, since it may change the state there: `static constexpr bool
+/// changes_state = true;`, first_event(start, end, h, move), the first event on a step, and act(found, t, z,
+/// report), which may change z; see Events.
 template <class O>
 concept ChangesState = requires {
   requires bool(std::remove_cvref_t<O>::changes_state);

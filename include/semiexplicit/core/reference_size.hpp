@@ -16,15 +16,16 @@ struct ReferenceSize {
   bool relative = false;     ///< size is |f(z)|
 };
 
-/// The next of a fixed sequence of numbers that look random, from 1/2 to 1 in size, of either sign (Knuth's MMIX generator).
+/// The next of a fixed sequence of numbers that look random, from 1/2 to 1 in size, of either sign (Knuth's
+/// MMIX generator).
 inline double scattered(std::uint64_t& state) {
   state = state * 6364136223846793005U + 1442695040888963407U;
   const double size = 0.5 + 0.5 * static_cast<double>(state >> 12) * 0x1p-52;
   return (state >> 11) % 2 == 0 ? size : -size;
 }
 
-/// The size that an error of f at z = (q, p), where it is `value`, is relative to. The terms' size is how far f moves when all
-/// entries of z change by a small factor: four values of f, whatever the dimension.
+/// The size that an error of f at z = (q, p), where it is `value`, is relative to. The terms' size is how far
+/// f moves when all entries of z change by a small factor: four values of f, whatever the dimension.
 template <class Scalar, int Dof, class F>
 ReferenceSize<Scalar> reference_size(const F& f, const Scalar& value, const PhasePoint<Scalar, Dof>& z) {
   using std::abs;

@@ -25,7 +25,8 @@ enum class Status {
   stopped,          ///< a run only: an observer returned false
   gradient_threw,   ///< a member of an Ensemble only: its gradient threw an exception
   close_encounter,  ///< an exact flow only: bodies came closer than the limit of its scene
-  invalid_monitor  ///< of steps that follow a monitor function: it is not finite and positive, or grew too fast
+  invalid_monitor   ///< of steps that follow a monitor function: it is not finite and positive, or grew too
+                    ///< fast
 };
 
 namespace detail {
@@ -81,9 +82,10 @@ struct StepReport {
       0;  ///< last observed contraction of the correction; above 1 the step is too large; 0: not seen
   int escalations = 0;  ///< with Robust: 0 simplified Newton made the step, 1 Broyden, 2 Newton-Krylov
 
-  /// The step at which the simplified Newton method would contract by a half, judged from `rate`, seen at dt: an oscillation
-  /// of frequency λ contracts by |sin(λ dt/2)|, a motion that grows as e^{λt} by (e^{λ dt} - 1)/2, and the smaller of the
-  /// two answers is given. Has the sign of dt; dt itself where no rate was seen or it is below a half.
+  /// The step at which the simplified Newton method would contract by a half, judged from `rate`, seen at dt:
+  /// an oscillation of frequency λ contracts by |sin(λ dt/2)|, a motion that grows as e^{λt} by (e^{λ dt} -
+  /// 1)/2, and the smaller of the two answers is given. Has the sign of dt; dt itself where no rate was seen
+  /// or it is below a half.
   double advised_step(double dt) const {
     if (!(rate > 0.5 && std::isfinite(rate))) return dt;
     const double oscillating = (std::acos(-1.0) / 3) / (2 * std::asin(std::min(rate, 1.0)));

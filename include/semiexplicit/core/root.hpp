@@ -5,9 +5,9 @@
 
 namespace semiexplicit::detail {
 
-/// A zero of the continuous function f between a and b, where it has the values fa and fb of different signs: regula falsi in
-/// the form of Anderson and Björck, every third step a bisection. It stops where f is zero or a step moves by no more than
-/// rounding; a value that is not finite ends it at the last point.
+/// A zero of the continuous function f between a and b, where it has the values fa and fb of different signs:
+/// regula falsi in the form of Anderson and Björck, every third step a bisection. It stops where f is zero or
+/// a step moves by no more than rounding; a value that is not finite ends it at the last point.
 ///
 /// Source: N. Anderson, Å. Björck, BIT 13 (1973) 253.
 template <class F, class Scalar>

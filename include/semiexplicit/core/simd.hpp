@@ -6,7 +6,8 @@
 
 #include <semiexplicit/core/hamiltonian.hpp>
 
-// Not in every standard library (libstdc++ has it from version 11 on). SEMIEXPLICIT_NO_SIMD leaves it out, for tests.
+// Not in every standard library (libstdc++ has it from version 11 on). SEMIEXPLICIT_NO_SIMD leaves it out,
+// for tests.
 #if defined(__has_include) && !defined(SEMIEXPLICIT_NO_SIMD)
 #if __has_include(<experimental/simd>)
 #include <experimental/simd>
@@ -19,13 +20,13 @@
 namespace semiexplicit {
 
 #ifdef __cpp_lib_experimental_parallel_simd
-/// How many numbers a register of the target holds: for double 8 with AVX-512, 4 with AVX2, 2 with neither; 1 where the standard
-/// library has no packs.
+/// How many numbers a register of the target holds: for double 8 with AVX-512, 4 with AVX2, 2 with neither; 1
+/// where the standard library has no packs.
 template <class Scalar>
 inline constexpr std::size_t native_width = std::experimental::native_simd<Scalar>::size();
 
-/// `Width` numbers side by side; arithmetic, sqrt, sin and so on go lane by lane. Eight, as for the stages of a Gauss method,
-/// are one register with AVX-512 and several without.
+/// `Width` numbers side by side; arithmetic, sqrt, sin and so on go lane by lane. Eight, as for the stages of
+/// a Gauss method, are one register with AVX-512 and several without.
 template <class Scalar, std::size_t Width = 8>
 using Pack = std::experimental::simd<Scalar, std::experimental::simd_abi::deduce_t<Scalar, Width>>;
 
@@ -86,12 +87,14 @@ struct NumTraits<semiexplicit::detail::ArrayPack<Scalar, Width>>
 
 namespace semiexplicit {
 
-/// As many as one register holds, as for the members of an ensemble. (Packs of several registers g++ 12 copies clumsily.)
+/// As many as one register holds, as for the members of an ensemble. (Packs of several registers g++ 12
+/// copies clumsily.)
 template <class Scalar>
 using RegisterPack = Pack<Scalar, native_width<Scalar>>;
 
-/// Optional: the gradient of eight phase points at once, one a lane, on arrays of packs. A gradient whose arguments are
-/// templates, and which does no more than index them, has it for nothing. H says so by `using PackGradientOf = H;`:
+/// Optional: the gradient of eight phase points at once, one a lane, on arrays of packs. A gradient whose
+/// arguments are templates, and which does no more than index them, has it for nothing. H says so by `using
+/// PackGradientOf = H;`:
 ///
 ///     using PackGradientOf = Product;
 ///     template <class Q, class D>
@@ -110,7 +113,8 @@ namespace detail {
 using Many = RegisterPack<double>;
 using LaneMask = Many::mask_type;
 
-/// to = from in the chosen lanes. Clang 14 with AVX-512 makes nothing, or something else, of libstdc++'s where().
+/// to = from in the chosen lanes. Clang 14 with AVX-512 makes nothing, or something else, of libstdc++'s
+/// where().
 inline void assign(const LaneMask& lanes, Many& to, const Many& from) {
 #if defined(__clang__) || !defined(__cpp_lib_experimental_parallel_simd)
   for (std::size_t k = 0; k < Many::size(); ++k)

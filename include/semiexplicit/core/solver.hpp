@@ -17,8 +17,8 @@ struct AnyResidual {
   void operator()(const Vec& m, Vec& f);  ///< f(m)
   Scalar state_size() const;              ///< ‖z‖, or less; see StoppingRule
   Scalar rounding_level() const;          ///< a correction below this may be nothing but rounding
-  /// Of the last f: |fᵢ|/4 in every entry is below so many roundings of zᵢ and of what a step moves. The norms of rounding_level()
-  /// are those of the largest entry, which may be coupled to nothing.
+  /// Of the last f: |fᵢ|/4 in every entry is below so many roundings of zᵢ and of what a step moves. The
+  /// norms of rounding_level() are those of the largest entry, which may be coupled to nothing.
   bool within_rounding(double multiple) const;
 };
 
@@ -46,9 +46,9 @@ concept HasSolve = requires(const S& solver, AnyResidual<Vec>& residual, Vec& m,
 ///       SolverReport<typename Vec::Scalar> solve(Residual& residual, Vec& m, Workspace<Vec>& work) const;
 ///     };
 ///
-/// residual(f) writes f(0) and residual(m, f) writes f(m), one sweep each. On return the residual was last evaluated at the
-/// accepted m. See SimplifiedNewton, the shortest. A solver whose runs are to be saved has a `name` and lists its options;
-/// see Describable.
+/// residual(f) writes f(0) and residual(m, f) writes f(m), one sweep each. On return the residual was last
+/// evaluated at the accepted m. See SimplifiedNewton, the shortest. A solver whose runs are to be saved has a
+/// `name` and lists its options; see Describable.
 template <class S, class Vec>
 concept Solver = std::copy_constructible<S> && detail::HasWorkspace<S, Vec> && detail::HasSolve<S, Vec>;
 

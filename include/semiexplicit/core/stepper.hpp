@@ -16,7 +16,8 @@ bool valid_step(const Scalar& dt) {
   return isfinite(dt) && dt != Scalar(0);
 }
 
-/// What every step asks first. `has_parts`: the stepper was not moved from; `fits`: the state has the stepper's size.
+/// What every step asks first. `has_parts`: the stepper was not moved from; `fits`: the state has the
+/// stepper's size.
 template <class Scalar>
 Status status_at_start(const Scalar& dt, bool has_parts, bool fits) {
   if (!valid_step(dt)) return Status::invalid_step;
@@ -36,19 +37,21 @@ concept HasStep = requires(S& stepper, typename S::State& state, const typename 
 
 }  // namespace detail
 
-/// Anything that moves a state by a step: Semiexplicit, MidpointProjection and GaussLegendre a PhasePoint, Pihajoki and Tao
-/// an ExtendedPoint. It names its Scalar and its State, and has `StepReport step(State& state, const Scalar& dt)`, which
-/// leaves the state as it was unless the report is ok(). A stepper whose runs are to be saved has a `name`, lists its options
-/// and shows what it carries from step to step; see Checkpointable.
+/// Anything that moves a state by a step: Semiexplicit, MidpointProjection and GaussLegendre a PhasePoint,
+/// Pihajoki and Tao an ExtendedPoint. It names its Scalar and its State, and has `StepReport step(State&
+/// state, const Scalar& dt)`, which leaves the state as it was unless the report is ok(). A stepper whose
+/// runs are to be saved has a `name`, lists its options and shows what it carries from step to step; see
+/// Checkpointable.
 template <class S>
 concept Stepper = detail::NamesScalarAndState<S> && detail::HasStep<S>;
 
-/// A stepper whose steps take a time of its own choice, as ReversibleSteps: dt is the step of a parameter s then, and the stepper
-/// knows the time. integrate() takes it from there, and so do its observers. Beside what a stepper has:
+/// A stepper whose steps take a time of its own choice, as ReversibleSteps: dt is the step of a parameter s
+/// then, and the stepper knows the time. integrate() takes it from there, and so do its observers. Beside
+/// what a stepper has:
 ///
 ///     void begin(const State& z, const Scalar& t);   // a run starts from z at the time t
-///     Scalar time() const, taken() const;            // of the state that it left last, and how long the step to it was
-///     StepReport step_until(State& z, const Scalar& dt, const Scalar& t_end);  // like step(), and ends at t_end in place of beyond it
+///     Scalar time() const, taken() const;            // of its last state, and of the step to it
+///     StepReport step_until(State& z, const Scalar& dt, const Scalar& t_end);  // step(), not beyond t_end
 ///     Clock clock() const;                           // what it knows of the time and of its steps,
 ///     void rewind(const Clock& clock, const State& z);  // and back to that, and the state of then
 ///     const S& stepper() const;                      // takes steps of given times; `using Fixed = S;`

@@ -68,8 +68,8 @@ SEMIEXPLICIT_NOINLINE typename U::Scalar dot_of_many(const Eigen::MatrixBase<U>&
   return sum;
 }
 
-/// u · v, in four partial sums; of long vectors in blocks. Eigen's own reductions make g++ 12 warn of uninitialised variables in
-/// its AVX-512 intrinsics, in every program that is compiled for such a processor.
+/// u · v, in four partial sums; of long vectors in blocks. Eigen's own reductions make g++ 12 warn of
+/// uninitialised variables in its AVX-512 intrinsics, in every program that is compiled for such a processor.
 template <class U, class V>
 typename U::Scalar dot(const Eigen::MatrixBase<U>& u, const Eigen::MatrixBase<V>& v) {
   constexpr bool may_be_long = U::SizeAtCompileTime == Eigen::Dynamic || U::SizeAtCompileTime > long_sum;

@@ -37,8 +37,8 @@ struct GradientCheck {
     Scalar given;        ///< by H.gradient, into an output of zeros
     Scalar expected;     ///< by differences of H.energy
     Scalar uncertainty;  ///< of `expected`: an entry that is judged is wrong if it is further off than this
-    bool
-        judged;  ///< false: the differences are too uncertain to tell a right entry from, say, one of the wrong sign
+    bool judged;  ///< false: the differences are too uncertain to tell a right entry from, say, one of the
+                  ///< wrong sign
     bool wrong;
     GradientOutput output = GradientOutput::written;
 
@@ -121,8 +121,8 @@ SEMIEXPLICIT_COLD std::string entry_in_words(const GradientCheck<Scalar>& check,
 
 }  // namespace detail
 
-/// In words: every wrong entry with its value, the expected one and a guess at the cause, or that all is right, and what could
-/// not be judged. Of long lists the first entries.
+/// In words: every wrong entry with its value, the expected one and a guess at the cause, or that all is
+/// right, and what could not be judged. Of long lists the first entries.
 template <class Scalar>
 SEMIEXPLICIT_COLD std::ostream& operator<<(std::ostream& out, const GradientCheck<Scalar>& check) {
   constexpr std::size_t most = 12;
@@ -158,7 +158,8 @@ struct Slope {
 template <class Scalar>
 using ScalarFunction = FunctionRef<Scalar(const Scalar&)>;
 
-/// The level of noise in f near x, from the fourth differences of values so close that nothing else is left in them.
+/// The level of noise in f near x, from the fourth differences of values so close that nothing else is left
+/// in them.
 ///
 /// Source: J. J. Moré, S. M. Wild, SIAM J. Sci. Comput. 33 (2011) 1292.
 template <class Scalar>
@@ -174,8 +175,8 @@ Scalar noise_level(const ScalarFunction<Scalar>& f, const Scalar& x, const Scala
   return sqrt(squares / (count - order) / 70);  // 70 = 1 + 16 + 36 + 16 + 1
 }
 
-/// The larger of two levels with spacings far below h: with one only, values rounded to a grid could happen to lie on a line.
-/// 0 where f is not finite.
+/// The larger of two levels with spacings far below h: with one only, values rounded to a grid could happen
+/// to lie on a line. 0 where f is not finite.
 template <class Scalar>
 Scalar noise_near(const ScalarFunction<Scalar>& f, const Scalar& x, const Scalar& h) {
   using std::isfinite;
@@ -187,9 +188,9 @@ Scalar noise_near(const ScalarFunction<Scalar>& f, const Scalar& x, const Scalar
   return noise;
 }
 
-/// How far f moves where it first moves at all as one goes away from x, by the rounding of a number of the size `own` and then
-/// 4 times as far each time: where values are rounded to a coarse grid this is 1 to about 4 times its width, and differences
-/// below are no slope but 0. Infinite where f does not move up to own/2.
+/// How far f moves where it first moves at all as one goes away from x, by the rounding of a number of the
+/// size `own` and then 4 times as far each time: where values are rounded to a coarse grid this is 1 to about
+/// 4 times its width, and differences below are no slope but 0. Infinite where f does not move up to own/2.
 template <class Scalar, class F>
 Scalar first_move(const F& f, const Scalar& x, const Scalar& own) {
   using std::abs;
@@ -202,11 +203,12 @@ Scalar first_move(const F& f, const Scalar& x, const Scalar& own) {
   return std::numeric_limits<Scalar>::infinity();
 }
 
-/// f'(x) by central differences, extrapolated to a vanishing step (Ridders' method): the step shrinks from `h` on, every
-/// column of the tableau removes one more even power of it, and of every row the entry that agrees best with its neighbours is
-/// a candidate. Its uncertainty is their disagreement and the noise of f, with room to spare: the level near x, `rounding`, and
-/// the rounding of the values that the row is made of, which may be far larger than f(x). A row of larger steps is believed
-/// only where it does not contradict the smaller ones: an oscillation may pass unseen.
+/// f'(x) by central differences, extrapolated to a vanishing step (Ridders' method): the step shrinks from
+/// `h` on, every column of the tableau removes one more even power of it, and of every row the entry that
+/// agrees best with its neighbours is a candidate. Its uncertainty is their disagreement and the noise of f,
+/// with room to spare: the level near x, `rounding`, and the rounding of the values that the row is made of,
+/// which may be far larger than f(x). A row of larger steps is believed only where it does not contradict the
+/// smaller ones: an oscillation may pass unseen.
 ///
 /// Source: C. J. F. Ridders, Adv. Eng. Software 4 (1982) 75.
 template <class Scalar>
@@ -259,13 +261,13 @@ bool compatible(const Slope<Scalar>& a, const Slope<Scalar>& b) {
   return !(abs(a.value - b.value) > a.uncertainty + b.uncertainty);
 }
 
-/// f'(x), to judge `given` by, where x is a number of the size `own` in a state of the size `size`; `slack` is by how much a
-/// right one may be off beside the uncertainty.
+/// f'(x), to judge `given` by, where x is a number of the size `own` in a state of the size `size`; `slack`
+/// is by how much a right one may be off beside the uncertainty.
 ///
-/// Steps of about a tenth of `own` come first. Where they say too little, as beside an oscillation much faster than they are,
-/// or speak against `given`, smaller ones follow, down to some hundred roundings of x: of two that contradict each other the
-/// smaller ones are right. Where all drown in rounding, as at x = 1e-8 beside terms of size one, larger ones follow, which
-/// must not contradict the others.
+/// Steps of about a tenth of `own` come first. Where they say too little, as beside an oscillation much
+/// faster than they are, or speak against `given`, smaller ones follow, down to some hundred roundings of x:
+/// of two that contradict each other the smaller ones are right. Where all drown in rounding, as at x = 1e-8
+/// beside terms of size one, larger ones follow, which must not contradict the others.
 template <class Scalar>
 SEMIEXPLICIT_COLD Slope<Scalar> judging_slope(const ScalarFunction<Scalar>& f, const Scalar& x,
                                               const Scalar& given, const Scalar& own, const Scalar& size,
@@ -365,8 +367,8 @@ SEMIEXPLICIT_COLD std::vector<GradientOutput> written_gradient(
   return outputs;
 }
 
-/// A size for the entries that are zero, which say nothing about it: the middle one of the others' sizes, so that a late time or
-/// another large entry does not count, or 1.
+/// A size for the entries that are zero, which say nothing about it: the middle one of the others' sizes, so
+/// that a late time or another large entry does not count, or 1.
 template <class Scalar, int Dof>
 SEMIEXPLICIT_COLD Scalar typical_size(const PhasePoint<Scalar, Dof>& z) {
   using std::abs;
@@ -379,8 +381,9 @@ SEMIEXPLICIT_COLD Scalar typical_size(const PhasePoint<Scalar, Dof>& z) {
   return *middle;
 }
 
-/// What rounding makes of an energy is judged by its terms, which may be far larger than their sum, and by how far it moves at
-/// least where all entries change, which is Inf where it does not. Not by the gradient: a wrong one would excuse itself.
+/// What rounding makes of an energy is judged by its terms, which may be far larger than their sum, and by
+/// how far it moves at least where all entries change, which is Inf where it does not. Not by the gradient: a
+/// wrong one would excuse itself.
 template <HasEnergy H>
 typename H::Scalar energy_rounding(const H& hamiltonian, const typename H::Scalar& energy,
                                    const PhasePoint<typename H::Scalar, H::Dof>& z) {
@@ -409,17 +412,18 @@ typename H::Scalar energy_rounding(const H& hamiltonian, const typename H::Scala
 
 }  // namespace detail
 
-/// Compares the gradient of H at z, entry by entry, with differences of its energy, and takes no right gradient for a wrong
-/// one: the differences come with their uncertainty, typically 1e-12 of the energy in double. Costs some sixty energies an
-/// entry, up to five times that where they say little or the entry is wrong, and three gradients, whose outputs hold different
-/// numbers before.
+/// Compares the gradient of H at z, entry by entry, with differences of its energy, and takes no right
+/// gradient for a wrong one: the differences come with their uncertainty, typically 1e-12 of the energy in
+/// double. Costs some sixty energies an entry, up to five times that where they say little or the entry is
+/// wrong, and three gradients, whose outputs hold different numbers before.
 ///
 ///     if (const auto check = check_gradient(H, z); !check.ok()) std::cerr << check << '\n';
 ///
-/// Wrong are also a NaN in the gradient, and an entry that is not written or added to instead: an integrator hands in outputs that
-/// hold anything. An entry about which the differences say too little, as at the edge of the domain, is not judged:
-/// GradientCheck::judged() is false then. Choose z with care: at a point of symmetry, as z = 0, many wrong gradients vanish like
-/// the right one. Throws std::invalid_argument if z has another size than H, or the energy at z is not finite.
+/// Wrong are also a NaN in the gradient, and an entry that is not written or added to instead: an integrator
+/// hands in outputs that hold anything. An entry about which the differences say too little, as at the edge
+/// of the domain, is not judged: GradientCheck::judged() is false then. Choose z with care: at a point of
+/// symmetry, as z = 0, many wrong gradients vanish like the right one. Throws std::invalid_argument if z has
+/// another size than H, or the energy at z is not finite.
 template <class H>
 SEMIEXPLICIT_COLD GradientCheck<typename detail::EnergyDoor<H>::Scalar> check_gradient(
     const H& hamiltonian,

@@ -43,7 +43,8 @@ struct ReadTraced {
 template <class T, int Rows>
 using TracedColumn = Eigen::CwiseNullaryOp<ReadTraced<T>, const Eigen::Matrix<Traced<T>, Rows, 1>>;
 
-/// What an energy gets for q (half 0) and p (half 1): a column of traced numbers to Eigen, and to a term in lanes its own.
+/// What an energy gets for q (half 0) and p (half 1): a column of traced numbers to Eigen, and to a term in
+/// lanes its own.
 template <class T, int Rows, int half>
 class EnergyColumn : public TracedColumn<T, Rows> {
  public:

@@ -8,9 +8,10 @@
 
 namespace semiexplicit::detail::autodiff {
 
-/// A number with its derivatives in N directions (forward automatic differentiation): arithmetic and the functions of
-/// functions.hpp obey the chain rule. It is a plain value that owns its numbers. Eigen's AutoDiffScalar is not: what its operators
-/// give refers to their operands, and a function that returns `sum / 2` of a local sum hands out a reference to nothing.
+/// A number with its derivatives in N directions (forward automatic differentiation): arithmetic and the
+/// functions of functions.hpp obey the chain rule. It is a plain value that owns its numbers. Eigen's
+/// AutoDiffScalar is not: what its operators give refers to their operands, and a function that returns `sum
+/// / 2` of a local sum hands out a reference to nothing.
 ///
 /// Source: Griewank, Walther, Evaluating Derivatives, 2nd ed. (SIAM 2008), chapter 3.
 template <class T, int N>

@@ -14,8 +14,8 @@
 namespace semiexplicit {
 namespace detail {
 
-/// How many derivatives are taken in one evaluation of an energy of so many variables: all where they are few, rounded up to
-/// whole registers, else eight at a time. (Measured with AVX-512.)
+/// How many derivatives are taken in one evaluation of an energy of so many variables: all where they are
+/// few, rounded up to whole registers, else eight at a time. (Measured with AVX-512.)
 constexpr int dual_width(int variables) {
   if (variables <= 0 || variables > 24) return 8;
   if (variables <= 4) return variables;
@@ -31,8 +31,8 @@ Dual<Scalar, N> variable(const Scalar& value, Eigen::Index direction) {
   return x;
 }
 
-/// Half a phase point as a column of duals, which are made where they are read: nothing is stored. make(value, i) makes the
-/// one of variable i, `first` is the index of the first.
+/// Half a phase point as a column of duals, which are made where they are read: nothing is stored.
+/// make(value, i) makes the one of variable i, `first` is the index of the first.
 template <class Column, class Make>
 auto as_duals(const Column& values, Eigen::Index first, const Make& make) {
   using Number = decltype(make(values[0], first));
@@ -43,8 +43,8 @@ auto as_duals(const Column& values, Eigen::Index first, const Make& make) {
 
 }  // namespace detail
 
-/// A Hamiltonian made of its energy alone, by automatic differentiation; see from_energy(). Where the energy takes the time
-/// as well, (t, q, p), it models TimeDependentHamiltonian instead.
+/// A Hamiltonian made of its energy alone, by automatic differentiation; see from_energy(). Where the energy
+/// takes the time as well, (t, q, p), it models TimeDependentHamiltonian instead.
 template <class ScalarType, int DofValue, class Energy>
 class EnergyHamiltonian {
  public:
@@ -108,8 +108,9 @@ class EnergyHamiltonian {
             [&](Eigen::Index i, const Scalar& slope) { hessian(i, column) = hessian(column, i) = slope; });
   }
 
-  /// The Hessian times (dq, dp), written to out_q and out_p, of d numbers each: the derivative of the gradient along that
-  /// direction. A few times the work of a gradient. The outputs must not overlap the inputs.
+  /// The Hessian times (dq, dp), written to out_q and out_p, of d numbers each: the derivative of the
+  /// gradient along that direction. A few times the work of a gradient. The outputs must not overlap the
+  /// inputs.
   void hessian_times(const Half& q, const Half& p, const Half& dq, const Half& dp, HalfGradient out_q,
                      HalfGradient out_p) const requires(!driven) {
     if constexpr (may_use_tape)
@@ -201,7 +202,8 @@ class EnergyHamiltonian {
       };
       record();
       if (memory.values != tape.values_used) {
-        // The two ways round differently, and a gradient must not depend on those before it: a run that is resumed.
+        // The two ways round differently, and a gradient must not depend on those before it: a run that is
+        // resumed.
         memory.values = tape.values_used;
         record();
       }
@@ -213,27 +215,34 @@ class EnergyHamiltonian {
   Energy energy_;
 };
 
-/// A Hamiltonian from nothing but its energy: gradient and Hessian are found by automatic differentiation, exact to rounding.
+/// A Hamiltonian from nothing but its energy: gradient and Hessian are found by automatic differentiation,
+/// exact to rounding.
 ///
-///     auto H = from_energy<1>([](const auto& q, const auto& p) { return (q[0] * q[0] + 1) * (p[0] * p[0] + 1) / 2; });
+///     auto H = from_energy<1>([](const auto& q, const auto& p) {
+///       return (q[0] * q[0] + 1) * (p[0] * p[0] + 1) / 2;
+///     });
 ///
-/// The energy is called with numbers of other types than double, so it has to be a template: `auto` parameters, and `auto` or
-/// `typename std::decay_t<decltype(q)>::Scalar` for sums. Functions are called without `std::` in front (`using std::sqrt;
-/// sqrt(x)`); there are sqrt, cbrt, exp, exp2, expm1, log, log2, log10, log1p, the trigonometric and hyperbolic ones with their
-/// inverses, atan2, hypot, pow, erf, erfc, abs, fabs, min, max, fmin and fmax. q and p are columns of Eigen: q.squaredNorm(), q.dot(p), q.head(3) work, q.data() does not.
+/// The energy is called with numbers of other types than double, so it has to be a template: `auto`
+/// parameters, and `auto` or `typename std::decay_t<decltype(q)>::Scalar` for sums. Functions are called
+/// without `std::` in front (`using std::sqrt; sqrt(x)`); there are sqrt, cbrt, exp, exp2, expm1, log, log2,
+/// log10, log1p, the trigonometric and hyperbolic ones with their inverses, atan2, hypot, pow, erf, erfc,
+/// abs, fabs, min, max, fmin and fmax. q and p are columns of Eigen: q.squaredNorm(), q.dot(p), q.head(3)
+/// work, q.data() does not.
 ///
-/// Up to eight degrees of freedom the energy is evaluated once or twice with all derivatives carried along. Beyond that it is
-/// recorded and gone through backwards, for a few times the cost of the energy however many variables there are; an energy
-/// written with sum_over() and sum_over_pairs() is differentiated term by term, which is faster again (terms.hpp). Gradients by terms
-/// take 4 to 6 times as long as a vectorised loop by hand on a lattice of 100 or 400 sites (backwards: 50 to 65 times), 2.5 times
-/// for pairs of 200 vortices; see benchmarks/autodiff. Memory is kept, one piece for each thread; no heap use once it is large
-/// enough, and none where all of the energy are sums.
+/// Up to eight degrees of freedom the energy is evaluated once or twice with all derivatives carried along.
+/// Beyond that it is recorded and gone through backwards, for a few times the cost of the energy however many
+/// variables there are; an energy written with sum_over() and sum_over_pairs() is differentiated term by
+/// term, which is faster again (terms.hpp). Gradients by terms take 4 to 6 times as long as a vectorised loop
+/// by hand on a lattice of 100 or 400 sites (backwards: 50 to 65 times), 2.5 times for pairs of 200 vortices;
+/// see benchmarks/autodiff. Memory is kept, one piece for each thread; no heap use once it is large enough,
+/// and none where all of the energy are sums.
 template <int Dof, class Scalar = double, class Energy>
 requires(Dof > 0) auto from_energy(Energy energy) {
   return EnergyHamiltonian<Scalar, Dof, Energy>(Dof, std::move(energy));
 }
 
-/// The same with the size `dof` known at run time: `from_energy(n, energy)`. Throws std::invalid_argument unless dof > 0.
+/// The same with the size `dof` known at run time: `from_energy(n, energy)`. Throws std::invalid_argument
+/// unless dof > 0.
 template <class Scalar = double, class Energy>
 auto from_energy(Eigen::Index dof, Energy energy) {
   return EnergyHamiltonian<Scalar, Eigen::Dynamic, Energy>(dof, std::move(energy));

@@ -16,8 +16,8 @@
 // A namespace of its own, since functions as sqrt would hide the standard ones from the rest of detail.
 namespace semiexplicit::detail::autodiff {
 
-/// What the numbers that differentiate have in common: a value and, in some form, derivatives, on which chain() applies the
-/// chain rule. The functions of this header are written once for all of them.
+/// What the numbers that differentiate have in common: a value and, in some form, derivatives, on which
+/// chain() applies the chain rule. The functions of this header are written once for all of them.
 struct Differentiating {};
 template <class X>
 concept Number = std::derived_from<X, Differentiating>;
@@ -45,11 +45,12 @@ T bell(const T& x) {
 ///
 ///     x.value                              chain(f, slope)   f(x), of which value and slope are known
 ///     chain(f, slope_x, x, slope_y, y)     f(x, y), likewise
-///     chain_if_varying(...)                the same where a slope may be NaN along a number that does not vary
+///     chain_if_varying(...)              the same where a slope may be NaN along a number that does not vary
 ///     plus(x, y), minus(x, y)              and, with a constant c, x.shifted(value) and x.scaled(value, c)
 ///     x.compared()                         the value, to compare
 ///
-/// Comparisons look at the value only. Where a function has no derivative, as sqrt and abs at 0, it comes out NaN or one-sided.
+/// Comparisons look at the value only. Where a function has no derivative, as sqrt and abs at 0, it comes out
+/// NaN or one-sided.
 template <class X, class T>
 struct Operators : Differentiating {
   using Base = T;
@@ -156,7 +157,8 @@ struct Operators : Differentiating {
   friend SEMIEXPLICIT_INTO_TERM X fmin(const X& x, const X& y) { return y < x ? y : x; }
 };
 
-// What an energy may call, found by argument-dependent lookup: `using std::sqrt; sqrt(x)`, or plain `sqrt(x)`.
+// What an energy may call, found by argument-dependent lookup: `using std::sqrt; sqrt(x)`, or plain
+// `sqrt(x)`.
 
 template <Number X>
 SEMIEXPLICIT_INTO_TERM X sqrt(const X& x) {

@@ -9,8 +9,8 @@
 
 namespace semiexplicit::detail {
 
-/// Looks for the shift of a central difference of the gradient: of shifts over several orders of magnitude, the one whose
-/// difference agrees best with its two neighbours'. Memory: five vectors of length 2d.
+/// Looks for the shift of a central difference of the gradient: of shifts over several orders of magnitude,
+/// the one whose difference agrees best with its two neighbours'. Memory: five vectors of length 2d.
 template <class H>
 class ShiftSearch {
  public:
@@ -27,9 +27,10 @@ class ShiftSearch {
   Vec& above() { return above_.vector(); }
   Vec& below() { return below_.vector(); }
 
-  /// Of `count` shifts in geometric order from the larger one to the smaller one, that whose differences agree best with those of
-  /// its two neighbours; of equals, as where the gradient is linear or even, that nearest to the usual one for a state of this size
-  /// of which `own` is moved. difference(shift, column) writes above(), below() and their difference by the shift.
+  /// Of `count` shifts in geometric order from the larger one to the smaller one, that whose differences
+  /// agree best with those of its two neighbours; of equals, as where the gradient is linear or even, that
+  /// nearest to the usual one for a state of this size of which `own` is moved. difference(shift, column)
+  /// writes above(), below() and their difference by the shift.
   template <class Difference>
   Scalar best(const Scalar& state_size, const Scalar& own, const Scalar& from, const Scalar& to, int count,
               const Difference& difference) {
@@ -65,7 +66,8 @@ class ShiftSearch {
     return best;
   }
 
-  /// The same over all shifts that may be right: from the size of the state, or 1, to the rounding of what is moved, or nothing.
+  /// The same over all shifts that may be right: from the size of the state, or 1, to the rounding of what is
+  /// moved, or nothing.
   template <class Difference>
   Scalar best_of_all(const Scalar& state_size, const Scalar& own, const Scalar& others,
                      const Difference& difference) {
@@ -90,15 +92,17 @@ class ShiftSearch {
   }
 
  private:
-  /// How far two columns are from each other, the last one by this shift: the mean over the entries, of any size, of the logarithm of
-  /// their relative difference, which is no less than what the rounding of the gradient may make of it.
-  /// One that has become 0 disagrees: it is below the resolution of the gradient. At most 1.
+  /// How far two columns are from each other, the last one by this shift: the mean over the entries, of any
+  /// size, of the logarithm of their relative difference, which is no less than what the rounding of the
+  /// gradient may make of it. One that has become 0 disagrees: it is below the resolution of the gradient. At
+  /// most 1.
   Scalar disagreement(const Vec& a, const Vec& b, const Scalar& shift) const {
     using std::abs;
     using std::cbrt;
     using std::isfinite;
     using std::log;
-    // What is better than ε^{2/3} does not count: an entry that is constant would ask for shifts too large for the others.
+    // What is better than ε^{2/3} does not count: an entry that is constant would ask for shifts too large
+    // for the others.
     const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon(), least = cbrt(epsilon) * cbrt(epsilon);
     Scalar sum(0);
     for (Eigen::Index j = 0; j < a.size(); ++j) {
@@ -117,13 +121,15 @@ class ShiftSearch {
   Vec middle_, smaller_, seen_;
 };
 
-/// ∇²H at z, a symmetric 2d × 2d matrix: by H.hessian where there is one, else by central differences of the gradient. NaN or Inf
-/// where the gradient is; what a gradient throws goes through. Memory: nine vectors of length 2d.
+/// ∇²H at z, a symmetric 2d × 2d matrix: by H.hessian where there is one, else by central differences of the
+/// gradient. NaN or Inf where the gradient is; what a gradient throws goes through. Memory: nine vectors of
+/// length 2d.
 ///
-/// The shift of each coordinate is found from the gradient itself: of shifts over all orders of magnitude, the one whose
-/// difference agrees best with its two neighbours'. It is kept from call to call, looked at again, one coordinate every 16 calls, and found
-/// anew where z has gone far since. An entry is off by about (ε max(1, |x|/l))^{2/3} of its size (1e-10 to 1e-9 in double), where l is the
-/// length along which the gradient varies: an angle of 6e6 is known to 1e-9 only, and its derivatives to 1e-6.
+/// The shift of each coordinate is found from the gradient itself: of shifts over all orders of magnitude,
+/// the one whose difference agrees best with its two neighbours'. It is kept from call to call, looked at
+/// again, one coordinate every 16 calls, and found anew where z has gone far since. An entry is off by about
+/// (ε max(1, |x|/l))^{2/3} of its size (1e-10 to 1e-9 in double), where l is the length along which the
+/// gradient varies: an angle of 6e6 is known to 1e-9 only, and its derivatives to 1e-6.
 template <class H>
 class SecondDerivatives {
  public:
@@ -155,7 +161,8 @@ class SecondDerivatives {
         difference(h, z, i, shift_[i], column_);
         hessian.col(i) = column_;
       }
-      // Symmetric to the last bit, so that the tangent map is symplectic although its entries are approximate.
+      // Symmetric to the last bit, so that the tangent map is symplectic although its entries are
+      // approximate.
       for (Eigen::Index i = 0; i < z.size(); ++i)
         for (Eigen::Index j = 0; j < i; ++j)
           hessian(i, j) = hessian(j, i) = (hessian(i, j) + hessian(j, i)) / 2;

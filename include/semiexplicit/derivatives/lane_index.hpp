@@ -9,8 +9,8 @@
 
 namespace semiexplicit::detail::autodiff {
 
-/// Entries of q or p, one a lane: the first lane's, the distance from lane to lane, and where counting starts again at 0
-/// (0: nowhere).
+/// Entries of q or p, one a lane: the first lane's, the distance from lane to lane, and where counting starts
+/// again at 0 (0: nowhere).
 struct Place {
   Eigen::Index first, stride, wrap;
 
@@ -19,8 +19,8 @@ struct Place {
   }
 };
 
-/// Which variables the terms in the lanes have touched: each has a slot among `slots` derivatives, found from the half it is in
-/// and from its distance to the terms' number, so that the compiler knows it.
+/// Which variables the terms in the lanes have touched: each has a slot among `slots` derivatives, found from
+/// the half it is in and from its distance to the terms' number, so that the compiler knows it.
 struct TouchedPlaces {
   static constexpr int slots = 16;
   unsigned used = 0;
@@ -41,8 +41,9 @@ struct TouchedPlaces {
   }
 };
 
-/// The numbers of some neighbouring terms, one a lane, for what a term does with its index: i + 1, 3 * i + 2, (i + 1) % n. With
-/// stride 0 it is the same number in all lanes, as the second of a pair. It is an integer, too: the first lane's.
+/// The numbers of some neighbouring terms, one a lane, for what a term does with its index: i + 1, 3 * i + 2,
+/// (i + 1) % n. With stride 0 it is the same number in all lanes, as the second of a pair. It is an integer,
+/// too: the first lane's.
 template <class S>
 struct LaneIndex {
   static constexpr Eigen::Index size = lanes_of<S>;
@@ -54,7 +55,8 @@ struct LaneIndex {
   SEMIEXPLICIT_INTO_TERM Eigen::Index first() const { return base + offset; }
   SEMIEXPLICIT_INTO_TERM Eigen::Index last() const { return first() + stride * (size - 1); }
   SEMIEXPLICIT_INTO_TERM Place place() const { return {first(), stride, wrap}; }
-  /// Of 2 · window slots, for offsets in either half; numbers that are the same in all lanes have the upper half of a window.
+  /// Of 2 · window slots, for offsets in either half; numbers that are the same in all lanes have the upper
+  /// half of a window.
   SEMIEXPLICIT_INTO_TERM int slot(int half) const {
     return static_cast<int>(half * 8 + (stride == 0 ? 4 : 0) + (offset & (window - 1)));
   }

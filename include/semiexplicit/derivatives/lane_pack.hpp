@@ -12,7 +12,8 @@
 
 namespace semiexplicit::detail::autodiff {
 
-/// Set where the terms in the lanes part ways, or one asks for what only a single term has: they are then evaluated one by one.
+/// Set where the terms in the lanes part ways, or one asks for what only a single term has: they are then
+/// evaluated one by one.
 inline bool& lanes_part() {
   thread_local constinit bool part = false;
   return part;
@@ -35,8 +36,8 @@ inline constexpr int lanes_of = std::same_as<S, double> || std::same_as<S, float
                                     ? register_bytes / int(sizeof(S))
                                     : 0;
 
-/// A value for each of some neighbouring terms of a sum. A comparison is that of the first lane, and lanes_part() where
-/// another's is different.
+/// A value for each of some neighbouring terms of a sum. A comparison is that of the first lane, and
+/// lanes_part() where another's is different.
 template <class S>
 struct LanePack {
 #if defined(__GNUC__)

@@ -38,8 +38,8 @@ struct Planes<Dual<T, 1>> {
 template <class T>
 class Tape;
 
-/// A number whose computation a tape records, to be gone through backwards: one evaluation then gives the derivatives in all
-/// variables, at a cost that does not depend on their number.
+/// A number whose computation a tape records, to be gone through backwards: one evaluation then gives the
+/// derivatives in all variables, at a cost that does not depend on their number.
 ///
 /// Source: Griewank, Walther, Evaluating Derivatives, 2nd ed. (SIAM 2008), section 3.2.
 template <class T>
@@ -105,10 +105,11 @@ struct Traced : Operators<Traced<T>, T> {
   }
 };
 
-/// Every operation on numbers that depend on the variables, with its slopes, and the gradients of sums that sum_over() has found
-/// on its own. Memory is kept from call to call; there is one tape a thread.
+/// Every operation on numbers that depend on the variables, with its slopes, and the gradients of sums that
+/// sum_over() has found on its own. Memory is kept from call to call; there is one tape a thread.
 ///
-/// Not a library: ADOL-C, a library of Debian, has double only, global tapes by number, and allocates in every sweep.
+/// Not a library: ADOL-C, a library of Debian, has double only, global tapes by number, and allocates in
+/// every sweep.
 template <class T>
 class Tape {
  public:
@@ -154,7 +155,8 @@ class Tape {
   std::size_t length() const { return length_; }
   void rewind(std::size_t length) { length_ = length; }
 
-  /// A place for the gradient of a sum: in every plane a half for q and one for p. It may move when the next one is made.
+  /// A place for the gradient of a sum: in every plane a half for q and one for p. It may move when the next
+  /// one is made.
   std::size_t new_sum() {
     const bool direct = weights_ != nullptr && sums_.size() < Weights::most;
     const std::size_t weight = sums_.size(), at = gradients_.size();
@@ -177,8 +179,8 @@ class Tape {
     return result;
   }
 
-  /// Finds what the result changes by with every operation. False where a sum has entered it with another weight than expected;
-  /// `found` then has the right ones.
+  /// Finds what the result changes by with every operation. False where a sum has entered it with another
+  /// weight than expected; `found` then has the right ones.
   bool sweep(const Traced<T>& result, Weights& found) {
     const std::size_t first = static_cast<std::size_t>(variables_) + 1;
     if (adjoint_.size() < first + length_) adjoint_.resize(first + length_);
@@ -220,7 +222,8 @@ class Tape {
     gradients_.reserve(sums * (n + 32) * std::size_t(Planes<T>::planes));
   }
 
-  /// Calls work(tape) with this thread's tape, or with one of its own where that is in use: inside of an energy.
+  /// Calls work(tape) with this thread's tape, or with one of its own where that is in use: inside of an
+  /// energy.
   template <class Work>
   static void use(const Work& work) {
     struct Turn {

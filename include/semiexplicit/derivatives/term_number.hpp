@@ -33,8 +33,9 @@ Dual<T, 1> first_lane(const Dual<LanePack<T>, 1>& x) {
   return first;
 }
 
-/// A number in neighbouring terms, with its derivatives in the variables that they have touched. `active` says which derivatives
-/// are not zero, and those only are computed: once all is inlined the compiler knows it, and nothing is left of the others.
+/// A number in neighbouring terms, with its derivatives in the variables that they have touched. `active`
+/// says which derivatives are not zero, and those only are computed: once all is inlined the compiler knows
+/// it, and nothing is left of the others.
 template <class L>
 struct TermNumber : Operators<TermNumber<L>, L> {
   static constexpr int slots = TouchedPlaces::slots;

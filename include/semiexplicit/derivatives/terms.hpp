@@ -16,7 +16,8 @@
 namespace semiexplicit {
 namespace detail::autodiff {
 
-/// Whether several terms are being evaluated in lanes, in this thread: a sum inside of a term is left to that.
+/// Whether several terms are being evaluated in lanes, in this thread: a sum inside of a term is left to
+/// that.
 inline bool& inside_term() {
   thread_local constinit bool inside = false;
   return inside;
@@ -37,8 +38,8 @@ class LaneSum {
 
   explicit LaneSum(Tape<T>& tape) : tape_(tape), sum_(tape.new_sum()) {}
 
-  /// Adds the term(i) that the lanes from `first` on stand for; of those before `skip` nothing. False where they have to be
-  /// evaluated one by one; nothing is added then.
+  /// Adds the term(i) that the lanes from `first` on stand for; of those before `skip` nothing. False where
+  /// they have to be evaluated one by one; nothing is added then.
   template <class Term>
   SEMIEXPLICIT_FLATTEN bool add(const Term& term, Eigen::Index first, Eigen::Index skip) {
     TouchedPlaces touched;
@@ -207,20 +208,24 @@ struct TracedBase<Traced<T>> {
 
 }  // namespace detail::autodiff
 
-/// Σ term(i) over i = 0, ..., n - 1, in an energy for from_energy(): a sum of local terms, as over sites or bonds. To plain numbers
-/// it is no more than that; differentiated is each term on its own, several neighbouring ones in the lanes of a register, at a cost
-/// that does not depend on the size of the system:
+/// Σ term(i) over i = 0, ..., n - 1, in an energy for from_energy(): a sum of local terms, as over sites or
+/// bonds. To plain numbers it is no more than that; differentiated is each term on its own, several
+/// neighbouring ones in the lanes of a register, at a cost that does not depend on the size of the system:
 ///
 ///     auto H = from_energy(n, [=](const auto& q, const auto& p) {
 ///       return sum_over(n, [&](auto i) { return p[i] * p[i] / 2; }) +
-///              sum_over(n, [&](auto i) { const auto r = q[(i + 1) % n] - q[i]; return r * r / 2 + r * r * r * r / 4; });
+///              sum_over(n, [&](auto i) {
+///                const auto r = q[(i + 1) % n] - q[i];
+///                return r * r / 2 + r * r * r * r / 4;
+///              });
 ///     });
 ///
-/// The term takes its index by `auto` and reads q and p at i, i + 1, i - 2, 3 * i + 1, (i + 1) % n, and at(array, i) of arrays of its
-/// parameters. Anything else is right as well, but slower (terms one by one on a tape): array[i] with a plain array, branches that
-/// neighbouring terms take differently, positions out of a table, more than eight neighbours, q and p copied elsewhere before. A term
-/// that does not compile with such an index takes it as `Eigen::Index i`, and is evaluated one by one. It may be called more
-/// often than n times.
+/// The term takes its index by `auto` and reads q and p at i, i + 1, i - 2, 3 * i + 1, (i + 1) % n, and
+/// at(array, i) of arrays of its parameters. Anything else is right as well, but slower (terms one by one on
+/// a tape): array[i] with a plain array, branches that neighbouring terms take differently, positions out of
+/// a table, more than eight neighbours, q and p copied elsewhere before. A term that does not compile with
+/// such an index takes it as `Eigen::Index i`, and is evaluated one by one. It may be called more often than
+/// n times.
 template <std::integral Count, class Term>
 auto sum_over(Count n, const Term& term);
 
@@ -287,8 +292,9 @@ auto sum_over(Count n, const Term& term) {
   }
 }
 
-/// Σ term(i, j) over all pairs 0 ≤ i < j < n, likewise: of particles that interact with all others. Both indices are as the one of
-/// sum_over(), but with four neighbours each, as 3 * i, 3 * i + 1 and 3 * i + 2; j may index plain arrays, too.
+/// Σ term(i, j) over all pairs 0 ≤ i < j < n, likewise: of particles that interact with all others. Both
+/// indices are as the one of sum_over(), but with four neighbours each, as 3 * i, 3 * i + 1 and 3 * i + 2; j
+/// may index plain arrays, too.
 ///
 ///     sum_over_pairs(n, [&](auto i, auto j) {
 ///       using std::sqrt;
@@ -310,8 +316,8 @@ auto sum_over_pairs(Count n, const Term& term) {
   }
 }
 
-/// array[i], in a term of sum_over() or sum_over_pairs(), for the several terms at once that i may stand for. Arrays are pointers,
-/// containers and vectors of Eigen.
+/// array[i], in a term of sum_over() or sum_over_pairs(), for the several terms at once that i may stand for.
+/// Arrays are pointers, containers and vectors of Eigen.
 template <class Array, std::integral I>
 auto at(const Array& array, I i) {
   if constexpr (requires { array.derived(); })

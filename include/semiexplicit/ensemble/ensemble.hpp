@@ -20,27 +20,27 @@
 
 namespace semiexplicit {
 
-/// Many members, stepped with Semiexplicit by the threads of OpenMP, and in the lanes of SIMD registers where these can take the
-/// gradient and the solver (in_lanes(), how()). They differ in their initial conditions,
+/// Many members, stepped with Semiexplicit by the threads of OpenMP, and in the lanes of SIMD registers where
+/// these can take the gradient and the solver (in_lanes(), how()). They differ in their initial conditions,
 ///
 ///     std::vector<PhasePoint<double, 5>> starts = ...;
 ///     Ensemble ensemble(systems::NlsLattice<double, 5>(), starts, schemes::low_defect6_s13<double>());
 ///     ensemble.run({.dt = 0.0125, .steps = 80'000});
 ///     ensemble.state(i); ensemble.report(i);
 ///
-/// and may in their parameters, a column of numbers each; a family then is a function that makes a Hamiltonian of a column,
-/// of numbers or of packs, whichever S is (see PackHamiltonian):
+/// and may in their parameters, a column of numbers each; a family then is a function that makes a
+/// Hamiltonian of a column, of numbers or of packs, whichever S is (see PackHamiltonian):
 ///
 ///     Ensemble pendulums([]<class S>(const S* k) { return Pendulum<S>{k[0]}; }, parameters, starts, scheme);
 ///
-/// Lanes want such a gradient and SimplifiedNewton. With another solver, and with any other Hamiltonian, as of from_energy(), the
-/// members are stepped one by one, which takes as long as Semiexplicit does for each.
+/// Lanes want such a gradient and SimplifiedNewton. With another solver, and with any other Hamiltonian, as
+/// of from_energy(), the members are stepped one by one, which takes as long as Semiexplicit does for each.
 ///
-/// A member's result depends on nothing but its start and parameters: not on the threads, not on the others. One that fails
-/// stays at its last good state, with the reason in its report, and the others go on; so does one whose gradient throws. Threads
-/// share the Hamiltonian's copies' data, so a gradient that writes to memory of its own needs one a thread (thread_local, as
-/// from_energy() has).
-/// Memory: 4d numbers a member, stepped one by one 6d, and its report.
+/// A member's result depends on nothing but its start and parameters: not on the threads, not on the others.
+/// One that fails stays at its last good state, with the reason in its report, and the others go on; so does
+/// one whose gradient throws. Threads share the Hamiltonian's copies' data, so a gradient that writes to
+/// memory of its own needs one a thread (thread_local, as from_energy() has). Memory: 4d numbers a member,
+/// stepped one by one 6d, and its report.
 template <class Family, class Solver = SimplifiedNewton>
 class Ensemble {
   static constexpr bool lanes = detail::MakesPacks<Family> && std::same_as<Solver, SimplifiedNewton>;
@@ -55,8 +55,9 @@ class Ensemble {
   using State = PhasePoint<double, Dof>;
   static constexpr const char* name = "Ensemble";
 
-  /// `parameters` has a column a member. Throws std::invalid_argument where there is no member, where the sizes do not
-  /// fit together, and unless the scheme passes its own check and the solver's options make sense.
+  /// `parameters` has a column a member. Throws std::invalid_argument where there is no member, where the
+  /// sizes do not fit together, and unless the scheme passes its own check and the solver's options make
+  /// sense.
   Ensemble(Family family, Eigen::MatrixXd parameters, const std::vector<State>& starts, Scheme<double> scheme,
            Solver solver = {})
       : hamiltonians_{std::move(family), std::move(parameters)},
@@ -76,10 +77,11 @@ class Ensemble {
       : Ensemble(Family{std::move(hamiltonian)}, Eigen::MatrixXd(0, static_cast<Eigen::Index>(starts.size())),
                  starts, std::move(scheme), std::move(solver)) {}
 
-  /// Takes every member to step `steps` from where it is. Observers are those of members (MemberObserver; each() of the library's)
-  /// and those of the whole (WholeObserver), in any order. An exception of a member's observer ends the run of the members that are
-  /// stepped together with it (status `stopped`), and is thrown again when all the others have come to where all are together.
-  /// Throws std::invalid_argument for options that make no sense.
+  /// Takes every member to step `steps` from where it is. Observers are those of members (MemberObserver;
+  /// each() of the library's) and those of the whole (WholeObserver), in any order. An exception of a
+  /// member's observer ends the run of the members that are stepped together with it (status `stopped`), and
+  /// is thrown again when all the others have come to where all are together. Throws std::invalid_argument
+  /// for options that make no sense.
   template <class... Observers>
   EnsembleReport run(const EnsembleOptions& options, Observers&&... observers) {
     constexpr bool whole = (!of_member<Observers> || ...);

@@ -16,9 +16,10 @@
 
 namespace semiexplicit {
 
-/// An observer of the whole that saves the run of an ensemble, as Checkpoints does that of one state: the run that goes on from the file
-/// is the same bit for bit, whatever the number of threads. It saves all members with their reports, and the memory of the
-/// observers that are named, lists of one for each member (see each()), which have to be Checkpointable.
+/// An observer of the whole that saves the run of an ensemble, as Checkpoints does that of one state: the run
+/// that goes on from the file is the same bit for bit, whatever the number of threads. It saves all members
+/// with their reports, and the memory of the observers that are named, lists of one for each member (see
+/// each()), which have to be Checkpointable.
 ///
 ///     EnsembleOptions options{.dt = 0.05, .steps = 1'000'000};
 ///     EnsembleCheckpoints checkpoints("map.checkpoint", {.seconds = 60}, ensemble, options, exponents);
@@ -26,16 +27,18 @@ namespace semiexplicit {
 ///     ensemble.run(options, each(exponents), checkpoints);
 ///     checkpoints.remove();
 ///
-/// It saves where all members are together (EnsembleOptions::together) and so many steps or seconds have passed since the last time.
-/// A file of a run with other options, Hamiltonians, parameters, initial states or observers is refused. The ensemble and the lists
-/// must outlive it. The file, its lock and what it holds for are as with Checkpoints.
+/// It saves where all members are together (EnsembleOptions::together) and so many steps or seconds have
+/// passed since the last time. A file of a run with other options, Hamiltonians, parameters, initial states
+/// or observers is refused. The ensemble and the lists must outlive it. The file, its lock and what it holds
+/// for are as with Checkpoints.
 template <class Family, class Solver, class... Observers>
 class EnsembleCheckpoints {
  public:
   static_assert((detail::is_checkpointable<Observers>() && ...));
   using Members = Ensemble<Family, Solver>;
 
-  /// Throws std::invalid_argument where every is negative, seconds are not positive, or a list has not one observer a member.
+  /// Throws std::invalid_argument where every is negative, seconds are not positive, or a list has not one
+  /// observer a member.
   EnsembleCheckpoints(std::filesystem::path path, CheckpointOptions options, Members& ensemble,
                       const EnsembleOptions& run, std::vector<Observers>&... observers)
       : file_(std::move(path)),
@@ -49,9 +52,9 @@ class EnsembleCheckpoints {
       throw std::invalid_argument("EnsembleCheckpoints: seconds is not positive; give a time, 60 say");
   }
 
-  /// Puts the ensemble, which comes as the run began, and the observers back to where the file has them, and gives the steps done
-  /// up to there, for EnsembleOptions::done. Where there is no such file it changes nothing and gives 0. Throws as
-  /// Checkpoints::resume() does; ensemble and observers are then untouched.
+  /// Puts the ensemble, which comes as the run began, and the observers back to where the file has them, and
+  /// gives the steps done up to there, for EnsembleOptions::done. Where there is no such file it changes
+  /// nothing and gives 0. Throws as Checkpoints::resume() does; ensemble and observers are then untouched.
   std::int64_t resume() {
     starts_ = checksum_of_states();
     last_time_ = Clock::now();
@@ -96,8 +99,8 @@ class EnsembleCheckpoints {
   /// Lines "what: value" of all that the run was made with, by which its checkpoints are known.
   const std::string& settings() const { return settings_; }
 
-  /// Takes the file away: the run is done. Does nothing where there is none. Throws std::runtime_error where another run has
-  /// it open.
+  /// Takes the file away: the run is done. Does nothing where there is none. Throws std::runtime_error where
+  /// another run has it open.
   void remove() { file_.remove(); }
 
  private:

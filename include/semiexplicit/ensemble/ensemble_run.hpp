@@ -26,10 +26,11 @@ struct EnsembleOptions {
       1;            ///< the observers of members hear of the start and of every so many steps; 0: of none
   int threads = 0;  ///< 0: what OpenMP takes. Without OpenMP there is one, whatever this says
   double t0 = 0;    ///< time of the states, or of the first ones where the run goes on
-  /// A step of a member that does not converge or is not finite is tried again in parts; see IntegrationOptions::subdivide.
+  /// A step of a member that does not converge or is not finite is tried again in parts; see
+  /// IntegrationOptions::subdivide.
   int subdivide = 0;
-  /// After so many steps all members are together, and the observers of the whole are called. 0: about twice a second, where
-  /// there are any. It changes no result.
+  /// After so many steps all members are together, and the observers of the whole are called. 0: about twice
+  /// a second, where there are any. It changes no result.
   std::int64_t together = 0;
   /// Steps of an earlier part, which the run goes on from; see EnsembleCheckpoints::resume().
   std::int64_t done = 0;
@@ -48,15 +49,17 @@ struct EnsembleReport {
   bool ok() const { return failed == 0; }
 };
 
-/// What Ensemble::run() tells of each member: any callable (member, t, state), or (member, t, state, IntegrationReport), which is the
-/// member's so far but for status, t and seconds. Of Eigen::Index, double and PhasePoint. Called by several threads at once
-/// for different members. One that returns the bool false ends the run of that member (status `stopped`).
+/// What Ensemble::run() tells of each member: any callable (member, t, state), or (member, t, state,
+/// IntegrationReport), which is the member's so far but for status, t and seconds. Of Eigen::Index, double
+/// and PhasePoint. Called by several threads at once for different members. One that returns the bool false
+/// ends the run of that member (status `stopped`).
 template <class O, class State>
 concept MemberObserver = std::invocable<const O&, Eigen::Index, double, const State&> ||
     std::invocable<const O&, Eigen::Index, double, const State&, const IntegrationReport&>;
 
-/// What Ensemble::run() tells when all members are together, at the start, the end and in between: any callable (t,
-/// EnsembleReport), Progress or EnsembleCheckpoints, say. One that returns the bool false ends the run there.
+/// What Ensemble::run() tells when all members are together, at the start, the end and in between: any
+/// callable (t, EnsembleReport), Progress or EnsembleCheckpoints, say. One that returns the bool false ends
+/// the run there.
 template <class O>
 concept WholeObserver = std::invocable<O&, const double&, const EnsembleReport&>;
 
@@ -80,9 +83,10 @@ class Each {
   std::vector<Observer>* observers_;
 };
 
-/// `each(observers)`: an observer for each member, of integrate()'s kind, in the order of the members. They are referred to.
+/// `each(observers)`: an observer for each member, of integrate()'s kind, in the order of the members. They
+/// are referred to.
 ///
-///     std::vector<LyapunovExponents<...>> exponents;      // one made with ensemble.stepper(i) for each member i
+///     std::vector<LyapunovExponents<...>> exponents;  // one made with ensemble.stepper(i) for each member i
 ///     ensemble.run({.dt = 0.1, .steps = 1000}, each(exponents));
 template <class Observer>
 Each<Observer> each(std::vector<Observer>& observers) {

@@ -16,8 +16,8 @@
 
 namespace semiexplicit::detail {
 
-/// A member by itself, the same in all lanes, as a stepper that drops the carry where Semiexplicit does: at a point that its last
-/// step did not make.
+/// A member by itself, the same in all lanes, as a stepper that drops the carry where Semiexplicit does: at a
+/// point that its last step did not make.
 template <class H>
 class LaneAlone {
  public:
@@ -54,8 +54,8 @@ struct PackRun {
   std::int64_t steps = 0;
   std::exception_ptr gradient_threw, observer_threw;
 
-  /// Steps to the end of the part, or to where a gradient or an observer throws. in_parts(k) tries the failed step of lane k in
-  /// parts.
+  /// Steps to the end of the part, or to where a gradient or an observer throws. in_parts(k) tries the failed
+  /// step of lane k in parts.
   template <class H, class InParts, class Watch>
   void advance(SemiexplicitPack<H>& stepper, PackPoint<H::Dof>& point, const EnsemblePart& part,
                const InParts& in_parts, const Watch& watch) {

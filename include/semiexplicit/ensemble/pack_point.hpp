@@ -13,10 +13,10 @@ namespace semiexplicit {
 /// How many phase points are stepped at once.
 inline constexpr int pack_width = static_cast<int>(RegisterPack<double>::size());
 
-/// A Hamiltonian whose gradient takes a pack of phase points at once. Either it has a gradient that is a template beside the
-/// ordinary one, and says so by `using PackGradientOf = H;` (see HasPackGradient); or it is one of packs altogether, as
-/// Pendulum<RegisterPack<double>> of a user's `template <class S> struct Pendulum` with `using Scalar = S;`, whose
-/// parameters then may differ from lane to lane.
+/// A Hamiltonian whose gradient takes a pack of phase points at once. Either it has a gradient that is a
+/// template beside the ordinary one, and says so by `using PackGradientOf = H;` (see HasPackGradient); or it
+/// is one of packs altogether, as Pendulum<RegisterPack<double>> of a user's `template <class S> struct
+/// Pendulum` with `using Scalar = S;`, whose parameters then may differ from lane to lane.
 template <class H>
 concept PackHamiltonian = HasScalar<H> &&
     ((std::same_as<typename H::Scalar, RegisterPack<double>> && Hamiltonian<H>) ||
@@ -38,8 +38,8 @@ inline LaneChoice all_lanes() {
 /// What a step did in each lane.
 using PackReport = std::array<StepReport, static_cast<std::size_t>(pack_width)>;
 
-/// A pack of phase points of d degrees of freedom, one a lane: entry i of all of them is the i-th of 2d packs, positions
-/// first. With each goes what rounding has cut off its last steps (see CompensatedUpdate).
+/// A pack of phase points of d degrees of freedom, one a lane: entry i of all of them is the i-th of 2d
+/// packs, positions first. With each goes what rounding has cut off its last steps (see CompensatedUpdate).
 template <int Dof>
 class PackPoint {
  public:

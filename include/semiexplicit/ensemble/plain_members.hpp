@@ -14,7 +14,8 @@
 
 namespace semiexplicit::detail {
 
-/// Members that are stepped one by one, by Semiexplicit with any solver. Memory: 6d numbers each, and a stepper a thread.
+/// Members that are stepped one by one, by Semiexplicit with any solver. Memory: 6d numbers each, and a
+/// stepper a thread.
 template <class Family, class Solver>
 class PlainMembers {
  public:

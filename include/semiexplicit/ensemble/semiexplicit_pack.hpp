@@ -14,14 +14,15 @@
 
 namespace semiexplicit {
 
-/// Semiexplicit with simplified Newton for a pack of phase points, one in each lane of the SIMD registers, in lockstep. A
-/// sweep goes over all lanes; each lane stops for itself and gets its own report. One that has converged waits for the
-/// others with its result at rest; one that fails keeps its state, and the others go on. No lane's result depends on the
-/// others.
+/// Semiexplicit with simplified Newton for a pack of phase points, one in each lane of the SIMD registers, in
+/// lockstep. A sweep goes over all lanes; each lane stops for itself and gets its own report. One that has
+/// converged waits for the others with its result at rest; one that fails keeps its state, and the others go
+/// on. No lane's result depends on the others.
 ///
-/// Each lane takes the step that Semiexplicit takes: the same operations in the same order. Where the gradients agree to the
-/// bit and the compiler does not contract products and sums (-ffp-contract=off) the results agree to the bit, too; else
-/// to rounding. Memory: seven arrays of 2d packs at most, and two for the state.
+/// Each lane takes the step that Semiexplicit takes: the same operations in the same order. Where the
+/// gradients agree to the bit and the compiler does not contract products and sums (-ffp-contract=off) the
+/// results agree to the bit, too; else to rounding. Memory: seven arrays of 2d packs at most, and two for the
+/// state.
 template <class H>
 class SemiexplicitPack {
   static_assert(
@@ -32,8 +33,8 @@ class SemiexplicitPack {
   static constexpr int Dof = H::Dof;
   using State = PackPoint<Dof>;
 
-  /// Throws std::invalid_argument, saying what is wrong, unless the scheme passes its own check and the solver's options make
-  /// sense.
+  /// Throws std::invalid_argument, saying what is wrong, unless the scheme passes its own check and the
+  /// solver's options make sense.
   SemiexplicitPack(H hamiltonian, Scheme<double> scheme, SimplifiedNewton solver = {})
       : SemiexplicitPack(std::move(hamiltonian), std::move(scheme), solver, Checked{}) {
     scheme_.check();
@@ -44,9 +45,9 @@ class SemiexplicitPack {
     return SemiexplicitPack(std::move(hamiltonian), scheme_, solver_, Checked{});
   }
 
-  /// One step of size dt, which may be negative, of the lanes that are `wanted`; the point in another lane, or in one whose
-  /// report is not ok(), is untouched. So are all where a gradient throws. No heap use. The reports count what
-  /// the lane by itself would have taken.
+  /// One step of size dt, which may be negative, of the lanes that are `wanted`; the point in another lane,
+  /// or in one whose report is not ok(), is untouched. So are all where a gradient throws. No heap use. The
+  /// reports count what the lane by itself would have taken.
   PackReport step(State& state, double dt, const LaneChoice& wanted = all_lanes()) {
     PackReport report{};
     if (!detail::valid_step(dt)) return failed(report, Status::invalid_step);
@@ -119,8 +120,8 @@ class SemiexplicitPack {
     return e == 0.0 || (e / size_z) * ((size_m + e) / size_z) <= bound;
   }
 
-  /// All kicks from a = z + m, b = z - m (m = 0 where none is given); f_ becomes the residual and moved_ what both copies
-  /// moved together. Gives ‖f‖/4.
+  /// All kicks from a = z + m, b = z - m (m = 0 where none is given); f_ becomes the residual and moved_ what
+  /// both copies moved together. Gives ‖f‖/4.
   Many sweep(const Many* z, const Many* m, double dt) {
     if constexpr (detail::fits_on_stack(Dof)) {
       constexpr auto length = std::size_t(2 * Dof);
@@ -173,8 +174,8 @@ class SemiexplicitPack {
   /// How far the mean of the copies moved.
   Many distance_moved() const { return detail::norm(moved_.data(), length()) / 2.0; }
 
-  /// Goes on from the first evaluation, whose corrections are e and whose moves `distance`; gives the lanes that came to a good
-  /// end.
+  /// Goes on from the first evaluation, whose corrections are e and whose moves `distance`; gives the lanes
+  /// that came to a good end.
   Mask iterate(const State& state, double dt, const Mask& in_play, const Many& size_z, Many e, Many distance,
                PackReport& report) {
     std::array<std::optional<detail::Convergence<double>>, Many::size()> lanes;

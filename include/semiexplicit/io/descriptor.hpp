@@ -39,7 +39,8 @@ namespace semiexplicit::detail {
                            "); " + remedy);
 }
 
-/// An open file of the operating system. The members give false, and errno, where it refuses. Closing ends the lock.
+/// An open file of the operating system. The members give false, and errno, where it refuses. Closing ends
+/// the lock.
 class Descriptor {
  public:
   Descriptor() = default;
@@ -161,7 +162,8 @@ class Descriptor {
     [[maybe_unused]] const int only_root_may = ::fchown(number_, other.st_uid, other.st_gid);
     return ::fchmod(number_, other.st_mode & 07777) == 0;
   }
-  /// Whether the limit of the process lets a file be so long. Asked first, since to exceed it is a signal that kills.
+  /// Whether the limit of the process lets a file be so long. Asked first, since to exceed it is a signal
+  /// that kills.
   bool room_for(std::uint64_t length) const {
     rlimit limit;
     if (getrlimit(RLIMIT_FSIZE, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY || length <= limit.rlim_cur)
@@ -210,8 +212,9 @@ class Descriptor {
                            ": another run has it open; wait for its end, or give this run another file");
 }
 
-/// Locks the file that a name leads to, so that another process is refused; empty where there is none, none that is to be
-/// locked, or where this process has locked it already. Throws std::runtime_error where another process has it.
+/// Locks the file that a name leads to, so that another process is refused; empty where there is none, none
+/// that is to be locked, or where this process has locked it already. Throws std::runtime_error where another
+/// process has it.
 inline Descriptor lock_existing([[maybe_unused]] const std::filesystem::path& path) {
 #if !defined(_WIN32)
   while (Descriptor file = Descriptor::open_existing(path)) {

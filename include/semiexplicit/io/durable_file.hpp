@@ -45,7 +45,8 @@ struct Destination {
   }
 
  private:
-  /// The links there are not to be followed by name: what they show may be a pipe, or a file that another has open.
+  /// The links there are not to be followed by name: what they show may be a pipe, or a file that another has
+  /// open.
   bool in_folder_of_descriptors() {
 #if !defined(_WIN32)
     std::error_code failure;
@@ -68,22 +69,26 @@ struct Destination {
 
 }  // namespace detail
 
-/// One output of a program, which is whole as soon as it has its name, and keeps what was written whatever happens.
+/// One output of a program, which is whole as soon as it has its name, and keeps what was written whatever
+/// happens.
 ///
-/// What is written goes to `name` + ".part", each write() to the operating system at once, so that it outlives the process
-/// (kill -9). commit() waits until all is on the disk, and renames. Symbolic links are followed; a file that is replaced hands
-/// on its permissions. What is no regular file (a device, a pipe, /dev/stdout) is written to directly. The .part is locked
-/// until it is committed, where the operating system has locks: a second object for the same name, in this process or
-/// another, is refused.
+/// What is written goes to `name` + ".part", each write() to the operating system at once, so that it
+/// outlives the process (kill -9). commit() waits until all is on the disk, and renames. Symbolic links are
+/// followed; a file that is replaced hands on its permissions. What is no regular file (a device, a pipe,
+/// /dev/stdout) is written to directly. The .part is locked until it is committed, where the operating system
+/// has locks: a second object for the same name, in this process or another, is refused.
 ///
-/// Whatever fails throws std::runtime_error that says which file, why and what to do; the earlier file of that name stays.
+/// Whatever fails throws std::runtime_error that says which file, why and what to do; the earlier file of
+/// that name stays.
 class DurableFile {
  public:
   /// What happens to a .part that is not committed: it is announced on stderr and kept, or it is removed.
   enum class Uncommitted { kept, removed };
 
-  /// Throws where the folder is missing or not writable, the name is a folder, a file that is write-protected or ends in
-  /// ".part", or another run is writing it. What an earlier run left in the .part stays up to the first write().
+  /// Throws where the folder is missing or not writable, the name is a folder, a file that is write-protected
+  /// or ends in
+  /// ".part", or another run is writing it. What an earlier run left in the .part stays up to the first
+  /// write().
   explicit DurableFile(std::filesystem::path name, Uncommitted uncommitted = Uncommitted::removed)
       : name_(std::move(name)), to_(name_), part_(to_.path), uncommitted_(uncommitted) {
     if (to_.direct)
@@ -108,7 +113,8 @@ class DurableFile {
   DurableFile(const DurableFile&) = delete;
   DurableFile& operator=(const DurableFile&) = delete;
 
-  /// Appends all of these bytes, or none of them where it throws. The first call replaces what an earlier run left.
+  /// Appends all of these bytes, or none of them where it throws. The first call replaces what an earlier run
+  /// left.
   void write(std::string_view bytes) {
     if (committed_) throw std::logic_error(name_.string() + ": is committed, and nothing can be added");
     begin();

@@ -20,10 +20,11 @@
 
 namespace semiexplicit {
 
-/// Writes a table of doubles as CSV: a header, then rows, each number with as many digits as it takes to read it back
-/// exactly, with a decimal point in any locale. The rows go to `path` + ".part", each as row() returns; commit() gives the file
-/// its name, so that a file of that name is always whole. Without commit(), forgotten or not reached, the rows stay in the .part,
-/// and a line on stderr says so; the next run's first row replaces them. Links, devices, locks and what is thrown: DurableFile.
+/// Writes a table of doubles as CSV: a header, then rows, each number with as many digits as it takes to read
+/// it back exactly, with a decimal point in any locale. The rows go to `path` + ".part", each as row()
+/// returns; commit() gives the file its name, so that a file of that name is always whole. Without commit(),
+/// forgotten or not reached, the rows stay in the .part, and a line on stderr says so; the next run's first
+/// row replaces them. Links, devices, locks and what is thrown: DurableFile.
 class CsvWriter {
  public:
   static constexpr const char* name = "CsvWriter";
@@ -34,8 +35,8 @@ class CsvWriter {
     header_ += '\n';
   }
 
-  /// Throws std::invalid_argument where the number of values is not that of the columns, and std::runtime_error where they
-  /// cannot be written: the rows before are kept then, and nothing of this one.
+  /// Throws std::invalid_argument where the number of values is not that of the columns, and
+  /// std::runtime_error where they cannot be written: the rows before are kept then, and nothing of this one.
   void row(std::span<const double> values) {
     if (values.size() != columns_)
       throw std::invalid_argument(path_.string() + ": a row of " + std::to_string(values.size()) +
@@ -68,9 +69,10 @@ class CsvWriter {
   void describe(List& list) const {
     list("columns", columns_);
   }
-  /// How long the .part is, and its checksum; see CheckpointMemory. What is saved is on the disk first. What is put back
-  /// cuts the .part of the earlier run to that length and goes on there; throws std::invalid_argument where it is
-  /// not what it was. What was written to a device or a pipe cannot be looked at again: the next row follows it.
+  /// How long the .part is, and its checksum; see CheckpointMemory. What is saved is on the disk first. What
+  /// is put back cuts the .part of the earlier run to that length and goes on there; throws
+  /// std::invalid_argument where it is not what it was. What was written to a device or a pipe cannot be
+  /// looked at again: the next row follows it.
   template <class Visitor>
   void visit_memory(Visitor&& visit) {
     if (!fresh()) {
@@ -134,7 +136,8 @@ class CsvWriter {
   Beginning saved_;  ///< what was in the .part when it was last saved
 };
 
-/// An observer that writes the trajectory, as doubles: t, q0, q1, ..., p0, p1, .... Call commit() after the run.
+/// An observer that writes the trajectory, as doubles: t, q0, q1, ..., p0, p1, .... Call commit() after the
+/// run.
 class CsvTrajectory {
  public:
   static constexpr const char* name = "CsvTrajectory";

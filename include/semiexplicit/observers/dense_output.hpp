@@ -21,15 +21,17 @@
 
 namespace semiexplicit {
 
-/// An observer that keeps the last few states of a run and knows what lies between them: Hermite interpolation of degree
-/// 2 nodes - 1 by the states and their vector fields (∂H/∂p, -∂H/∂q). The error within a step of size h is of order
-/// h^{2 nodes}: four nodes do for methods up to order 8. A gradient is called only where something is interpolated.
+/// An observer that keeps the last few states of a run and knows what lies between them: Hermite
+/// interpolation of degree 2 nodes - 1 by the states and their vector fields (∂H/∂p, -∂H/∂q). The error
+/// within a step of size h is of order h^{2 nodes}: four nodes do for methods up to order 8. A gradient is
+/// called only where something is interpolated.
 ///
-/// It says nothing beyond the states it holds, end() included: ready() tells whether these are as many as were asked for.
-/// The state that it saw last, shown again as a run continues, changes nothing. Where the time turns round that state is the
-/// first of the way back; another orbit starts it anew.
+/// It says nothing beyond the states it holds, end() included: ready() tells whether these are as many as
+/// were asked for. The state that it saw last, shown again as a run continues, changes nothing. Where the
+/// time turns round that state is the first of the way back; another orbit starts it anew.
 ///
-/// The time between two states comes from the run's dt where the times themselves are rounded too coarsely (late times, float).
+/// The time between two states comes from the run's dt where the times themselves are rounded too coarsely
+/// (late times, float).
 template <class H>
 class DenseOutput {
  public:
@@ -53,8 +55,9 @@ class DenseOutput {
     push(t, z, run, [](bool) {});
   }
 
-  /// The same; where z does not continue what it holds, done(other) is called first: nothing more comes between the states held,
-  /// and z belongs to another orbit, or else to the way back. Whether there is one more interval to look at.
+  /// The same; where z does not continue what it holds, done(other) is called first: nothing more comes
+  /// between the states held, and z belongs to another orbit, or else to the way back. Whether there is one
+  /// more interval to look at.
   template <class Done>
   bool push(const Scalar& t, const State& z, const IntegrationReport& run, const Done& done) {
     using Next = typename detail::RunClock<Scalar>::Next;
@@ -112,7 +115,8 @@ class DenseOutput {
     place[i] = Scalar(0);
     for (std::size_t k = i; k + 1 < size_; ++k) place[k + 1] = place[k] + interval(k);
     for (std::size_t k = i; k > 0; --k) place[k - 1] = place[k] - interval(k - 1);
-    // States that lie close together, as before and behind a step that was cut, are one to an interpolation over longer steps.
+    // States that lie close together, as before and behind a step that was cut, are one to an interpolation
+    // over longer steps.
     bool used[max_nodes];
     const auto take = [&, least = interval(i) / 8](std::size_t k, std::size_t& nearest) {
       using std::abs;
@@ -124,8 +128,8 @@ class DenseOutput {
     for (std::size_t k = i; k > 0; --k) take(k - 1, nearest);
     if (i + 1 < size_) used[nearest = i + 1] = true;
     for (std::size_t k = i + 2; k < size_; ++k) take(k, nearest);
-    // The weights of the states have the sum 1: differences from state i are added to it, so that late times and other large
-    // values are not rounded once a node.
+    // The weights of the states have the sum 1: differences from state i are added to it, so that late times
+    // and other large values are not rounded once a node.
     const State& start = node(i).z;
     z.vector().setZero();
     for (std::size_t j = 0; j < size_; ++j) {
@@ -199,8 +203,8 @@ class DenseOutput {
 
 namespace detail {
 
-/// The intervals of a run, each once, as soon as they can be interpolated to the full degree: what at_times() and
-/// poincare_section() look at.
+/// The intervals of a run, each once, as soon as they can be interpolated to the full degree: what at_times()
+/// and poincare_section() look at.
 template <class H>
 class Intervals {
  public:
@@ -221,7 +225,8 @@ class Intervals {
     if (dense.ready()) finish(look);
   }
 
-  /// Hands on the intervals that were not yet, of a run that ended before it had as many states as the interpolation has nodes.
+  /// Hands on the intervals that were not yet, of a run that ended before it had as many states as the
+  /// interpolation has nodes.
   template <class Look>
   void finish(const Look& look) {
     for (std::size_t i = dense.size() - 1 - unseen_; unseen_ > 0; ++i, --unseen_) look(i);
@@ -294,8 +299,8 @@ class AtTimes {
   /// How many of the times were served.
   std::size_t served() const { return next_; }
 
-  /// Whether it has seen nothing yet: a resumed run would miss the times before. The observer sees nothing until the first of
-  /// the times.
+  /// Whether it has seen nothing yet: a resumed run would miss the times before. The observer sees nothing
+  /// until the first of the times.
   bool fresh() const { return intervals_.fresh() || (next_ > 0 && detail::is_fresh(observer_)); }
 
   /// See Describable.
@@ -305,8 +310,8 @@ class AtTimes {
     intervals_.dense.describe(list);
     detail::describe_inner(list, observer_);
   }
-  /// The states between which it interpolates, how many times were served, and what the observer remembers; see
-  /// CheckpointMemory.
+  /// The states between which it interpolates, how many times were served, and what the observer remembers;
+  /// see CheckpointMemory.
   template <class Visitor>
   void visit_memory(Visitor&& visit) {
     intervals_.visit_memory(visit);
@@ -387,10 +392,11 @@ class AtTimes {
   detail::TimeRounding<Scalar> rounding_;
 };
 
-/// `at_times(H, {0, 0.5, 1}, observer)`: an observer that calls another one, (t, z), at these times, which rise or fall with
-/// the run, by interpolation between the steps (see DenseOutput). With a TimeTransformed they are physical times, and z is
-/// the phase point without time. Call finish() after a run of fewer than nodes - 1 steps. A named observer is referred to, a
-/// temporary is kept. Throws std::invalid_argument for times that are not finite, not sorted or lie before the start.
+/// `at_times(H, {0, 0.5, 1}, observer)`: an observer that calls another one, (t, z), at these times, which
+/// rise or fall with the run, by interpolation between the steps (see DenseOutput). With a TimeTransformed
+/// they are physical times, and z is the phase point without time. Call finish() after a run of fewer than
+/// nodes - 1 steps. A named observer is referred to, a temporary is kept. Throws std::invalid_argument for
+/// times that are not finite, not sorted or lie before the start.
 template <class H, class Observer>
 AtTimes<H, Observer> at_times(
     H hamiltonian, std::vector<std::type_identity_t<typename detail::HamiltonianDoor<H>::Scalar>> times,

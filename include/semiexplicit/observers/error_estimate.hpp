@@ -41,8 +41,8 @@ class ErrorEstimate {
     if constexpr (requires { stepper_.dof(); }) companion_ = last_ = State(Eigen::Index(stepper_.dof()));
   }
 
-  /// Takes in the next state; false where an observer of the companion asked to stop. Throws std::invalid_argument where an event has
-  /// changed the state.
+  /// Takes in the next state; false where an observer of the companion asked to stop. Throws
+  /// std::invalid_argument where an event has changed the state.
   bool operator()(const Scalar& t, const State& z, const IntegrationReport& run = {}) {
     using Next = typename detail::RunClock<Scalar>::Next;
     if (run.changes > 0)
@@ -65,7 +65,8 @@ class ErrorEstimate {
     return tell(t, run);
   }
 
-  /// The error of (q, p) at the last state, in the Euclidean norm; nothing where the companion has parted from the run.
+  /// The error of (q, p) at the last state, in the Euclidean norm; nothing where the companion has parted
+  /// from the run.
   std::optional<Scalar> error() const { return said(error_); }
   /// The largest so far.
   std::optional<Scalar> worst() const { return said(worst_); }
@@ -75,8 +76,8 @@ class ErrorEstimate {
     using std::abs;
     return said(Scalar(factor() * abs(f(last_.q(), last_.p()) - f(companion_.q(), companion_.p()))));
   }
-  /// Of two figures of one kind, one measured on the run and one on the companion by its observers, the error of the former; nothing
-  /// where they have parted. No less than what rounding leaves of them.
+  /// Of two figures of one kind, one measured on the run and one on the companion by its observers, the error
+  /// of the former; nothing where they have parted. No less than what rounding leaves of them.
   std::optional<Scalar> error_of(const Scalar& of_run, const Scalar& of_companion) const {
     using std::abs;
     return said(
@@ -117,7 +118,8 @@ class ErrorEstimate {
   }
 
  private:
-  /// With half the step and a method of order p the difference is 1 - 2^-p of the error: exact for p = 2, an upper bound above.
+  /// With half the step and a method of order p the difference is 1 - 2^-p of the error: exact for p = 2, an
+  /// upper bound above.
   Scalar factor() const { return options_.parts > 1 ? Scalar(4) / 3 : Scalar(1); }
 
   std::optional<Scalar> said(const Scalar& value) const {
@@ -175,22 +177,25 @@ class ErrorEstimate {
   detail::RunClock<Scalar> clock_;
 };
 
-/// An observer by which a run knows its error: a companion starts from the same state and goes along, by two steps for each of the run,
-/// and how far the two are apart is the error of the run, while it is small.
+/// An observer by which a run knows its error: a companion starts from the same state and goes along, by two
+/// steps for each of the run, and how far the two are apart is the error of the run, while it is small.
 ///
-///     auto estimate = with_error_estimate(stepper);     // a copy of the run's stepper; or another method, {.parts = 1}
+///     auto estimate = with_error_estimate(stepper);  // a copy; or another method, {.parts = 1}
 ///     integrate(stepper, z, {.dt = 0.01, .t_end = 100}, estimate);
-///     if (const auto error = estimate.error()) ...       // of (q, p); estimate.error_of(f) of any number f(q, p)
+///     if (const auto error = estimate.error()) ...  // of (q, p); estimate.error_of(f) of any number f(q, p)
 ///
-/// Where neighbouring orbits part the difference grows to the size of the orbit, and then tells nothing: from the first moment on at which
-/// it passes `parted` of |z| there is no estimate, and parted_at() says when. Observers of the companion see its states: a figure that is
-/// measured on both runs, a period or a precession, has the error error_of(on_the_run, on_the_companion).
+/// Where neighbouring orbits part the difference grows to the size of the orbit, and then tells nothing: from
+/// the first moment on at which it passes `parted` of |z| there is no estimate, and parted_at() says when.
+/// Observers of the companion see its states: a figure that is measured on both runs, a period or a
+/// precession, has the error error_of(on_the_run, on_the_companion).
 ///
-/// An observer and no stepper, so that the run stays what it is, bit for bit, and takes any stepper: one that chooses its steps as
-/// well, around which the companion halves each (give it `stepper.stepper()`). Costs twice the gradient calls of the run. Errors that both
-/// have in common, a wrong H or a start that is off, it cannot see.
+/// An observer and no stepper, so that the run stays what it is, bit for bit, and takes any stepper: one that
+/// chooses its steps as well, around which the companion halves each (give it `stepper.stepper()`). Costs
+/// twice the gradient calls of the run. Errors that both have in common, a wrong H or a start that is off, it
+/// cannot see.
 ///
-/// Source: E. Hairer, S. Nørsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed., section II.4 (Richardson).
+/// Source: E. Hairer, S. Nørsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed., section II.4
+/// (Richardson).
 template <Stepper S, class... Observers>
 ErrorEstimate<S, Observers...> with_error_estimate(S stepper, ErrorEstimateOptions options,
                                                    Observers&&... observers) {

@@ -14,7 +14,8 @@
 
 namespace semiexplicit {
 
-/// Which crossings of s = 0 count, in the direction of the run: from negative to positive s, the reverse, or all.
+/// Which crossings of s = 0 count, in the direction of the run: from negative to positive s, the reverse, or
+/// all.
 enum class CrossingDirection { rising, falling, both };
 
 namespace detail {
@@ -44,10 +45,13 @@ struct OnEvent {
   }
 };
 
-/// What is to be done where an orbit crosses the surface s(q, p) = 0, for events(). The action is called as action(t, z):
+/// What is to be done where an orbit crosses the surface s(q, p) = 0, for events(). The action is called as
+/// action(t, z):
 ///
-/// - one that takes z by const reference or by value is told of the event, as an observer is, and ends the run by returning false;
-/// - one that takes `PhasePoint<Scalar, Dof>&`, written out and not as auto&, may change the state: a bounce, a kick.
+/// - one that takes z by const reference or by value is told of the event, as an observer is, and ends the
+/// run by returning false;
+/// - one that takes `PhasePoint<Scalar, Dof>&`, written out and not as auto&, may change the state: a bounce,
+/// a kick.
 ///
 /// A named action is referred to, a temporary is kept.
 template <class Surface, class Action>
@@ -118,8 +122,8 @@ class Events {
     dense().describe(list);
     each([&](std::size_t, const auto& kind) { detail::describe_inner(list, kind.action); });
   }
-  /// The states between which it interpolates, the sides of the surfaces, the counts, and what the actions remember; see
-  /// CheckpointMemory.
+  /// The states between which it interpolates, the sides of the surfaces, the counts, and what the actions
+  /// remember; see CheckpointMemory.
   template <class Visitor>
   void visit_memory(Visitor&& visit) {
     intervals_.visit_memory(visit);
@@ -140,8 +144,8 @@ class Events {
     explicit operator bool() const { return kind != none; }
   };
 
-  /// The first event on the way from `start` to `end`, which takes the time h; move(x, z) makes z the state at the time x after
-  /// `start`. For integrate(), where changes_state.
+  /// The first event on the way from `start` to `end`, which takes the time h; move(x, z) makes z the state
+  /// at the time x after `start`. For integrate(), where changes_state.
   template <class Move>
   Found first_event(const State& start, const State& end, const Scalar& h, const Move& move) {
     using std::abs;
@@ -238,7 +242,8 @@ class Events {
       const Scalar from = value(kind, dense().state(i)), to = value(kind, dense().state(i + 1));
       if (detail::side_of(from) != 0) sides_[k] = detail::side_of(from);
       const int before = sides_[k], after = detail::side_of(to);
-      // On the surface it is not decided yet: an orbit that only touches it comes back to the side where it was.
+      // On the surface it is not decided yet: an orbit that only touches it comes back to the side where it
+      // was.
       if (after == 0) return;
       sides_[k] = after;
       if (before == 0 || before == after || !kind.counts(after)) return;
@@ -283,26 +288,30 @@ class Events {
 
 /// An observer of events: calls the actions where the orbit crosses their surfaces, in order of time.
 ///
-///     auto watch = events(H, on_event(floor, [](double t, PhasePoint<double, 1>& z) { z.p() *= -0.9; }, CrossingDirection::falling),
+///     auto bounce = [](double t, PhasePoint<double, 1>& z) { z.p() *= -0.9; };
+///     auto watch = events(H, on_event(floor, bounce, CrossingDirection::falling),
 ///                            on_event(top, [&](double t, const auto& z) { tops.push_back(t); }));
 ///     integrate(stepper, z, {.dt = 0.01, .t_end = 10}, watch);
 ///
-/// Each s(q, p) is to be continuous, and the steps so small that it changes its sign once in each: of an angle take sin(q), not q modulo
-/// 2π. A start on a surface is no event, nor is a state that only touches it. Of an extended Hamiltonian s has the extended q and p, so
-/// that the time is the last q.
+/// Each s(q, p) is to be continuous, and the steps so small that it changes its sign once in each: of an
+/// angle take sin(q), not q modulo 2π. A start on a surface is no event, nor is a state that only touches it.
+/// Of an extended Hamiltonian s has the extended q and p, so that the time is the last q.
 ///
-/// Where no action changes the state, events are found to rounding on the interpolation of the run (DenseOutput, `nodes`
-/// states), whose steps stay as they are; actions hear of the first ones up to nodes - 1 steps late, and finish() hands on the last ones
-/// of a shorter run. One that returns false ends the run after the step.
+/// Where no action changes the state, events are found to rounding on the interpolation of the run
+/// (DenseOutput, `nodes` states), whose steps stay as they are; actions hear of the first ones up to nodes -
+/// 1 steps late, and finish() hands on the last ones of a shorter run. One that returns false ends the run
+/// after the step.
 ///
-/// Where an action may change the state, integrate() cuts the step at every event: it finds the time by steps of the stepper itself, to
-/// 1e-12 of the step and better, for five to ten steps more an event; every other observer sees the state before and after the action,
-/// both at the time of the event; and what is left of the step is taken from the changed state, so that times stay t0 + n dt. An
-/// action that returns false ends the run at the event, with the state there. Said plainly what that does: between the events each arc is
-/// as symplectic as its steps, but the map as a whole is not, since the cut depends on the state (a reversible action, as a bounce, in a
-/// reversible system keeps it reversible); what a stepper carries begins anew, as the compensation of its sums, the first iterates of Gauss's
-/// method and the density of ReversibleSteps; dense output and sections begin anew; Lyapunov exponents refuse such a run. An
-/// action on a ball whose bounces pile up is to end the run: events on a surface within 1e-5 of a step throw std::runtime_error, and
+/// Where an action may change the state, integrate() cuts the step at every event: it finds the time by steps
+/// of the stepper itself, to 1e-12 of the step and better, for five to ten steps more an event; every other
+/// observer sees the state before and after the action, both at the time of the event; and what is left of
+/// the step is taken from the changed state, so that times stay t0 + n dt. An action that returns false ends
+/// the run at the event, with the state there. Said plainly what that does: between the events each arc is as
+/// symplectic as its steps, but the map as a whole is not, since the cut depends on the state (a reversible
+/// action, as a bounce, in a reversible system keeps it reversible); what a stepper carries begins anew, as
+/// the compensation of its sums, the first iterates of Gauss's method and the density of ReversibleSteps;
+/// dense output and sections begin anew; Lyapunov exponents refuse such a run. An action on a ball whose
+/// bounces pile up is to end the run: events on a surface within 1e-5 of a step throw std::runtime_error, and
 /// so do a thousand in one step. Only one observer of a run
 /// may change the state.
 template <class H, class... Kinds>

@@ -80,9 +80,10 @@ class Every {
   Observer observer_;
 };
 
-/// `every(100, observer)`: calls the observer at the start and then after every 100 steps. A named observer is referred to,
-/// so it must outlive the run; a temporary is kept. A run that begins where the last one ended counts on, a resumed one
-/// counts from its own start, any other begins anew; the last state is only seen where a multiple of n falls on it.
+/// `every(100, observer)`: calls the observer at the start and then after every 100 steps. A named observer
+/// is referred to, so it must outlive the run; a temporary is kept. A run that begins where the last one
+/// ended counts on, a resumed one counts from its own start, any other begins anew; the last state is only
+/// seen where a multiple of n falls on it.
 template <class Observer>
 Every<Observer> every(std::int64_t n, Observer&& observer) {
   return {n, std::forward<Observer>(observer)};

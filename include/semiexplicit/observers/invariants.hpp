@@ -12,8 +12,9 @@
 
 namespace semiexplicit {
 
-/// An observer that follows any number of named functions of (q, p) and keeps how far each one strayed from its first value:
-/// relative to that value, or absolute where it is zero up to the rounding of its terms (Row::relative tells). Of an ExtendedPoint it takes q and p. A NaN counts as the worst.
+/// An observer that follows any number of named functions of (q, p) and keeps how far each one strayed from
+/// its first value: relative to that value, or absolute where it is zero up to the rounding of its terms
+/// (Row::relative tells). Of an ExtendedPoint it takes q and p. A NaN counts as the worst.
 ///
 ///     Invariants invariants(H);                                 // H.energy, under the name "energy"
 ///     invariants.add("mass", [](auto q, auto p) { return q.squaredNorm() + p.squaredNorm(); });
@@ -66,7 +67,8 @@ class Invariants {
     }
   }
 
-  /// Forgets what it saw: the next call's values are the first ones again. Without it a second run counts as going on.
+  /// Forgets what it saw: the next call's values are the first ones again. Without it a second run counts as
+  /// going on.
   void reset() {
     for (Row& row : rows_) row = {.name = std::move(row.name), .value = std::move(row.value)};
   }

@@ -12,7 +12,8 @@ struct PoincareSectionOptions {
   int nodes = 4;  ///< states that the interpolation goes through; see DenseOutput
 };
 
-/// Hands on the points where an orbit crosses a surface: events() of one kind that changes nothing; see poincare_section().
+/// Hands on the points where an orbit crosses a surface: events() of one kind that changes nothing; see
+/// poincare_section().
 template <class H, class Surface, class Observer>
 class PoincareSection : public Events<H, OnEvent<Surface, Observer>> {
   using Base = Events<H, OnEvent<Surface, Observer>>;
@@ -29,20 +30,21 @@ class PoincareSection : public Events<H, OnEvent<Surface, Observer>> {
                                         options.direction}) {}
 };
 
-/// A Poincaré section: an observer that calls another one, (t, z), with every point where the orbit crosses the surface
-/// s(q, p) = 0, found to rounding on the interpolation between the steps (see DenseOutput).
+/// A Poincaré section: an observer that calls another one, (t, z), with every point where the orbit crosses
+/// the surface s(q, p) = 0, found to rounding on the interpolation between the steps (see DenseOutput).
 ///
 ///     auto section = poincare_section(H, [](const auto& q, const auto& p) { return q[0]; },
 ///                                     [](double t, const auto& z) { ... });
 ///     integrate(stepper, z, {.dt = 0.1, .steps = 100'000}, section);
 ///
-/// s is to be continuous, and the steps so small that it changes its sign once in each: of an angle take sin(q), not q modulo
-/// 2π. A start on the surface is no crossing, nor is a state that only touches it. Of an extended Hamiltonian s has the extended q and p, so that the time is the
-/// last q, and the observer gets the time and the phase point without it. An observer that returns false ends the run. Call
-/// finish() after a run of fewer than nodes - 1 steps. A named observer is referred to, a temporary is kept.
+/// s is to be continuous, and the steps so small that it changes its sign once in each: of an angle take
+/// sin(q), not q modulo 2π. A start on the surface is no crossing, nor is a state that only touches it. Of an
+/// extended Hamiltonian s has the extended q and p, so that the time is the last q, and the observer gets the
+/// time and the phase point without it. An observer that returns false ends the run. Call finish() after a
+/// run of fewer than nodes - 1 steps. A named observer is referred to, a temporary is kept.
 ///
-/// Points and times are as accurate as the run and the interpolation: on an orbit of systems::Product with 80 steps a period
-/// the times are found to 1e-10 with four nodes and to 1e-12 with six.
+/// Points and times are as accurate as the run and the interpolation: on an orbit of systems::Product with 80
+/// steps a period the times are found to 1e-10 with four nodes and to 1e-12 with six.
 template <class H, class Surface, class Observer>
 PoincareSection<H, Surface, Observer> poincare_section(H hamiltonian, Surface surface, Observer&& observer,
                                                        PoincareSectionOptions options = {}) {

@@ -26,10 +26,10 @@ inline bool is_terminal(std::FILE* stream) {
 }
 }  // namespace detail
 
-/// An observer that draws a progress bar on stderr, if that is a terminal, at most ten times a second, and takes it away with
-/// the last step, or where the run ends early, when it is destroyed. Elsewhere it does nothing. `t_end` is the time at which
-/// the run will be done. The time left is reckoned from the pace since the first call, so that a run which is resumed does not
-/// count the steps of an earlier one.
+/// An observer that draws a progress bar on stderr, if that is a terminal, at most ten times a second, and
+/// takes it away with the last step, or where the run ends early, when it is destroyed. Elsewhere it does
+/// nothing. `t_end` is the time at which the run will be done. The time left is reckoned from the pace since
+/// the first call, so that a run which is resumed does not count the steps of an earlier one.
 class Progress {
  public:
   explicit Progress(double t_end, std::string label = "", double t_begin = 0)
@@ -65,7 +65,8 @@ class Progress {
     if (std::exchange(drawn_, false)) std::fputs("\r\x1b[K", stderr);
   }
 
-  // Reading the clock costs as much as a small step: the number of calls that pass unlooked follows the pace of the run.
+  // Reading the clock costs as much as a small step: the number of calls that pass unlooked follows the pace
+  // of the run.
   void look_at_clock(double t) {
     const auto now = Clock::now();
     const double since = std::chrono::duration<double>(now - last_).count();

@@ -11,9 +11,10 @@
 
 namespace semiexplicit {
 
-/// An observer that keeps the times and the states it sees, in memory. Of an ExtendedPoint it keeps (q, p). Named among the
-/// observers of Checkpoints it is saved with all that it holds: for a long run let it see every hundredth step, say, or write a
-/// CsvTrajectory. A state of another size than the first is refused with std::invalid_argument.
+/// An observer that keeps the times and the states it sees, in memory. Of an ExtendedPoint it keeps (q, p).
+/// Named among the observers of Checkpoints it is saved with all that it holds: for a long run let it see
+/// every hundredth step, say, or write a CsvTrajectory. A state of another size than the first is refused
+/// with std::invalid_argument.
 template <class Scalar, int Dof>
 struct Record {
   static constexpr const char* name = "Record";
@@ -31,7 +32,8 @@ struct Record {
   /// It has no options; see Describable.
   template <class List>
   void describe(List&) const {}
-  /// All that it holds; see CheckpointMemory. Throws std::invalid_argument where t and z were changed and do not go together.
+  /// All that it holds; see CheckpointMemory. Throws std::invalid_argument where t and z were changed and do
+  /// not go together.
   template <class Visitor>
   void visit_memory(Visitor&& visit) {
     std::vector<Scalar> numbers;

@@ -9,8 +9,8 @@
 
 namespace semiexplicit::detail {
 
-/// How exactly the times of an orbit are known: they are sums that are rounded at their largest, so that one near t = 0 is off by
-/// far more than its own size tells.
+/// How exactly the times of an orbit are known: they are sums that are rounded at their largest, so that one
+/// near t = 0 is off by far more than its own size tells.
 template <class Scalar>
 class TimeRounding {
  public:
@@ -25,8 +25,8 @@ class TimeRounding {
     using std::abs;
     return abs(t) < largest_ ? largest_ : Scalar(abs(t));
   }
-  /// Whether t and the orbit's time `last` may mean the same where steps are dt long: they differ by rounding, or by less than
-  /// 1/1024 of a step.
+  /// Whether t and the orbit's time `last` may mean the same where steps are dt long: they differ by
+  /// rounding, or by less than 1/1024 of a step.
   bool same(const Scalar& t, const Scalar& last, const Scalar& dt,
             const Scalar& epsilon = Eigen::NumTraits<Scalar>::epsilon()) const {
     using std::abs;
@@ -42,9 +42,9 @@ class TimeRounding {
   Scalar largest_ = Scalar(0);
 };
 
-/// What an observer knows of the state that it saw last, and how the next one is related to it. The time between two states is
-/// taken from the steps and dt of the run where that is more exact: after many steps, or from a large t0 on, the difference of two
-/// times is mostly rounding.
+/// What an observer knows of the state that it saw last, and how the next one is related to it. The time
+/// between two states is taken from the steps and dt of the run where that is more exact: after many steps,
+/// or from a large t0 on, the difference of two times is mostly rounding.
 template <class Scalar>
 class RunClock {
  public:

@@ -10,8 +10,8 @@
 
 namespace semiexplicit {
 
-/// An effect whose type is forgotten, for programs that learn at run time which ones are wanted. A call is one virtual call.
-/// Copies share the effect, which is never changed.
+/// An effect whose type is forgotten, for programs that learn at run time which ones are wanted. A call is
+/// one virtual call. Copies share the effect, which is never changed.
 template <class ScalarType, int DofValue>
 class AnyEffect {
  public:
@@ -45,14 +45,16 @@ class AnyEffect {
   void add_gradient(const Read& q, const Read& p, Write& dHdq, Write& dHdp) const {
     effect_->add_gradient(q, p, dHdq, dHdp);
   }
-  /// Adds one half of the gradient of an effect that is not coupled; nothing where it does not depend on that half.
+  /// Adds one half of the gradient of an effect that is not coupled; nothing where it does not depend on that
+  /// half.
   void add_position_gradient(const Read& q, Write& dHdq) const { effect_->add_position_gradient(q, dHdq); }
   void add_momentum_gradient(const Read& p, Write& dHdp) const { effect_->add_momentum_gradient(p, dHdp); }
 
   /// Adds the force of an effect OnMotion; nothing for others.
   void add_force(const Read& q, const Read& p, Write& force) const { effect_->add_force(q, p, force); }
 
-  /// The sum of its gradients at all of the points, added up inside the effect: its cost without the virtual calls.
+  /// The sum of its gradients at all of the points, added up inside the effect: its cost without the virtual
+  /// calls.
   void add_gradients(const std::vector<PhasePoint<Scalar, Dof>>& points, Write& dHdq, Write& dHdp) const {
     effect_->add_gradients(points, dHdq, dHdp);
   }

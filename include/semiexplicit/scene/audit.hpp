@@ -32,7 +32,8 @@ struct AuditOptions {
   std::optional<Scheme<Scalar>> scheme{};  ///< else usual_scheme()
   int samples = 200;                       ///< how many times of the orbit are looked at
   Compare compare = Compare::positions;
-  /// Bound on the gradient calls of all runs together, which is kept: an audit that needs more is refused, or given up.
+  /// Bound on the gradient calls of all runs together, which is kept: an audit that needs more is refused, or
+  /// given up.
   double max_gradients = 1e9;
   /// Functions of (q, p) that the whole scene keeps, by name; the energy is always among them.
   std::vector<std::pair<std::string, std::function<Scalar(const In<Scalar, Dof>&, const In<Scalar, Dof>&)>>>
@@ -100,8 +101,9 @@ class Auditor {
   }
 
  private:
-  /// The state at the times of the samples, with a step `finer` times smaller. All runs take the stepper that the whole scene
-  /// needs: what is left of their errors is then alike and hardly enters the differences. Shorter where the run failed.
+  /// The state at the times of the samples, with a step `finer` times smaller. All runs take the stepper that
+  /// the whole scene needs: what is left of their errors is then alike and hardly enters the differences.
+  /// Shorter where the run failed.
   Orbit run(const Chosen& scene, int finer, OnFailure on_failure) const {
     const auto along = [&](auto stepper) {
       Orbit orbit{z0_};
@@ -146,7 +148,8 @@ class Auditor {
     return options_.compare == Compare::positions ? norm(z.q() - from.q()) : norm(z.vector() - from.vector());
   }
 
-  /// How far `other` is from `orbit` at each sample, in units of the orbit's largest distance from the origin.
+  /// How far `other` is from `orbit` at each sample, in units of the orbit's largest distance from the
+  /// origin.
   std::vector<double> distances(const Orbit& other, const Orbit& orbit) const {
     Scalar size(0);
     for (const State& z : orbit) size = std::max(size, distance(z, State(z.dof())));
@@ -234,17 +237,18 @@ class Auditor {
 
 }  // namespace detail
 
-/// What each effect of the scene is worth from z0 over the time T: its share of the gradient's time, its size along the
-/// orbit, and how far the orbit and the invariants move when it is left out (all else, also the initial state, being equal).
-/// The numerical error of the runs themselves, from a run at half the step, tells which of those distances mean anything.
+/// What each effect of the scene is worth from z0 over the time T: its share of the gradient's time, its size
+/// along the orbit, and how far the orbit and the invariants move when it is left out (all else, also the
+/// initial state, being equal). The numerical error of the runs themselves, from a run at half the step,
+/// tells which of those distances mean anything.
 ///
 ///     const Audit report = audit(scene, z0, 100.0, {.dt = 0.002});
 ///     report.called_for(1e-6);  // names
 ///     std::cout << report;
 ///
-/// Takes k + 3 runs for k effects, and 5 ms an effect to time it. Throws std::invalid_argument for nonsense and where the
-/// runs take more than options.max_gradients, and IntegrationError where the whole scene
-/// itself does not run.
+/// Takes k + 3 runs for k effects, and 5 ms an effect to time it. Throws std::invalid_argument for nonsense
+/// and where the runs take more than options.max_gradients, and IntegrationError where the whole scene itself
+/// does not run.
 template <class Scalar, int Dof>
 Audit audit(const RuntimeScene<Scalar, Dof>& scene, const PhasePoint<Scalar, Dof>& z0,
             const std::type_identity_t<Scalar>& t_end,

@@ -11,8 +11,8 @@
 
 namespace semiexplicit {
 
-/// What an audit found of one effect. Sizes and shares are numbers from 0 on; `infinite` where the scene does not run
-/// without the effect.
+/// What an audit found of one effect. Sizes and shares are numbers from 0 on; `infinite` where the scene does
+/// not run without the effect.
 struct AuditRow {
   static constexpr double infinite = std::numeric_limits<double>::infinity();
 
@@ -32,19 +32,21 @@ struct AuditRow {
 enum class Verdict {
   called_for,      ///< the orbit moves by more than the accuracy
   not_called_for,  ///< it does not
-  below_noise  ///< it moves by no more than a few times the numerical error, which is itself above the accuracy
+  below_noise      ///< it moves by no more than a few times the numerical error, which is itself above the
+                   ///< accuracy
 };
 
 /// What an audit found; see audit().
 struct Audit {
   double t = 0, dt = 0;
-  /// Numerical error of the orbit, as the shifts are measured: the distance to a run at dt/2. Where a smaller dt does not
-  /// lower it, neighbouring orbits part, and only a shorter time tells the effects apart.
+  /// Numerical error of the orbit, as the shifts are measured: the distance to a run at dt/2. Where a smaller
+  /// dt does not lower it, neighbouring orbits part, and only a shorter time tells the effects apart.
   double noise = 0;
   std::vector<std::string> invariants;
   std::vector<AuditRow> rows;  ///< in the scene's order
 
-  /// Whether a shift stands out of the numerical error; where orbits part by themselves, both are of the orbit's size.
+  /// Whether a shift stands out of the numerical error; where orbits part by themselves, both are of the
+  /// orbit's size.
   bool above_noise(const AuditRow& row) const { return row.shift_max > 3 * noise; }
   /// `accuracy` is a distance between orbits as in AuditRow::shift_max.
   Verdict verdict(const AuditRow& row, double accuracy) const {

@@ -20,8 +20,8 @@ namespace semiexplicit {
 
 namespace detail {
 
-/// ∫ f dt of a function that is seen at one time after the other: by the polynomial through the eight last values over the interval
-/// in their middle, of order 8. Times may be spaced in any way, and run backwards.
+/// ∫ f dt of a function that is seen at one time after the other: by the polynomial through the eight last
+/// values over the interval in their middle, of order 8. Times may be spaced in any way, and run backwards.
 template <class Scalar>
 class RunningIntegral {
  public:
@@ -71,7 +71,8 @@ class RunningIntegral {
     sum_ = sum;
   }
 
-  /// Between two of the nodes, of the polynomial through all, by Gauss's rule of four points, which is exact for it.
+  /// Between two of the nodes, of the polynomial through all, by Gauss's rule of four points, which is exact
+  /// for it.
   Scalar integral(std::size_t from, std::size_t to) const {
     static constexpr double points[] = {0.33998104358485626, 0.86113631159405258},
                             weights[] = {0.65214515486254614, 0.34785484513745386};
@@ -102,12 +103,13 @@ class RunningIntegral {
 
 }  // namespace detail
 
-/// An observer that keeps account of the energy where a scene has effects with forces of their own (OnMotion): the energy at the
-/// start and now, the work ∫ F·∂H/∂p dt of each of them, and the difference, which is what the method, and the integral over
-/// the steps, get wrong. That integral is of order 8 in the time between calls, so the books close as well as the method is
-/// accurate where steps resolve the motion.
+/// An observer that keeps account of the energy where a scene has effects with forces of their own
+/// (OnMotion): the energy at the start and now, the work ∫ F·∂H/∂p dt of each of them, and the difference,
+/// which is what the method, and the integral over the steps, get wrong. That integral is of order 8 in the
+/// time between calls, so the books close as well as the method is accurate where steps resolve the motion.
 ///
-///     const Scene scene(orbits::Kinetic<double, 2>{}, orbits::Attraction<double, 2>{}, orbits::Drag<double, 2>{.linear = 0.01});
+///     const Scene scene(orbits::Kinetic<double, 2>{}, orbits::Attraction<double, 2>{},
+///                       orbits::Drag<double, 2>{.linear = 0.01});
 ///     auto stepper = stepper_for(scene);
 ///     Books books(scene);
 ///     integrate(stepper, z, {.dt = 0.01, .steps = 1000}, books);
@@ -154,7 +156,8 @@ class Books {
     for (const Account& account : accounts_) list.push_back(account.effect.name());
     return list;
   }
-  /// What an effect has done so far. Throws std::invalid_argument, with the nearest valid names, for one that has no account.
+  /// What an effect has done so far. Throws std::invalid_argument, with the nearest valid names, for one that
+  /// has no account.
   Scalar work(const std::string& effect) const {
     for (const Account& account : accounts_)
       if (account.effect.name() == effect) return account.work.value();

@@ -7,18 +7,19 @@
 
 namespace semiexplicit {
 
-/// What an effect, one term of a Hamiltonian, acts on. An effect names one of these as its `Acts`, which also fixes the
-/// number type and the degrees of freedom, and gives the two members that belong to it:
+/// What an effect, one term of a Hamiltonian, acts on. An effect names one of these as its `Acts`, which also
+/// fixes the number type and the degrees of freedom, and gives the two members that belong to it:
 ///
 ///     OnPosition   energy(q)      add_gradient(q, dHdq)            a potential V(q)
 ///     OnMomentum   energy(p)      add_gradient(p, dHdp)            a kinetic energy T(p)
 ///     OnEach       energy(x)      add_gradient(x, dHdx)            e(q) + e(p), the same function of both
 ///     OnBoth       energy(q, p)   add_gradient(q, p, dHdq, dHdp)   what couples them
-///     OnMotion     no energy      add_force(q, p, force)           a force of its own, dp/dt = -∂H/∂q + F(q, p)
+///     OnMotion     no energy      add_force(q, p, force)           a force of its own in dp/dt, F(q, p)
 ///
-/// Only OnBoth and OnMotion make a scene non-separable. OnMotion is what is not a Hamiltonian (drag, radiation reaction): the
-/// same steppers integrate it, to their order, but the motion is not symplectic then, and the energy changes by the work of
-/// these forces, of which Books keeps account. A whole effect, with the name by which programs and audits call it:
+/// Only OnBoth and OnMotion make a scene non-separable. OnMotion is what is not a Hamiltonian (drag,
+/// radiation reaction): the same steppers integrate it, to their order, but the motion is not symplectic
+/// then, and the energy changes by the work of these forces, of which Books keeps account. A whole effect,
+/// with the name by which programs and audits call it:
 ///
 ///     struct Trap {  // k|q|²/2
 ///       using Acts = OnPosition<double, 2>;
@@ -31,10 +32,10 @@ namespace semiexplicit {
 ///       }
 ///     };
 ///
-/// A gradient is added to what is there. q, p and the rest are Eigen columns of length Dof. The effects of this library ask
-/// only for q[i], and compute in the type that this has: double, long double, packs of numbers; types with expression
-/// templates (Boost's et_on) will not do. An effect of dynamic size also has `Eigen::Index dof() const`. One line for lists,
-/// `static constexpr const char* about`, is optional.
+/// A gradient is added to what is there. q, p and the rest are Eigen columns of length Dof. The effects of
+/// this library ask only for q[i], and compute in the type that this has: double, long double, packs of
+/// numbers; types with expression templates (Boost's et_on) will not do. An effect of dynamic size also has
+/// `Eigen::Index dof() const`. One line for lists, `static constexpr const char* about`, is optional.
 template <class ScalarType, int DofValue>
 struct OnPosition {
   using Scalar = ScalarType;
@@ -96,7 +97,8 @@ concept HasForce = requires(const E& effect, const EffectIn<E>& q, const EffectI
 
 }  // namespace detail
 
-/// An effect that acts OnPosition, OnMomentum, OnEach, OnBoth or OnMotion, with the members that belong to it.
+/// An effect that acts OnPosition, OnMomentum, OnEach, OnBoth or OnMotion, with the members that belong to
+/// it.
 template <class E>
 concept PositionEffect = detail::ActsAs<E, OnPosition> && detail::HasHalfMembers<E>;
 template <class E>

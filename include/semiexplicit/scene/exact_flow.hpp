@@ -11,8 +11,9 @@
 
 namespace semiexplicit {
 
-/// The exact flow of an effect, or of a group of effects together: a template to specialise, for effects of one's own, too.
-/// With it stepper_for(scene, exactly<Spring, Kinetic>()) moves these effects exactly, on one copy of the phase space:
+/// The exact flow of an effect, or of a group of effects together: a template to specialise, for effects of
+/// one's own, too. With it stepper_for(scene, exactly<Spring, Kinetic>()) moves these effects exactly, on one
+/// copy of the phase space:
 ///
 ///     template <>
 ///     struct semiexplicit::ExactFlow<Kinetic, Spring> {
@@ -20,18 +21,21 @@ namespace semiexplicit {
 ///       static constexpr bool rest_is_small = true;                    // optional, see below
 ///       ExactFlow(const Kinetic&, const Spring& spring) : k(spring.k) {}
 ///
-///       // Writes what q and p move by in the time t, of either sign; anything but Status::success refuses the step.
+///       // Writes what q and p move by in the time t, of either sign; all but Status::success refuses it.
 ///       Status increments(const double& t, const auto& q, const auto& p, auto& dq, auto& dp) const;
 ///       double k;
 ///     };
 ///
-/// q, p, dq and dp are columns of length Dof. For a small t compute the increments themselves (1 - cos as 2 sin² of the half)
-/// and not the difference of two states, which has the rounding error of a state. The order of the group does not matter in
-/// exactly<...>(). A flow with much to compute from t alone may also have `prepared(t)`, whose result has `increments(q, p, dq, dp)`
-/// and can be default-constructed; it is made once for each time of a step (RotatingFlow). `rest_is_small` (true where it is not said) is whether the group dominates what it is used with: the
-/// splitting is a list of generalised order then, else an ordinary scheme (see stepper_for).
+/// q, p, dq and dp are columns of length Dof. For a small t compute the increments themselves (1 - cos as 2
+/// sin² of the half) and not the difference of two states, which has the rounding error of a state. The order
+/// of the group does not matter in exactly<...>(). A flow with much to compute from t alone may also have
+/// `prepared(t)`, whose result has `increments(q, p, dq, dp)` and can be default-constructed; it is made once
+/// for each time of a step (RotatingFlow). `rest_is_small` (true where it is not said) is whether the group
+/// dominates what it is used with: the splitting is a list of generalised order then, else an ordinary scheme
+/// (see stepper_for).
 ///
-/// Flows of this library: Kinetic + Attraction, Kinetic + RotatingFrame, Kinetic + Attraction + RotatingFrame (orbits).
+/// Flows of this library: Kinetic + Attraction, Kinetic + RotatingFrame, Kinetic + Attraction + RotatingFrame
+/// (orbits).
 template <class... Effects>
 struct ExactFlow;
 
@@ -46,7 +50,8 @@ concept IsComplete = requires {
 template <class... Group>
 struct Exactly {};
 
-/// Tries the orders of a group: Type is ExactFlow of the first one that has a flow, made of the effects in that order.
+/// Tries the orders of a group: Type is ExactFlow of the first one that has a flow, made of the effects in
+/// that order.
 template <class Chosen, class Left, class Skipped = Exactly<>>
 struct FlowInAnyOrder {
   using Type = void;
@@ -88,7 +93,8 @@ constexpr bool rest_is_small() {
 
 }  // namespace detail
 
-/// Names the effects of a scene that are to be moved by their exact flow, as one group: see ExactFlow and stepper_for.
+/// Names the effects of a scene that are to be moved by their exact flow, as one group: see ExactFlow and
+/// stepper_for.
 template <class... Group>
 constexpr detail::Exactly<Group...> exactly() {
   return {};

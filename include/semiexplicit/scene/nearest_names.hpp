@@ -11,7 +11,8 @@ namespace semiexplicit {
 
 namespace detail {
 
-/// How many letters must be changed, put in or left out to make one word of the other (Levenshtein's distance).
+/// How many letters must be changed, put in or left out to make one word of the other (Levenshtein's
+/// distance).
 inline std::size_t edit_distance(const std::string& a, const std::string& b) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});

@@ -15,8 +15,9 @@
 
 namespace semiexplicit {
 
-/// A scene whose effects are chosen at run time: a Hamiltonian that holds the effects that are on, and nothing of those that
-/// are off. One virtual call an effect and gradient; where the choice is known at compile time a Scene costs less.
+/// A scene whose effects are chosen at run time: a Hamiltonian that holds the effects that are on, and
+/// nothing of those that are off. One virtual call an effect and gradient; where the choice is known at
+/// compile time a Scene costs less.
 ///
 ///     namespace orbits = effects::orbits;
 ///     RuntimeScene<double, 2> all{orbits::Kinetic<double, 2>{}, orbits::Attraction<double, 2>{},
@@ -31,7 +32,8 @@ class RuntimeScene {
   using Any = AnyEffect<Scalar, Dof>;
   using Read = In<Scalar, Dof>;
 
-  /// Throws std::invalid_argument where there is no effect, two have the same name, or their sizes differ or are below one.
+  /// Throws std::invalid_argument where there is no effect, two have the same name, or their sizes differ or
+  /// are below one.
   explicit RuntimeScene(std::vector<Any> effects) : effects_(std::move(effects)) {
     if (effects_.empty()) throw std::invalid_argument("RuntimeScene: no effect is on; name one at least");
     if (dof() < 1)
@@ -62,14 +64,15 @@ class RuntimeScene {
     return list;
   }
 
-  /// The effects of those names and no others, in the order of this scene. Throws std::invalid_argument, with the nearest
-  /// valid names, for an unknown one.
+  /// The effects of those names and no others, in the order of this scene. Throws std::invalid_argument, with
+  /// the nearest valid names, for an unknown one.
   RuntimeScene with_only(const std::vector<std::string>& wanted) const {
     for (const std::string& name : wanted) require(name);
     return chosen(
         [&](const Any& e) { return std::find(wanted.begin(), wanted.end(), e.name()) != wanted.end(); });
   }
-  /// All effects but that one. Throws std::invalid_argument for an unknown name, and where nothing would be left.
+  /// All effects but that one. Throws std::invalid_argument for an unknown name, and where nothing would be
+  /// left.
   RuntimeScene without(const std::string& name) const {
     require(name);
     return chosen([&](const Any& e) { return e.name() != name; });
@@ -157,8 +160,8 @@ class SeparableRuntimeScene : public RuntimeScene<ScalarType, DofValue> {
   std::vector<Any> on_position_, on_momentum_;
 };
 
-/// Calls use(stepper) with the cheapest stepper that is right for the scene, as stepper_for does at compile time, and returns
-/// what it returns.
+/// Calls use(stepper) with the cheapest stepper that is right for the scene, as stepper_for does at compile
+/// time, and returns what it returns.
 template <class Scalar, int Dof, class Use>
 decltype(auto) with_stepper_for(const RuntimeScene<Scalar, Dof>& scene, const Scheme<Scalar>& scheme,
                                 const Use& use) {

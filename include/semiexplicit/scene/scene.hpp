@@ -16,8 +16,8 @@ namespace semiexplicit {
 ///                 orbits::RotatingFrame<double, 2>{.omega = 1});
 ///     auto stepper = stepper_for(scene);
 ///
-/// The effects are known at compile time and inlined into one gradient, which costs what the same sum written by hand
-/// costs. All have the same number type and degrees of freedom.
+/// The effects are known at compile time and inlined into one gradient, which costs what the same sum written
+/// by hand costs. All have the same number type and degrees of freedom.
 template <class... Effects>
 class Scene {
   static_assert(sizeof...(Effects) > 0, "a Scene has one effect at least");
@@ -36,8 +36,8 @@ class Scene {
 
   /// Whether H(q, p) = V(q) + T(p): no effect is coupled.
   static constexpr bool separable = (!detail::couples<Effects> && ...);
-  /// Whether it is a Hamiltonian at all: no effect adds a force of its own (OnMotion), which energy() would not know of and
-  /// which gradient() counts as part of -∂H/∂q.
+  /// Whether it is a Hamiltonian at all: no effect adds a force of its own (OnMotion), which energy() would
+  /// not know of and which gradient() counts as part of -∂H/∂q.
   static constexpr bool symplectic = (!MotionEffect<Effects> && ...);
   using SeparableGradientOf = Scene;
 
@@ -103,8 +103,8 @@ class Scene {
   }
 
  private:
-  /// Hands add() a zero column to add to, and writes the sum to `out`. Few entries are summed in registers, from -0: adding
-  /// to -0 changes no number, so the compiler leaves the first addition out.
+  /// Hands add() a zero column to add to, and writes the sum to `out`. Few entries are summed in registers,
+  /// from -0: adding to -0 changes no number, so the compiler leaves the first addition out.
   template <class Add>
   static void collect(Out<Scalar, Dof>& out, const Add& add) {
     if constexpr (detail::fits_on_stack(Dof)) {

@@ -35,7 +35,8 @@ auto kept(const E& effect) {
     return std::tuple<>();
 }
 
-/// Compiles for a group of effects that the scene has and that has a flow; else the compiler says what is missing, and only that.
+/// Compiles for a group of effects that the scene has and that has a flow; else the compiler says what is
+/// missing, and only that.
 template <class Scalar, int Dof, class... Group, class... Effects>
 consteval bool can_be_exact(std::type_identity<Scene<Effects...>>) {
   constexpr bool named = sizeof...(Group) > 0;
@@ -172,13 +173,16 @@ struct NoStepper {};
 
 }  // namespace detail
 
-/// A stepper that moves a group of effects by their exact flow, on one copy of the phase space, and splits the rest off:
+/// A stepper that moves a group of effects by their exact flow, on one copy of the phase space, and splits
+/// the rest off:
 ///
-///     auto stepper = stepper_for(scene, exactly<orbits::Kinetic<double, 3>, orbits::Attraction<double, 3>>());
+///     using namespace effects::orbits;
+///     auto stepper = stepper_for(scene, exactly<Kinetic<double, 3>, Attraction<double, 3>>());
 ///
-/// Effects of the rest on q or on p alone are kicks; only what couples q and p is doubled. See FlowSplitting. The list is aba82,
-/// of generalised order (8,2), where the rest is small beside the group; where the flow says that it need not be
-/// (ExactFlow::rest_is_small), blanes_moan6. Another list, or a Scheme, may be given: aba864 for a rest of 1e-3.
+/// Effects of the rest on q or on p alone are kicks; only what couples q and p is doubled. See FlowSplitting.
+/// The list is aba82, of generalised order (8,2), where the rest is small beside the group; where the flow
+/// says that it need not be (ExactFlow::rest_is_small), blanes_moan6. Another list, or a Scheme, may be
+/// given: aba864 for a rest of 1e-3.
 template <class... Effects, class... Group, class Solver = SimplifiedNewton>
 auto stepper_for(const Scene<Effects...>& scene, detail::Exactly<Group...>,
                  NearIntegrable<typename Scene<Effects...>::Scalar> list, Solver solver = {}) {

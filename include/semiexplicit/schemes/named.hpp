@@ -18,8 +18,8 @@
 namespace semiexplicit {
 namespace detail {
 
-/// A decimal number, rounded once to Scalar; other types than the built-in ones are made from the string itself.
-/// The tables below have 60 digits.
+/// A decimal number, rounded once to Scalar; other types than the built-in ones are made from the string
+/// itself. The tables below have 60 digits.
 template <class Scalar>
 SEMIEXPLICIT_COLD Scalar decimal(const char* digits) {
   static_assert(std::numeric_limits<Scalar>::digits10 <= 57,
@@ -81,8 +81,9 @@ SEMIEXPLICIT_COLD Scheme<Scalar> composition(const char* name, int order,
   return stages_of_strang<Scalar>(name, order, palindrome<Intermediate<Scalar>>(half), source);
 }
 
-/// Order by order: `copies` times the method of order n - 2 with the weight g, as many again, and between them one
-/// with the weight 1 - 2 copies g. The terms of degree n - 1 cancel for g = 1/(m - m^(1/(n-1))), m = 2 copies.
+/// Order by order: `copies` times the method of order n - 2 with the weight g, as many again, and between
+/// them one with the weight 1 - 2 copies g. The terms of degree n - 1 cancel for g = 1/(m - m^(1/(n-1))), m =
+/// 2 copies.
 template <class Wide>
 SEMIEXPLICIT_COLD std::vector<Wide> recursive_weights(int order, int copies) {
   using std::pow;
@@ -119,8 +120,8 @@ Scheme<Scalar> strang() {
   return detail::direct<Scalar>("strang", 2, {"0.5", "1"}, "Strang, SIAM J. Numer. Anal. 5 (1968) 506");
 }
 
-/// McLachlan's two stages: order 2, 5 kicks; a0 = (y² + 6y - 2)/(12y), y³ = 2√326 - 36. The smallest error of its
-/// order, and a hundredth of Strang's defect.
+/// McLachlan's two stages: order 2, 5 kicks; a0 = (y² + 6y - 2)/(12y), y³ = 2√326 - 36. The smallest error of
+/// its order, and a hundredth of Strang's defect.
 template <class Scalar = double>
 Scheme<Scalar> mclachlan2() {
   const std::initializer_list<const char*> half{
@@ -132,8 +133,8 @@ Scheme<Scalar> mclachlan2() {
                                 "McLachlan, SIAM J. Sci. Comput. 16 (1995) 151, S m = 2");
 }
 
-/// The triple jump of even order 2 to 10, with 2·3^(order/2 - 1) + 1 kicks. Simple, and the least accurate of its
-/// order. Throws std::invalid_argument for another order.
+/// The triple jump of even order 2 to 10, with 2·3^(order/2 - 1) + 1 kicks. Simple, and the least accurate of
+/// its order. Throws std::invalid_argument for another order.
 template <class Scalar = double>
 Scheme<Scalar> triple_jump(int order) {
   detail::check_recursive_order("triple_jump", order, 10);
@@ -153,8 +154,8 @@ Scheme<Scalar> suzuki(int order) {
                                           "Suzuki, Phys. Lett. A 146 (1990) 319");
 }
 
-/// Blanes and Moan: order 4, 13 kicks. The best published one of its order: 65 times less error than the triple
-/// jump for the same work.
+/// Blanes and Moan: order 4, 13 kicks. The best published one of its order: 65 times less error than the
+/// triple jump for the same work.
 template <class Scalar = double>
 Scheme<Scalar> blanes_moan4() {
   const std::initializer_list<const char*> half{
@@ -320,14 +321,15 @@ Scheme<Scalar> sofroniou_spaletta10() {
 }
 
 // The low-defect schemes. A step costs one sweep for every iteration of the projection, and the number of
-// iterations depends on the defect between the copies: on the part of the error that is odd under the exchange of
-// A and B, which schemes made for other purposes leave as large as the even part. These lists were found by
-// minimising both parts of the leading errors together. The order conditions were imposed on the even part only,
-// the one that the projected method sees; of the odd part, degree 3 is exactly zero and degree 5 is small, but not
-// zero. That takes fewer conditions (14 instead of 26 at order 8) and leaves more parameters to minimise with. The
-// price: without the projection the schemes of order 6 and 8 are of order 4 only. They come with this library and
-// have no other source. The accuracies below are the relative energy errors for which each one is the cheapest
-// with the default stopping rule; for accurate trajectories take a later one.
+// iterations depends on the defect between the copies: on the part of the error that is odd under the
+// exchange of A and B, which schemes made for other purposes leave as large as the even part. These lists
+// were found by minimising both parts of the leading errors together. The order conditions were imposed on
+// the even part only, the one that the projected method sees; of the odd part, degree 3 is exactly zero and
+// degree 5 is small, but not zero. That takes fewer conditions (14 instead of 26 at order 8) and leaves more
+// parameters to minimise with. The price: without the projection the schemes of order 6 and 8 are of order 4
+// only. They come with this library and have no other source. The accuracies below are the relative energy
+// errors for which each one is the cheapest with the default stopping rule; for accurate trajectories take a
+// later one.
 
 /// Order 4, 15 kicks: for relative energy errors of 1e-3 to 1e-5.
 template <class Scalar = double>
@@ -386,8 +388,8 @@ Scheme<Scalar> low_defect4_s12() {
   return detail::direct<Scalar>("low_defect4_s12", 4, half, detail::low_defect_source);
 }
 
-/// Order 6, without projection 4; 27 kicks: for 1e-8 to 1e-10. The one to take when in doubt: it also stays good
-/// where the stopping rule is strict.
+/// Order 6, without projection 4; 27 kicks: for 1e-8 to 1e-10. The one to take when in doubt: it also stays
+/// good where the stopping rule is strict.
 template <class Scalar = double>
 Scheme<Scalar> low_defect6_s13() {
   const std::initializer_list<const char*> half{
@@ -514,8 +516,8 @@ SEMIEXPLICIT_COLD inline std::vector<std::string> names() {
   return list;
 }
 
-/// The scheme of that name, for programs that let their user choose. Throws std::invalid_argument, with the list of
-/// the names, for an unknown one.
+/// The scheme of that name, for programs that let their user choose. Throws std::invalid_argument, with the
+/// list of the names, for an unknown one.
 template <class Scalar = double>
 SEMIEXPLICIT_COLD Scheme<Scalar> by_name(const std::string& name) {
   for (const auto& entry : semiexplicit::detail::named_schemes<Scalar>())

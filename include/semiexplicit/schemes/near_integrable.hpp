@@ -15,17 +15,18 @@
 
 namespace semiexplicit {
 
-/// A splitting for H = A + εB with a small ε: the flows A(a0) B(b0) A(a1) ... B(b_{n-1}) A(a_n), in units of the step. Of generalised
-/// order (n₁, n₂, ...) is a list whose error is ε h^n₁ + ε² h^n₂ + ...; the last order holds for all higher powers of ε. An
-/// ordinary Scheme is one, too, of generalised order (order): where B is not small.
+/// A splitting for H = A + εB with a small ε: the flows A(a0) B(b0) A(a1) ... B(b_{n-1}) A(a_n), in units of
+/// the step. Of generalised order (n₁, n₂, ...) is a list whose error is ε h^n₁ + ε² h^n₂ + ...; the last
+/// order holds for all higher powers of ε. An ordinary Scheme is one, too, of generalised order (order):
+/// where B is not small.
 ///
 /// Source: R. McLachlan, BIT 35 (1995) 258.
 template <class ScalarType>
 struct NearIntegrable {
   using Scalar = ScalarType;
 
-  /// Throws std::invalid_argument, with the remedy, unless the list is finite, palindromic, sums to one in a and in b, and
-  /// satisfies the conditions of the generalised order (at the precision of Scalar).
+  /// Throws std::invalid_argument, with the remedy, unless the list is finite, palindromic, sums to one in a
+  /// and in b, and satisfies the conditions of the generalised order (at the precision of Scalar).
   NearIntegrable(std::string called, std::vector<int> claimed, std::vector<ScalarType> a_flows,
                  std::vector<ScalarType> b_flows, std::string taken_from = "")
       : name(std::move(called)),
@@ -143,7 +144,8 @@ namespace schemes {
 
 /// (8,2), four kicks: the choice for perturbations below 1e-4 or so.
 ///
-/// Sources: R. McLachlan, BIT 35 (1995) 258; J. Laskar and P. Robutel, Celest. Mech. Dyn. Astron. 80 (2001) 39, SABA4.
+/// Sources: R. McLachlan, BIT 35 (1995) 258; J. Laskar and P. Robutel, Celest. Mech. Dyn. Astron. 80 (2001)
+/// 39, SABA4.
 template <class Scalar = double>
 NearIntegrable<Scalar> aba82() {
   return semiexplicit::detail::near_integrable<Scalar>(
@@ -166,8 +168,8 @@ NearIntegrable<Scalar> aba84() {
       5, "McLachlan, BIT 35 (1995) 258");
 }
 
-/// (10,4), seven kicks. Source: S. Blanes, F. Casas, A. Farrés, J. Laskar, J. Makazaga and A. Murua, Appl. Numer. Math. 68
-/// (2013) 58.
+/// (10,4), seven kicks. Source: S. Blanes, F. Casas, A. Farrés, J. Laskar, J. Makazaga and A. Murua, Appl.
+/// Numer. Math. 68 (2013) 58.
 template <class Scalar = double>
 NearIntegrable<Scalar> aba104() {
   return semiexplicit::detail::near_integrable<Scalar>(

@@ -7,15 +7,16 @@
 #include <utility>
 #include <vector>
 
-/// The order conditions of a list of kicks A(a0) B(b0) A(a1) ..., found by computing with the list itself: the
-/// kicks are exponentials of two letters that do not commute, and the method is of order p where the logarithm
-/// L of their product has no terms of degree 2 to p (Hairer, Lubich and Wanner, Geometric Numerical Integration,
-/// III.4 and III.5).
+/// The order conditions of a list of kicks A(a0) B(b0) A(a1) ..., found by computing with the list itself:
+/// the kicks are exponentials of two letters that do not commute, and the method is of order p where the
+/// logarithm L of their product has no terms of degree 2 to p (Hairer, Lubich and Wanner, Geometric Numerical
+/// Integration, III.4 and III.5).
 ///
-/// The symmetric projection sees less. Exchanging the two copies exchanges A and B. The part of L that is even
-/// under this exchange moves both copies alike and is an error of the result. The odd part drives the copies
-/// apart; the projection takes the difference away again, and what is left of a term of degree r is quadratic in
-/// it. So the projected method has order p where the even part vanishes up to degree p and p <= 2r.
+/// The symmetric projection sees less. Exchanging the two copies exchanges A and B. The part of L that is
+/// even under this exchange moves both copies alike and is an error of the result. The odd part drives the
+/// copies apart; the projection takes the difference away again, and what is left of a term of degree r is
+/// quadratic in it. So the projected method has order p where the even part vanishes up to degree p and p <=
+/// 2r.
 namespace semiexplicit::detail {
 
 /// What the conditions are computed in. Float loses them in its own rounding.
@@ -40,8 +41,8 @@ Scalar magnitude(const Scalar& x) {
 }
 
 /// A polynomial in the words over {A, B} up to some degree. A word of n letters (A = 0, B = 1, first letter
-/// highest) stands at the index 1xx...x in binary with n bits after the leading one, so that the words of length
-/// n fill the indices from 2^n to 2^(n+1) - 1, and the empty word is at 1.
+/// highest) stands at the index 1xx...x in binary with n bits after the leading one, so that the words of
+/// length n fill the indices from 2^n to 2^(n+1) - 1, and the empty word is at 1.
 template <class Scalar>
 using WordSeries = std::vector<Scalar>;
 
@@ -107,7 +108,8 @@ struct DegreeDefect {
   Scalar even, odd, tolerance;
 };
 
-/// How far the partial sums of a list reach from each other; at least 1. Rounding errors grow with its powers.
+/// How far the partial sums of a list reach from each other; at least 1. Rounding errors grow with its
+/// powers.
 template <class Scalar>
 Scalar reach(const std::vector<Scalar>& list) {
   Scalar sum(0), low(0), high(1);

@@ -26,8 +26,8 @@ SEMIEXPLICIT_COLD inline std::string scheme_called(const std::string& name) {
   return "Scheme \"" + name + "\": ";
 }
 
-/// A list that is finite, palindromic and sums to one; throws std::invalid_argument otherwise. `what` names it in
-/// the message.
+/// A list that is finite, palindromic and sums to one; throws std::invalid_argument otherwise. `what` names
+/// it in the message.
 template <class Scalar>
 SEMIEXPLICIT_COLD void check_list(const std::string& owner, const std::string& what,
                                   const std::vector<Scalar>& list) {
@@ -60,9 +60,9 @@ SEMIEXPLICIT_COLD void check_list(const std::string& owner, const std::string& w
 
 }  // namespace detail
 
-/// A splitting: the sizes, in units of the time step, of the kicks A(a0) B(b0) A(a1) ... B(b_{n-1}) A(a_n) that
-/// make up one sweep over the doubled phase space. A plain value; a stepper that takes one calls check(), so an
-/// edited list is tested like a new one.
+/// A splitting: the sizes, in units of the time step, of the kicks A(a0) B(b0) A(a1) ... B(b_{n-1}) A(a_n)
+/// that make up one sweep over the doubled phase space. A plain value; a stepper that takes one calls
+/// check(), so an edited list is tested like a new one.
 ///
 ///     const double g = 1 / (2 - std::cbrt(2.0));
 ///     Scheme<double> s("jump", 4, {g / 2, (1 - g) / 2, (1 - g) / 2, g / 2}, {g, 1 - 2 * g, g});
@@ -70,8 +70,8 @@ template <class ScalarType>
 struct Scheme {
   using Scalar = ScalarType;
 
-  /// Throws std::invalid_argument, with the remedy, unless the list is finite, palindromic, sums to one in a and
-  /// in b, and satisfies the order conditions (at the precision of Scalar) up to the claimed order.
+  /// Throws std::invalid_argument, with the remedy, unless the list is finite, palindromic, sums to one in a
+  /// and in b, and satisfies the order conditions (at the precision of Scalar) up to the claimed order.
   Scheme(std::string called, int claimed, std::vector<ScalarType> a_kicks, std::vector<ScalarType> b_kicks,
          std::string taken_from = "")
       : name(std::move(called)),
@@ -91,8 +91,8 @@ struct Scheme {
           " does not belong to these coefficients; build a new Scheme from an edited list");
   }
 
-  /// The number of kicks, which is the number of gradient calls a sweep. A zero in the list is paid for like any
-  /// other entry: leave none in.
+  /// The number of kicks, which is the number of gradient calls a sweep. A zero in the list is paid for like
+  /// any other entry: leave none in.
   std::size_t kicks() const { return a.size() + b.size(); }
 
   /// See Describable.
@@ -192,9 +192,9 @@ SEMIEXPLICIT_COLD Kicks<Scalar> composed_kicks(const Kicks<Scalar>& base,
 
 }  // namespace detail
 
-/// The symmetric composition base(w1 h) base(w2 h) ... base(ws h), with neighbouring A kicks merged: a base of k
-/// kicks gives s(k - 1) + 1. `weights` is the full list. The order is found from the coefficients. Throws
-/// std::invalid_argument unless the weights are finite, palindromic and sum to one.
+/// The symmetric composition base(w1 h) base(w2 h) ... base(ws h), with neighbouring A kicks merged: a base
+/// of k kicks gives s(k - 1) + 1. `weights` is the full list. The order is found from the coefficients.
+/// Throws std::invalid_argument unless the weights are finite, palindromic and sum to one.
 template <class Scalar>
 SEMIEXPLICIT_COLD Scheme<Scalar> compose(const Scheme<Scalar>& base, const std::vector<Scalar>& weights,
                                          std::string name = "", std::string source = "") {

@@ -8,15 +8,17 @@
 
 namespace semiexplicit {
 
-/// Broyden's "good" method, from m = 0 and the Jacobian 4I, restarted every step. It is superlinear where the simplified
-/// Newton method is linear: fewer evaluations of f when dt is large, the same when one or two are enough.
+/// Broyden's "good" method, from m = 0 and the Jacobian 4I, restarted every step. It is superlinear where the
+/// simplified Newton method is linear: fewer evaluations of f when dt is large, the same when one or two are
+/// enough.
 ///
-/// The inverse Jacobian is never formed. Because each correction s_k is -J⁻¹f itself, the k-th rank-one update of J⁻¹ is
-/// s_{k+1} s_kᵀ J⁻¹ / ‖s_k‖², so the corrections are all that has to be kept: k vectors of length 2d and O(k d) work an
-/// iteration, with the iterates of the dense 2d × 2d matrix.
+/// The inverse Jacobian is never formed. Because each correction s_k is -J⁻¹f itself, the k-th rank-one
+/// update of J⁻¹ is s_{k+1} s_kᵀ J⁻¹ / ‖s_k‖², so the corrections are all that has to be kept: k vectors of
+/// length 2d and O(k d) work an iteration, with the iterates of the dense 2d × 2d matrix.
 ///
-/// Sources: C. G. Broyden, Math. Comp. 19 (1965) 577; Jayawardana and Ohsawa (2023), eq. (Broyden); the storage of the
-/// corrections alone: C. T. Kelley, Iterative Methods for Linear and Nonlinear Equations (SIAM 1995), section 7.3.
+/// Sources: C. G. Broyden, Math. Comp. 19 (1965) 577; Jayawardana and Ohsawa (2023), eq. (Broyden); the
+/// storage of the corrections alone: C. T. Kelley, Iterative Methods for Linear and Nonlinear Equations (SIAM
+/// 1995), section 7.3.
 struct Broyden {
   static constexpr const char* name = "Broyden";
   StoppingRule stop = StoppingRule::product();

@@ -8,16 +8,16 @@
 
 namespace semiexplicit {
 
-/// Newton's method without matrices: the linear equation of each iteration is solved by GMRES, which asks for the Jacobian only
-/// by its products with vectors, and these are differences of f. It converges where the simplified Newton method and
-/// Broyden's diverge, at steps that do not resolve the fastest motion, at the price of one evaluation of f a direction: a few
-/// where few frequencies are fast, tens in a stiff lattice.
+/// Newton's method without matrices: the linear equation of each iteration is solved by GMRES, which asks for
+/// the Jacobian only by its products with vectors, and these are differences of f. It converges where the
+/// simplified Newton method and Broyden's diverge, at steps that do not resolve the fastest motion, at the
+/// price of one evaluation of f a direction: a few where few frequencies are fast, tens in a stiff lattice.
 ///
-/// The accuracy of a step depends on ‖f‖ (see StoppingRule), so e = ‖f‖/4 is judged as for SimplifiedNewton, and a step that
-/// this one would accept at once costs the same here.
+/// The accuracy of a step depends on ‖f‖ (see StoppingRule), so e = ‖f‖/4 is judged as for SimplifiedNewton,
+/// and a step that this one would accept at once costs the same here.
 ///
-/// Sources: C. T. Kelley, Iterative Methods for Linear and Nonlinear Equations (SIAM 1995), chapters 3, 6 and 8; Y. Saad, M. H.
-/// Schultz, SIAM J. Sci. Stat. Comput. 7 (1986) 856.
+/// Sources: C. T. Kelley, Iterative Methods for Linear and Nonlinear Equations (SIAM 1995), chapters 3, 6 and
+/// 8; Y. Saad, M. H. Schultz, SIAM J. Sci. Stat. Comput. 7 (1986) 856.
 struct NewtonKrylov {
   static constexpr const char* name = "NewtonKrylov";
   StoppingRule stop = StoppingRule::product();

@@ -6,9 +6,10 @@
 
 namespace semiexplicit {
 
-/// A solver that does not give up early: simplified Newton, and where that fails Broyden, and where that fails Newton-Krylov,
-/// each from the start. StepReport::escalations says which of them made the step: 0, 1 or 2. An easy step costs what it
-/// costs with simplified Newton alone; for the memory of all three see Broyden and NewtonKrylov.
+/// A solver that does not give up early: simplified Newton, and where that fails Broyden, and where that
+/// fails Newton-Krylov, each from the start. StepReport::escalations says which of them made the step: 0, 1
+/// or 2. An easy step costs what it costs with simplified Newton alone; for the memory of all three see
+/// Broyden and NewtonKrylov.
 struct Robust {
   static constexpr const char* name = "Robust";
   StoppingRule stop = StoppingRule::product();

@@ -5,9 +5,9 @@
 
 namespace semiexplicit {
 
-/// Newton's iteration with the Jacobian 4I that f has at dt = 0: m ← m - f(m)/4, from m = 0. Needs no memory of its own
-/// beyond f. It contracts by |sin(λ dt/2)| on an oscillation of frequency λ (for an accurate scheme), so it is the right
-/// solver wherever the step resolves the motion.
+/// Newton's iteration with the Jacobian 4I that f has at dt = 0: m ← m - f(m)/4, from m = 0. Needs no memory
+/// of its own beyond f. It contracts by |sin(λ dt/2)| on an oscillation of frequency λ (for an accurate
+/// scheme), so it is the right solver wherever the step resolves the motion.
 ///
 /// Source: Jayawardana and Ohsawa, Math. Comp. 92 (2023) 251, eq. (simplified_Newton).
 struct SimplifiedNewton {
@@ -32,8 +32,8 @@ struct SimplifiedNewton {
     Vec f;
   };
 
-  /// Solves f(m) = 0, where residual(f) writes f(0) and residual(m, f) writes f(m). On return the residual was last
-  /// evaluated at the accepted m; `m` itself is only set where more than one evaluation was needed.
+  /// Solves f(m) = 0, where residual(f) writes f(0) and residual(m, f) writes f(m). On return the residual
+  /// was last evaluated at the accepted m; `m` itself is only set where more than one evaluation was needed.
   template <class Residual, class Vec>
   SolverReport<typename Vec::Scalar> solve(Residual& residual, Vec& m, Workspace<Vec>& work) const {
     using Scalar = typename Vec::Scalar;

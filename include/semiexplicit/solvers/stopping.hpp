@@ -10,8 +10,9 @@
 
 namespace semiexplicit {
 
-/// When the projection's iteration has come close enough, judged by e, the size of the solver's next correction (for the
-/// simplified Newton ‖f‖/4), the size of the multiplier ‖m‖ and that of the state ‖z‖ (Euclidean norms).
+/// When the projection's iteration has come close enough, judged by e, the size of the solver's next
+/// correction (for the simplified Newton ‖f‖/4), the size of the multiplier ‖m‖ and that of the state ‖z‖
+/// (Euclidean norms).
 struct StoppingRule {
   enum class Kind { paper, product };
 
@@ -27,13 +28,14 @@ struct StoppingRule {
     list("tolerance", tolerance);
   }
 
-  /// e < ε, absolute, as Jayawardana and Ohsawa (eq. "proj-error"). An ε below about 1e-16 ‖z‖ is under the rounding floor.
+  /// e < ε, absolute, as Jayawardana and Ohsawa (eq. "proj-error"). An ε below about 1e-16 ‖z‖ is under the
+  /// rounding floor.
   static constexpr StoppingRule paper(double epsilon) { return {Kind::paper, epsilon}; }
 
-  /// e (‖m‖ + e) ≤ τ ‖z‖². The step ends with the mean of the copies, whose errors of symplecticity, of quadratic invariants
-  /// and of reversibility are of this product's size, so τ is a relative drift budget a step; it scales with the state. For ‖z‖
-  /// counts at most `moves` times what a step moves: an angle that is not wound back, or a drift far from the origin, would
-  /// loosen the rule without limit.
+  /// e (‖m‖ + e) ≤ τ ‖z‖². The step ends with the mean of the copies, whose errors of symplecticity, of
+  /// quadratic invariants and of reversibility are of this product's size, so τ is a relative drift budget a
+  /// step; it scales with the state. For ‖z‖ counts at most `moves` times what a step moves: an angle that is
+  /// not wound back, or a drift far from the origin, would loosen the rule without limit.
   static constexpr StoppingRule product(double tau = 1e-16) { return {Kind::product, tau}; }
 
   static constexpr int moves = 100;
@@ -76,7 +78,8 @@ bool within_rounding(const Scalar* f, const Scalar* z, Eigen::Index size, const 
   return true;
 }
 
-/// Norms that are known: ‖z‖, without the time where that is a coordinate, and how far the mean of the copies moved.
+/// Norms that are known: ‖z‖, without the time where that is a coordinate, and how far the mean of the copies
+/// moved.
 template <class Scalar>
 struct KnownNorms {
   Scalar z{}, move{};
@@ -84,8 +87,9 @@ struct KnownNorms {
   Scalar distance() const { return move; }
 };
 
-/// What solvers ask of a residual beside its values (AnyResidual), from the sizes of the state and of the last evaluation.
-/// `Norms` has the members of KnownNorms; where it works them out, only the rules that need them pay.
+/// What solvers ask of a residual beside its values (AnyResidual), from the sizes of the state and of the
+/// last evaluation. `Norms` has the members of KnownNorms; where it works them out, only the rules that need
+/// them pay.
 template <class Scalar, class Norms = KnownNorms<Scalar>>
 struct ResidualSizes {
   const Scalar* z_data = nullptr;
@@ -99,7 +103,8 @@ struct ResidualSizes {
     const Scalar moves = StoppingRule::moves * norms.distance(), size = norms.size();
     return moves < size ? moves : size;
   }
-  /// A correction below this may be nothing but rounding: the copies' own, made larger by the kicks in between.
+  /// A correction below this may be nothing but rounding: the copies' own, made larger by the kicks in
+  /// between.
   Scalar rounding_level() const { return 100 * rounding * (norms.size() + norms.distance()); }
   /// An iteration that no longer shrinks is allowed the rounding of differences; one that does is not.
   bool within_rounding(double multiple) const {
@@ -115,7 +120,8 @@ class Convergence {
  public:
   Convergence(const StoppingRule& rule, int max_iterations) : rule_(rule), max_iterations_(max_iterations) {}
 
-  /// Takes the next correction's size; true: stop, report() says why. `residual` knows the sizes of state and rounding.
+  /// Takes the next correction's size; true: stop, report() says why. `residual` knows the sizes of state and
+  /// rounding.
   template <class Residual>
   bool done(const Scalar& e, const Scalar& size_m, const Residual& residual) {
     using std::isfinite;
@@ -137,12 +143,12 @@ class Convergence {
       report_.status = Status::success;
     else if (residual.within_rounding(0.01))
       report_.status = Status::rounding_limited;  // m moves no digit of the copies: e would halve for ever
-    else if (
-        !first && e <= accurate_ && e <= residual.rounding_level() &&
-        // Not after a correction that was worse than rounding, unless that goes on.
-        ((e >= previous && residual.within_rounding(100) && (e <= 8 * best_ || stalled_ >= patience)) ||
-         // The rounding of a large entry, carried to others by the kicks; an iteration that diverges has grown by then.
-         (stalled_ >= patience && e <= 8 * best_)))
+    else if (!first && e <= accurate_ && e <= residual.rounding_level() &&
+             // Not after a correction that was worse than rounding, unless that goes on.
+             ((e >= previous && residual.within_rounding(100) && (e <= 8 * best_ || stalled_ >= patience)) ||
+              // The rounding of a large entry, carried to others by the kicks; an iteration that diverges has
+              // grown by then.
+              (stalled_ >= patience && e <= 8 * best_)))
       report_.status = Status::rounding_limited;
     else {
       // Copies that diverge have a rounding level above the state itself; the first sweep's is believed.

@@ -13,17 +13,18 @@
 
 namespace semiexplicit {
 
-/// The classical explicit splitting of a separable H = V(q) + T(p): drifts q += a·dt ∂T/∂p and kicks p -= b·dt ∂V/∂q with
-/// the two lists of a scheme, starting and ending with a drift. Symplectic and symmetric in the phase space itself, so
-/// there is nothing to double and nothing to solve.
+/// The classical explicit splitting of a separable H = V(q) + T(p): drifts q += a·dt ∂T/∂p and kicks p -=
+/// b·dt ∂V/∂q with the two lists of a scheme, starting and ending with a drift. Symplectic and symmetric in
+/// the phase space itself, so there is nothing to double and nothing to solve.
 ///
-/// A scheme with s entries in b takes s gradients of V and s + 1 of T. The doubled method takes 2s + 1 of both an
-/// evaluation, which is twice the halves and more than twice the forces.
+/// A scheme with s entries in b takes s gradients of V and s + 1 of T. The doubled method takes 2s + 1 of
+/// both an evaluation, which is twice the halves and more than twice the forces.
 ///
-/// The order is that of the bare map, Scheme::explicit_order. A scheme that reaches its order only with the projection
-/// (low_defect6_*, low_defect8_*) is refused.
+/// The order is that of the bare map, Scheme::explicit_order. A scheme that reaches its order only with the
+/// projection (low_defect6_*, low_defect8_*) is refused.
 ///
-/// Source: Hairer, Lubich, Wanner, Geometric Numerical Integration, II.5 and V.3. Memory: five vectors of length 2d.
+/// Source: Hairer, Lubich, Wanner, Geometric Numerical Integration, II.5 and V.3. Memory: five vectors of
+/// length 2d.
 template <class H>
 class ExplicitSplitting {
  public:
@@ -34,8 +35,8 @@ class ExplicitSplitting {
   using State = PhasePoint<Scalar, Dof>;
   static constexpr const char* name = "ExplicitSplitting";
 
-  /// Throws std::invalid_argument, saying what is wrong, unless the scheme passes its own check and has its order without
-  /// the projection, too.
+  /// Throws std::invalid_argument, saying what is wrong, unless the scheme passes its own check and has its
+  /// order without the projection, too.
   ExplicitSplitting(H hamiltonian, Scheme<Scalar> scheme)
       : hamiltonian_(std::move(hamiltonian)),
         scheme_(std::move(scheme)),
@@ -52,8 +53,8 @@ class ExplicitSplitting {
           std::to_string(scheme_.explicit_order) + " if that is meant");
   }
 
-  /// One step of size dt, which may be negative; z is untouched unless the report is ok(). No heap use. `gradients` counts
-  /// whole gradients, as for the other steppers: the 2s + 1 halves make s + 1, rounded up.
+  /// One step of size dt, which may be negative; z is untouched unless the report is ok(). No heap use.
+  /// `gradients` counts whole gradients, as for the other steppers: the 2s + 1 halves make s + 1, rounded up.
   StepReport step(State& z, const Scalar& dt) {
     StepReport report{.status =
                           detail::status_at_start(dt, !scheme_.b.empty(), z.vector().size() == at_.size())};

@@ -37,7 +37,8 @@ concept HasCoupledRest = requires(const H& h) {
   requires Hamiltonian<std::remove_cvref_t<decltype(h.coupled_rest())>>;
 };
 
-// A part that takes other arguments than those of its concept, or wants an H that is not const, would be taken for absent.
+// A part that takes other arguments than those of its concept, or wants an H that is not const, would be
+// taken for absent.
 template <class H>
 concept NamesPositionRest = requires {
   &H::rest_position_gradient;
@@ -75,12 +76,12 @@ struct CoupledRestOf<H> {
 
 }  // namespace detail
 
-/// A Hamiltonian A + V(q) + T(p) + C(q, p) whose part A has an exact flow, with each of the other parts or without it.
-/// Beside what any Hamiltonian has:
+/// A Hamiltonian A + V(q) + T(p) + C(q, p) whose part A has an exact flow, with each of the other parts or
+/// without it. Beside what any Hamiltonian has:
 ///
-///     Status flow(t, q, p, dq, dp) const;              // what q and p move by under A in the time t; see ExactFlow
+///     Status flow(t, q, p, dq, dp) const;              // the motion under A in the time t; see ExactFlow
 ///     std::string flow_name() const;                   // for words
-///     auto prepared(t) const;                          // optional: the flow of one t, with increments(q, p, dq, dp)
+///     auto prepared(t) const;                          // optional: for one t, with increments(q, p, dq, dp)
 ///     void rest_position_gradient(q, dHdq) const;      // ∂V/∂q, if there is a V
 ///     void rest_momentum_gradient(p, dHdp) const;      // ∂T/∂p, if there is a T
 ///     const C& coupled_rest() const;                   // a Hamiltonian, if there is a C
@@ -94,19 +95,20 @@ concept SplitHamiltonian = Hamiltonian<H> &&
   { h.flow_name() } -> std::convertible_to<std::string>;
 };
 
-/// Splitting of H = A + V + T + C where A has an exact flow: A(a₀dt) B(b₀dt) A(a₁dt) ... on one copy of the phase space with
-/// the list of a NearIntegrable. A kick B(t) of the rest is V(t/2) T(t/2) C(t) T(t/2) V(t/2), of what there is; where there is no C,
-/// V(t/2) T(t) V(t/2) or one of the two. Only C, which couples q and p, is doubled, for the length of the kick: its semiexplicit
-/// map
+/// Splitting of H = A + V + T + C where A has an exact flow: A(a₀dt) B(b₀dt) A(a₁dt) ... on one copy of the
+/// phase space with the list of a NearIntegrable. A kick B(t) of the rest is V(t/2) T(t/2) C(t) T(t/2)
+/// V(t/2), of what there is; where there is no C, V(t/2) T(t) V(t/2) or one of the two. Only C, which couples
+/// q and p, is doubled, for the length of the kick: its semiexplicit map
 ///
 ///     a = z + m, b = z - m;   b += t X(a);   a += t X(b);   f(m) = a - b + 2m = 0;   z' = (a + b)/2,
 ///
-/// takes two gradient calls an evaluation. It is its own adjoint, because the copies change places, and symplectic; and as C is
-/// small, the first evaluation is nearly always the only one. The step is symplectic to the accuracy of the solve, and
-/// reversible. Its error is that of the list, and where B has several parts or a C, ε³ dt² from within the kicks.
+/// takes two gradient calls an evaluation. It is its own adjoint, because the copies change places, and
+/// symplectic; and as C is small, the first evaluation is nearly always the only one. The step is symplectic
+/// to the accuracy of the solve, and reversible. Its error is that of the list, and where B has several parts
+/// or a C, ε³ dt² from within the kicks.
 ///
-/// Sources: R. McLachlan, BIT 35 (1995) 258; J. Wisdom and M. Holman, Astron. J. 102 (1991) 1528; the map of C: see
-/// Semiexplicit. Memory: nine vectors of length 2d and the solver's.
+/// Sources: R. McLachlan, BIT 35 (1995) 258; J. Wisdom and M. Holman, Astron. J. 102 (1991) 1528; the map of
+/// C: see Semiexplicit. Memory: nine vectors of length 2d and the solver's.
 template <class H, class Solver = SimplifiedNewton>
 class FlowSplitting {
  public:
@@ -132,8 +134,8 @@ class FlowSplitting {
   static constexpr bool has_position = detail::HasPositionRest<H>, has_momentum = detail::HasMomentumRest<H>,
                         has_coupled = detail::HasCoupledRest<H>;
 
-  /// Throws std::invalid_argument, saying what is wrong, unless the list passes its own check and the solver's options make
-  /// sense.
+  /// Throws std::invalid_argument, saying what is wrong, unless the list passes its own check and the
+  /// solver's options make sense.
   FlowSplitting(H hamiltonian, NearIntegrable<Scalar> list, Solver solver = {})
       : hamiltonian_(std::move(hamiltonian)),
         list_(std::move(list)),
@@ -146,10 +148,10 @@ class FlowSplitting {
     flows_.resize(list_.a.size());
   }
 
-  /// One step of size dt, which may be negative. z is untouched unless the report is ok(); so it stays where a gradient throws.
-  /// No heap use. In the report `evaluations` are those of all kicks together (1 where nothing is doubled), `correction` and
-  /// `rate` the largest of a kick; `gradients` counts the calls of the coupled rest, and a gradient in q or in p alone as
-  /// half a call, rounded up.
+  /// One step of size dt, which may be negative. z is untouched unless the report is ok(); so it stays where
+  /// a gradient throws. No heap use. In the report `evaluations` are those of all kicks together (1 where
+  /// nothing is doubled), `correction` and `rate` the largest of a kick; `gradients` counts the calls of the
+  /// coupled rest, and a gradient in q or in p alone as half a call, rounded up.
   StepReport step(State& z, const Scalar& dt) {
     StepReport report{.status =
                           detail::status_at_start(dt, !list_.b.empty(), z.vector().size() == work_.m.size())};
@@ -210,7 +212,8 @@ class FlowSplitting {
   using Column = Vector<Scalar, Dof>;
   using Coupled = typename detail::CoupledRestOf<H>::Type;
 
-  /// What is moved. `at` is always the rounded start + moved, so that many small moves have the rounding errors of the moves only.
+  /// What is moved. `at` is always the rounded start + moved, so that many small moves have the rounding
+  /// errors of the moves only.
   struct Moving {
     Moving(const Vec& z, const Column& half)
         : start(z), at(z), moved(Vec::Zero(z.size())), q(half), p(half), dq(half), dp(half) {}

@@ -10,17 +10,18 @@
 
 namespace semiexplicit {
 
-/// The implicit Gauss-Legendre Runge-Kutta method: symplectic, symmetric, keeps quadratic invariants, order 2s. The strongest
-/// general rival of the semiexplicit method, and therefore written to win: extrapolated starting values, Gauss-Seidel
-/// iteration that stops at the rounding floor, compensated update.
+/// The implicit Gauss-Legendre Runge-Kutta method: symplectic, symmetric, keeps quadratic invariants, order
+/// 2s. The strongest general rival of the semiexplicit method, and therefore written to win: extrapolated
+/// starting values, Gauss-Seidel iteration that stops at the rounding floor, compensated update.
 ///
-/// Newton's method takes the Hessian of H where it has one (HasHessian), else central differences of the gradient (4d calls a
-/// stage). Memory: (3s + 5) vectors of length 2d; Newton's method 2 (2ds)² numbers more, and its factorisation may use the heap. Its
-/// step ends with the gradients from before the last correction, so it wants a tight tolerance. step(), the accessors and what
-/// a checkpoint asks for are in detail::GaussShell.
+/// Newton's method takes the Hessian of H where it has one (HasHessian), else central differences of the
+/// gradient (4d calls a stage). Memory: (3s + 5) vectors of length 2d; Newton's method 2 (2ds)² numbers more,
+/// and its factorisation may use the heap. Its step ends with the gradients from before the last correction,
+/// so it wants a tight tolerance. step(), the accessors and what a checkpoint asks for are in
+/// detail::GaussShell.
 ///
-/// Sources: Hairer, Lubich, Wanner, Geometric Numerical Integration, II.1.3 and VIII.6; Antoñana, Makazaga, Murua,
-/// Numer. Algorithms 76 (2017) 861.
+/// Sources: Hairer, Lubich, Wanner, Geometric Numerical Integration, II.1.3 and VIII.6; Antoñana, Makazaga,
+/// Murua, Numer. Algorithms 76 (2017) 861.
 template <class H>
 class GaussLegendre : public detail::GaussShell<GaussLegendre<H>, H> {
   using Shell = detail::GaussShell<GaussLegendre<H>, H>;
@@ -76,7 +77,8 @@ class GaussLegendre : public detail::GaussShell<GaussLegendre<H>, H> {
     if (newton_) newton_->second.visit_memory(visit);
   }
 
-  /// put(k, Σ_j matrix_ij stages_kj) for every k: row i of a matrix over the stages, in blocks that stay in registers.
+  /// put(k, Σ_j matrix_ij stages_kj) for every k: row i of a matrix over the stages, in blocks that stay in
+  /// registers.
   template <class Put>
   static void combine(const Dense& matrix, Eigen::Index i, const Stages& stages, const Put& put) {
     const Eigen::Index n = stages.rows();
@@ -128,8 +130,8 @@ class GaussLegendre : public detail::GaussShell<GaussLegendre<H>, H> {
                          [&] { return detail::sum_of_absolutes(displacements_.reshaped()); });
   }
 
-  /// Stage i's displacement dt Σ_j a_ij X_j as the gradients have it. Adds up to displaced_ by how much that differs from
-  /// what it was.
+  /// Stage i's displacement dt Σ_j a_ij X_j as the gradients have it. Adds up to displaced_ by how much that
+  /// differs from what it was.
   void displace(Eigen::Index i) {
     Scalar* const displacement = displacements_.data() + i * displacements_.rows();
     const Scalar* const sign = sign_.data();
@@ -147,7 +149,8 @@ class GaussLegendre : public detail::GaussShell<GaussLegendre<H>, H> {
     evaluate(i);
   }
 
-  /// Gradient i at point_. Its halves are exchanged, so that with sign_ it is the vector field X = (∂H/∂p, -∂H/∂q).
+  /// Gradient i at point_. Its halves are exchanged, so that with sign_ it is the vector field X = (∂H/∂p,
+  /// -∂H/∂q).
   void evaluate(Eigen::Index i) {
     const Eigen::Index d = dof();
     Scalar* const gradient = gradients_.data() + i * gradients_.rows();

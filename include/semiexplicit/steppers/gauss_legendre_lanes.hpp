@@ -10,14 +10,17 @@
 
 namespace semiexplicit {
 
-/// GaussLegendre with its stages side by side in the lanes of a SIMD register: all stages' gradients are one call with packs
-/// for numbers (HasPackGradient). It is made for systems of a few degrees of freedom, which leave the lanes empty otherwise.
+/// GaussLegendre with its stages side by side in the lanes of a SIMD register: all stages' gradients are one
+/// call with packs for numbers (HasPackGradient). It is made for systems of a few degrees of freedom, which
+/// leave the lanes empty otherwise.
 ///
-/// The same method, options and reports as GaussLegendre, but for the iteration: all stages from the old values of all
-/// others (Jacobi), and no Newton mode. `gradients` counts one a stage, as if each had been called for alone.
-/// Memory: three arrays of 2d packs, 48 numbers a degree of freedom. step() and the accessors are in detail::GaussShell.
+/// The same method, options and reports as GaussLegendre, but for the iteration: all stages from the old
+/// values of all others (Jacobi), and no Newton mode. `gradients` counts one a stage, as if each had been
+/// called for alone. Memory: three arrays of 2d packs, 48 numbers a degree of freedom. step() and the
+/// accessors are in detail::GaussShell.
 ///
-/// Sources: as GaussLegendre; the stages in lanes: Antoñana, Alberdi, Makazaga, Murua, arXiv:2204.01697 (IRKGL16-SIMD).
+/// Sources: as GaussLegendre; the stages in lanes: Antoñana, Alberdi, Makazaga, Murua, arXiv:2204.01697
+/// (IRKGL16-SIMD).
 template <class H>
 class GaussLegendreLanes : public detail::GaussShell<GaussLegendreLanes<H>, H> {
   static_assert(HasPackGradient<H>,
@@ -30,7 +33,8 @@ class GaussLegendreLanes : public detail::GaussShell<GaussLegendreLanes<H>, H> {
   using typename Shell::Scalar, typename Shell::State;
   static constexpr const char* name = "GaussLegendreLanes";
 
-  /// Throws std::invalid_argument unless 1 ≤ stages ≤ 8, max_iterations ≥ 1, tolerance ≥ 0 and solver is fixed_point.
+  /// Throws std::invalid_argument unless 1 ≤ stages ≤ 8, max_iterations ≥ 1, tolerance ≥ 0 and solver is
+  /// fixed_point.
   GaussLegendreLanes(H hamiltonian, GaussLegendreOptions options = {})
       : Shell(std::move(hamiltonian), options),
         gradients_(at(2 * dof())),
@@ -143,8 +147,8 @@ class GaussLegendreLanes : public detail::GaussShell<GaussLegendreLanes<H>, H> {
     for (auto& displacement : displacements_) displacement = Scalar(0);
   }
 
-  /// The stages' displacements, z + dt Σ_j a_ij X_j - z, and points from their gradients; adds up the absolute
-  /// values of the displacements and of what changed in them.
+  /// The stages' displacements, z + dt Σ_j a_ij X_j - z, and points from their gradients; adds up the
+  /// absolute values of the displacements and of what changed in them.
   template <int Stages>
   void move(const State& z, Many& moved, Many& displaced) {
     const std::size_t d = at(dof());

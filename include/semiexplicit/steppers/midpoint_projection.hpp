@@ -7,9 +7,9 @@
 
 namespace semiexplicit {
 
-/// The explicit relative of Semiexplicit: double z, step the copies, take their mean; no iteration, so a step always costs
-/// one sweep. Not symplectic but nearly so, with an error of order dt^{2p+2} for a scheme of order p: cheapest at loose
-/// targets, drifting in the long run.
+/// The explicit relative of Semiexplicit: double z, step the copies, take their mean; no iteration, so a step
+/// always costs one sweep. Not symplectic but nearly so, with an error of order dt^{2p+2} for a scheme of
+/// order p: cheapest at loose targets, drifting in the long run.
 template <class H>
 class MidpointProjection {
  public:
@@ -22,8 +22,8 @@ class MidpointProjection {
   MidpointProjection(H hamiltonian, Scheme<Scalar> scheme, Summation summation = Summation::compensated)
       : doubled_(std::move(hamiltonian), std::move(scheme), summation), difference_(State(dof()).vector()) {}
 
-  /// One step of size dt, which may be negative; z is untouched unless the report is ok(). `correction` is a quarter of
-  /// the distance between the copies before the mean is taken.
+  /// One step of size dt, which may be negative; z is untouched unless the report is ok(). `correction` is a
+  /// quarter of the distance between the copies before the mean is taken.
   StepReport step(State& z, const Scalar& dt) {
     StepReport report{.status = doubled_.check(z, dt)};
     if (!report.ok()) return report;

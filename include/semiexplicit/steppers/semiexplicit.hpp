@@ -11,17 +11,20 @@
 
 namespace semiexplicit {
 
-/// The semiexplicit symplectic integrator: Pihajoki's explicit map bound by a symmetric projection. A step looks for the
-/// multiplier m with which the copies, parted by +m and -m before the map and again after it, end equal:
+/// The semiexplicit symplectic integrator: Pihajoki's explicit map bound by a symmetric projection. A step
+/// looks for the multiplier m with which the copies, parted by +m and -m before the map and again after it,
+/// end equal:
 ///
 ///     f(m) = a' - b' + 2m = 0,   (a', b') = map(z + m, z - m),   z' = (a' + b')/2.
 ///
-/// The map z → z' is symplectic in the original phase space and symmetric, keeps linear and quadratic invariants of H to the
-/// accuracy of the solve, and has the order of the scheme. Finishing with the mean makes what is left of f enter those
-/// properties at second order only, which is why a loose solve is enough (StoppingRule::product).
+/// The map z → z' is symplectic in the original phase space and symmetric, keeps linear and quadratic
+/// invariants of H to the accuracy of the solve, and has the order of the scheme. Finishing with the mean
+/// makes what is left of f enter those properties at second order only, which is why a loose solve is enough
+/// (StoppingRule::product).
 ///
-/// Source: B. Jayawardana and T. Ohsawa, Math. Comp. 92 (2023) 251, Definition 2.1; the invariants: T. Ohsawa,
-/// arXiv:2208.10546. Memory: four vectors of length 2d, seven where 2d > 32, and the solver's (simplified Newton one, Broyden memory + 2).
+/// Source: B. Jayawardana and T. Ohsawa, Math. Comp. 92 (2023) 251, Definition 2.1; the invariants: T.
+/// Ohsawa, arXiv:2208.10546. Memory: four vectors of length 2d, seven where 2d > 32, and the solver's
+/// (simplified Newton one, Broyden memory + 2).
 template <class H, class Solver = SimplifiedNewton>
 class Semiexplicit {
  public:
@@ -30,8 +33,8 @@ class Semiexplicit {
   using State = PhasePoint<Scalar, Dof>;
   static constexpr const char* name = "Semiexplicit";
 
-  /// Throws std::invalid_argument, saying what is wrong, unless the scheme passes its own check and the solver's options make
-  /// sense.
+  /// Throws std::invalid_argument, saying what is wrong, unless the scheme passes its own check and the
+  /// solver's options make sense.
   Semiexplicit(H hamiltonian, Scheme<Scalar> scheme, Solver solver = {},
                Summation summation = Summation::compensated)
       : Semiexplicit(detail::DoubledStep<H>(std::move(hamiltonian), std::move(scheme), summation),
@@ -40,8 +43,8 @@ class Semiexplicit {
   /// The same scheme, solver and summation with another Hamiltonian, and no memory of earlier steps.
   Semiexplicit with(H hamiltonian) const { return {doubled_.with(std::move(hamiltonian)), solver_}; }
 
-  /// One step of size dt, which may be negative. z is untouched unless the report is ok(); so it stays where a gradient
-  /// throws. No heap use.
+  /// One step of size dt, which may be negative. z is untouched unless the report is ok(); so it stays where
+  /// a gradient throws. No heap use.
   StepReport step(State& z, const Scalar& dt) {
     StepReport report{.status = doubled_.check(z, dt)};
     if (!report.ok()) return report;

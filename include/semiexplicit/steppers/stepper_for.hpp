@@ -8,9 +8,9 @@
 
 namespace semiexplicit {
 
-/// The cheapest stepper that is right for H: explicit splitting where H is separable, and two copies with the projection
-/// only where something couples q and p. `solver` is for the latter and unused otherwise. Throws std::invalid_argument
-/// where the scheme does not suit (see ExplicitSplitting).
+/// The cheapest stepper that is right for H: explicit splitting where H is separable, and two copies with the
+/// projection only where something couples q and p. `solver` is for the latter and unused otherwise. Throws
+/// std::invalid_argument where the scheme does not suit (see ExplicitSplitting).
 template <Hamiltonian H, class Solver = SimplifiedNewton>
 auto stepper_for(H hamiltonian, Scheme<typename H::Scalar> scheme, Solver solver = {}) {
   if constexpr (SeparableHamiltonian<H>)
@@ -19,7 +19,8 @@ auto stepper_for(H hamiltonian, Scheme<typename H::Scalar> scheme, Solver solver
     return Semiexplicit<H, Solver>(std::move(hamiltonian), std::move(scheme), std::move(solver));
 }
 
-/// The scheme to begin with: order 6, blanes_moan6 for a separable Hamiltonian and low_defect6_s13 for any other.
+/// The scheme to begin with: order 6, blanes_moan6 for a separable Hamiltonian and low_defect6_s13 for any
+/// other.
 template <class Scalar = double>
 Scheme<Scalar> usual_scheme(bool separable) {
   return separable ? schemes::blanes_moan6<Scalar>() : schemes::low_defect6_s13<Scalar>();

@@ -9,10 +9,11 @@
 
 namespace semiexplicit {
 
-/// Tao's explicit map: Pihajoki's kicks and a third flow C of ω/2 ‖a - b‖², which turns the difference of the copies and so
-/// keeps it bounded. One stage is A(h/2) B(h/2) C(h) B(h/2) A(h/2); stages are composed with the weights of the scheme,
-/// neighbouring A kicks merged, so s stages cost 3s gradient calls: the last one of a step is the first of the next, and only
-/// a run's first step calls once more. Symplectic in the doubled space only.
+/// Tao's explicit map: Pihajoki's kicks and a third flow C of ω/2 ‖a - b‖², which turns the difference of the
+/// copies and so keeps it bounded. One stage is A(h/2) B(h/2) C(h) B(h/2) A(h/2); stages are composed with
+/// the weights of the scheme, neighbouring A kicks merged, so s stages cost 3s gradient calls: the last one
+/// of a step is the first of the next, and only a run's first step calls once more. Symplectic in the doubled
+/// space only.
 ///
 /// ω is a matter of trial: too small, and the copies part; 2ωh near a multiple of π swaps or freezes them.
 ///
@@ -25,9 +26,9 @@ class Tao {
   using State = ExtendedPoint<Scalar, Dof>;
   static constexpr const char* name = "Tao";
 
-  /// Throws std::invalid_argument unless the scheme passes its own check and is a composition of Strang, as strang,
-  /// triple_jump, suzuki, yoshida6, kahan_li, suzuki_umeno and sofroniou_spaletta are: a direct list of A and B
-  /// coefficients says nothing about C. Also unless ω is finite.
+  /// Throws std::invalid_argument unless the scheme passes its own check and is a composition of Strang, as
+  /// strang, triple_jump, suzuki, yoshida6, kahan_li, suzuki_umeno and sofroniou_spaletta are: a direct list
+  /// of A and B coefficients says nothing about C. Also unless ω is finite.
   Tao(H hamiltonian, Scheme<Scalar> scheme, Scalar omega)
       : map_(std::move(hamiltonian), std::move(scheme)),
         omega_(std::move(omega)),

@@ -6,15 +6,16 @@
 #include <semiexplicit/scene/effect.hpp>
 
 /// Geodesics about a black hole in Boyer-Lindquist coordinates q = (t, r, θ, φ), with the covariant momenta
-/// p = (-E, p_r, p_θ, L) per rest mass; c = G = 1. H = g^{μν} p_μ p_ν/2 is -1/2 for a body and 0 for light, and the time of
-/// integration is proper time (for light an affine parameter). E, the axial angular momentum L and Carter's constant are
-/// kept. Each is a whole Hamiltonian: a scene of one effect, to which weak perturbations may be added. Outside of the
-/// horizon, and off the axis θ = 0, π.
+/// p = (-E, p_r, p_θ, L) per rest mass; c = G = 1. H = g^{μν} p_μ p_ν/2 is -1/2 for a body and 0 for light,
+/// and the time of integration is proper time (for light an affine parameter). E, the axial angular momentum
+/// L and Carter's constant are kept. Each is a whole Hamiltonian: a scene of one effect, to which weak
+/// perturbations may be added. Outside of the horizon, and off the axis θ = 0, π.
 namespace semiexplicit::effects::black_hole {
 
 /// A black hole of mass M and spin aM, |a| < M.
 ///
-/// Sources: B. Carter, Phys. Rev. 174 (1968) 1559; J. Bardeen, W. Press, S. Teukolsky, Astrophys. J. 178 (1972) 347.
+/// Sources: B. Carter, Phys. Rev. 174 (1968) 1559; J. Bardeen, W. Press, S. Teukolsky, Astrophys. J. 178
+/// (1972) 347.
 template <class Scalar = double>
 struct Kerr {
   using Acts = OnBoth<Scalar, 4>;
@@ -50,7 +51,8 @@ struct Kerr {
     return p[2] * p[2] + c * c * (spin * spin * (1 - p[0] * p[0]) + p[3] * p[3] / (s * s));
   }
 
-  /// A body at (r, θ) with the given momenta, and with the energy that its rest mass asks for. NaN where there is none.
+  /// A body at (r, θ) with the given momenta, and with the energy that its rest mass asks for. NaN where
+  /// there is none.
   PhasePoint<Scalar, 4> body(Scalar r, Scalar theta, Scalar p_r, Scalar p_theta, Scalar p_phi) const {
     using std::cos;
     using std::sin;
@@ -65,8 +67,9 @@ struct Kerr {
     return {{Scalar(0), r, theta, Scalar(0)}, {-e, p_r, p_theta, p_phi}};
   }
 
-  /// The equatorial circular orbit at r, in the sense of the spin (L > 0); its angular velocity dφ/dt is circular_rate(r).
-  /// NaN inside of the photon orbit. Source: Bardeen, Press, Teukolsky (1972), eqs. (2.12), (2.13), (2.16).
+  /// The equatorial circular orbit at r, in the sense of the spin (L > 0); its angular velocity dφ/dt is
+  /// circular_rate(r). NaN inside of the photon orbit. Source: Bardeen, Press, Teukolsky (1972), eqs. (2.12),
+  /// (2.13), (2.16).
   PhasePoint<Scalar, 4> circular(Scalar r) const {
     using std::acos;
     using std::sqrt;
@@ -81,7 +84,8 @@ struct Kerr {
     return sqrt(mass) / (r * sqrt(r) + spin * sqrt(mass));
   }
 
-  /// Radius of the innermost stable circular orbit in the sense of the spin; for a < 0 against it. Eq. (2.21) there.
+  /// Radius of the innermost stable circular orbit in the sense of the spin; for a < 0 against it. Eq. (2.21)
+  /// there.
   Scalar innermost_stable_orbit() const {
     using std::abs;
     using std::cbrt;
@@ -114,7 +118,8 @@ struct Kerr {
   };
 };
 
-/// A black hole of mass M without spin: Kerr with a = 0, and cheaper. Q is L² - L_z² then, the rest of the angular momentum.
+/// A black hole of mass M without spin: Kerr with a = 0, and cheaper. Q is L² - L_z² then, the rest of the
+/// angular momentum.
 ///
 /// Source: S. Chandrasekhar, The Mathematical Theory of Black Holes (1983), chapter 3.
 template <class Scalar = double>

@@ -7,17 +7,17 @@
 
 #include <semiexplicit/scene/effect.hpp>
 
-/// Effects on one charge e of mass m in space, in the electric and magnetic fields of others. q is the position, p the
-/// canonical momentum m v + e A(q). Any consistent units, in which the Lorentz force is e(E + v × B): SI, or m = e = 1 and
-/// B in units of the gyrofrequency. Velocities far below that of light.
+/// Effects on one charge e of mass m in space, in the electric and magnetic fields of others. q is the
+/// position, p the canonical momentum m v + e A(q). Any consistent units, in which the Lorentz force is e(E +
+/// v × B): SI, or m = e = 1 and B in units of the gyrofrequency. Velocities far below that of light.
 ///
 /// Source: J. D. Jackson, Classical Electrodynamics, 3rd ed., sections 5.6 and 12.1 to 12.5.
 namespace semiexplicit::effects::charges {
 
 namespace detail {
 
-/// A field about the third axis, A = g(x, y, z) (-y, x, 0). `Profile` gives slopes(x) with g and its derivatives by each
-/// coordinate.
+/// A field about the third axis, A = g(x, y, z) (-y, x, 0). `Profile` gives slopes(x) with g and its
+/// derivatives by each coordinate.
 template <class Profile>
 struct AxialPotential {
   /// a += A(x).
@@ -54,8 +54,8 @@ struct UniformField : detail::AxialPotential<UniformField<Scalar>> {
   auto slopes(const auto&) const { return detail::Slopes<Scalar>{b / 2, Scalar(0), Scalar(0), Scalar(0)}; }
 };
 
-/// The field of a magnetic dipole at the origin, its moment along the third axis: A = M (-y, x, 0)/r³, with M = μ₀/(4π)
-/// times the moment (field · length³). On the equator B = -M/r³.
+/// The field of a magnetic dipole at the origin, its moment along the third axis: A = M (-y, x, 0)/r³, with M
+/// = μ₀/(4π) times the moment (field · length³). On the equator B = -M/r³.
 template <class Scalar = double>
 struct DipoleField : detail::AxialPotential<DipoleField<Scalar>> {
   explicit DipoleField(Scalar moment) : m(moment) {}
@@ -68,9 +68,10 @@ struct DipoleField : detail::AxialPotential<DipoleField<Scalar>> {
   }
 };
 
-/// A magnetic bottle about the origin, free of sources: B_z = B(1 + (z² - ρ²/2)/L²), B_ρ = -B ρz/L². A charge is thrown back
-/// where the field on its line is B/sin²α, α the angle of its velocity to the field in the middle, as long as its
-/// gyroradius is small (the magnetic moment is then an adiabatic invariant); it bounces at the rate v sin α/L.
+/// A magnetic bottle about the origin, free of sources: B_z = B(1 + (z² - ρ²/2)/L²), B_ρ = -B ρz/L². A charge
+/// is thrown back where the field on its line is B/sin²α, α the angle of its velocity to the field in the
+/// middle, as long as its gyroradius is small (the magnetic moment is then an adiabatic invariant); it
+/// bounces at the rate v sin α/L.
 template <class Scalar = double>
 struct BottleField : detail::AxialPotential<BottleField<Scalar>> {
   /// `strength` is B in the middle; the field on the axis doubles at the distance `length`.
@@ -84,10 +85,12 @@ struct BottleField : detail::AxialPotential<BottleField<Scalar>> {
   }
 };
 
-/// |p - eA(q)|²/(2m) in the sum of any number of magnetic fields, or in none: with a field it couples q and p. A field of
-/// your own has `add_potential(x, a)`, a += A(x), and `add_gradient(x, v, factor, out)`, out += factor ∂(v·A)/∂x.
+/// |p - eA(q)|²/(2m) in the sum of any number of magnetic fields, or in none: with a field it couples q and
+/// p. A field of your own has `add_potential(x, a)`, a += A(x), and `add_gradient(x, v, factor, out)`, out +=
+/// factor ∂(v·A)/∂x.
 ///
-///     charges::MagneticKinetic motion(1.0, 1.0, charges::UniformField(0.1), charges::DipoleField(1.0));  // e, m, fields
+///     // charge, mass, fields
+///     charges::MagneticKinetic motion(1.0, 1.0, charges::UniformField(0.1), charges::DipoleField(1.0));
 template <class Scalar, class... Fields>
 class MagneticKinetic {
  public:

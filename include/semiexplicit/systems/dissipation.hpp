@@ -7,12 +7,12 @@
 #include <semiexplicit/systems/orbits.hpp>
 #include <semiexplicit/systems/post_newtonian.hpp>
 
-/// Forces on the orbit of one body, per unit of its mass, that no Hamiltonian has: see OnMotion, and Books for their work.
-/// q and p as in orbits.hpp.
+/// Forces on the orbit of one body, per unit of its mass, that no Hamiltonian has: see OnMotion, and Books
+/// for their work. q and p as in orbits.hpp.
 namespace semiexplicit::effects::orbits {
 
-/// Drag, -(k + b |p|) p: linear (a slow body in a viscous fluid), quadratic (a fast one in air), or both. With a scale
-/// height h it is that much times exp(-(r - r₀)/h), an atmosphere about the centre.
+/// Drag, -(k + b |p|) p: linear (a slow body in a viscous fluid), quadratic (a fast one in air), or both.
+/// With a scale height h it is that much times exp(-(r - r₀)/h), an atmosphere about the centre.
 template <class Scalar = double, int Dim = 2>
 struct Drag {
   using Acts = OnMotion<Scalar, Dim>;
@@ -32,14 +32,16 @@ struct Drag {
   }
 };
 
-/// The loss by gravitational waves at its first order, for the relative motion of two bodies; gm, c and nu as in PostNewtonian1:
+/// The loss by gravitational waves at its first order, for the relative motion of two bodies; gm, c and nu as
+/// in PostNewtonian1:
 ///
 ///     F = 8ν (GM)²/(5c⁵r³) ((3p² + 17u/3) s n - (p² + 3u) p),   u = GM/r, n = q/r, s = n·p.
 ///
-/// Over an orbit it takes the energy and angular momentum of Peters's formulas: of two neutron stars in 0.32 days 2.4e-12 of the
-/// period in itself.
+/// Over an orbit it takes the energy and angular momentum of Peters's formulas: of two neutron stars in 0.32
+/// days 2.4e-12 of the period in itself.
 ///
-/// Sources: T. Damour, N. Deruelle, Phys. Lett. A 87 (1981) 81 (in this gauge); P. Peters, Phys. Rev. 136 (1964) B1224.
+/// Sources: T. Damour, N. Deruelle, Phys. Lett. A 87 (1981) 81 (in this gauge); P. Peters, Phys. Rev. 136
+/// (1964) B1224.
 template <class Scalar = double, int Dim = 2>
 struct RadiationReaction {
   using Acts = OnMotion<Scalar, Dim>;

@@ -52,8 +52,8 @@ struct Coulomb {
   orbits::Attraction<Scalar, 3> attraction() const { return {.gm = -k}; }
 };
 
-/// An electric quadrupole about the third axis, k(z² - ρ²/2)/2: bound along the axis, at the rate √(k/m), and driven away
-/// from it. With a uniform magnetic field it is a Penning trap, whose rates across the axis are
+/// An electric quadrupole about the third axis, k(z² - ρ²/2)/2: bound along the axis, at the rate √(k/m), and
+/// driven away from it. With a uniform magnetic field it is a Penning trap, whose rates across the axis are
 /// ω/2 ± √(ω²/4 - k/(2m)), ω = eB/m.
 ///
 /// Source: L. Brown and G. Gabrielse, Rev. Mod. Phys. 58 (1986) 233, section II.

@@ -10,8 +10,8 @@
 
 namespace semiexplicit::effects::charges {
 
-/// A magnetic field from its vector potential alone, by automatic differentiation: potential(x), or potential(t, x) for one that
-/// depends on the time, gives the three components of A for numbers of any type.
+/// A magnetic field from its vector potential alone, by automatic differentiation: potential(x), or
+/// potential(t, x) for one that depends on the time, gives the three components of A for numbers of any type.
 ///
 ///     const FieldFrom wave([=](const auto& t, const auto& x) {
 ///       using std::cos;
@@ -70,7 +70,8 @@ class FieldFrom {
   Potential potential_;
 };
 
-/// Magnetic fields chosen at run time, as one: A is the sum of theirs. A field costs a virtual call. Copies share the fields.
+/// Magnetic fields chosen at run time, as one: A is the sum of theirs. A field costs a virtual call. Copies
+/// share the fields.
 class FieldSum {
  public:
   FieldSum() = default;

@@ -9,12 +9,14 @@
 #include <semiexplicit/derivatives/dual.hpp>
 #include <semiexplicit/scene/effect.hpp>
 
-/// Geodesics of any metric, given as a function of the place: H = g^{μν}(x) p_μ p_ν/2, where q = x are four coordinates in any
-/// system and p the covariant momenta per rest mass; c = G = 1, signature (-, +, +, +). H is -1/2 for a body and 0 for light, and the time of
-/// integration is proper time (for light an affine parameter).
+/// Geodesics of any metric, given as a function of the place: H = g^{μν}(x) p_μ p_ν/2, where q = x are four
+/// coordinates in any system and p the covariant momenta per rest mass; c = G = 1, signature (-, +, +, +). H
+/// is -1/2 for a body and 0 for light, and the time of integration is proper time (for light an affine
+/// parameter).
 namespace semiexplicit::effects::geodesics {
 
-/// The ten components of a symmetric tensor, all zero at first, in numbers as x has them. g(i, j) and g(j, i) are one.
+/// The ten components of a symmetric tensor, all zero at first, in numbers as x has them. g(i, j) and g(j, i)
+/// are one.
 template <class Number>
 class Components {
  public:
@@ -76,7 +78,8 @@ concept Metric = requires(const M& metric, const Vector<Scalar, 4>& x) {
   { metric(x) } -> std::same_as<Components<Scalar>>;
 };
 
-/// Free motion in a metric. The derivatives of the metric come by automatic differentiation, exact to rounding.
+/// Free motion in a metric. The derivatives of the metric come by automatic differentiation, exact to
+/// rounding.
 ///
 /// Source: C. Misner, K. Thorne, J. Wheeler, Gravitation (1973), exercise 25.2.
 template <class M, class Scalar = double>
@@ -109,8 +112,8 @@ class Geodesic {
       }
   }
 
-  /// A body at x with the momenta p₁, p₂, p₃, and with the p₀ = -E that its rest mass asks for, into the future where x₀ is a time. NaN
-  /// where there is none.
+  /// A body at x with the momenta p₁, p₂, p₃, and with the p₀ = -E that its rest mass asks for, into the
+  /// future where x₀ is a time. NaN where there is none.
   PhasePoint<Scalar, 4> body(const Vector<Scalar, 4>& x, const Vector<Scalar, 3>& momenta) const {
     using std::sqrt;
     const Components<Scalar> g = metric_(x);
@@ -136,8 +139,8 @@ class Geodesic {
 template <class M>
 Geodesic(M) -> Geodesic<M>;
 
-/// Kerr's metric of mass M and spin aM in Boyer-Lindquist coordinates (t, r, θ, φ). black_hole::Kerr is the same by hand, and
-/// three times as fast. Source: Misner, Thorne, Wheeler (1973), eq. (33.2).
+/// Kerr's metric of mass M and spin aM in Boyer-Lindquist coordinates (t, r, θ, φ). black_hole::Kerr is the
+/// same by hand, and three times as fast. Source: Misner, Thorne, Wheeler (1973), eq. (33.2).
 template <class Scalar = double>
 struct KerrMetric {
   Scalar mass = Scalar(1), spin = Scalar(0);
@@ -158,12 +161,14 @@ struct KerrMetric {
   }
 };
 
-/// A black hole of mass M in a magnetic field B, uniform but for the hole and for its own weight, in Schwarzschild's coordinates (an
-/// exact solution). For B = 0 it is Schwarzschild's; else E and L are all that is kept, and orbits may be chaotic.
+/// A black hole of mass M in a magnetic field B, uniform but for the hole and for its own weight, in
+/// Schwarzschild's coordinates (an exact solution). For B = 0 it is Schwarzschild's; else E and L are all
+/// that is kept, and orbits may be chaotic.
 ///
 ///     ds² = Λ² (-f dt² + dr²/f + r² dθ²) + r² sin²θ/Λ² dφ²,   f = 1 - 2M/r,   Λ = 1 + B² r² sin²θ/4.
 ///
-/// Sources: F. Ernst, J. Math. Phys. 17 (1976) 54; V. Karas, D. Vokrouhlický, Gen. Relativ. Gravit. 24 (1992) 729.
+/// Sources: F. Ernst, J. Math. Phys. 17 (1976) 54; V. Karas, D. Vokrouhlický, Gen. Relativ. Gravit. 24 (1992)
+/// 729.
 template <class Scalar = double>
 struct ErnstMetric {
   Scalar mass = Scalar(1);

@@ -41,23 +41,24 @@ auto square_of_momentum(const auto& q, const auto& p) {
 ///
 ///     G₁ = sin(√β s)/√β,   G₂ = (1 - cos(√β s))/β,   G₃ = (s - G₁)/β      (β < 0: sinh and cosh),
 ///
-/// the time t and the fictitious time s, ds = dt/r, belong together by t = r₀G₁ + η₀G₂ + GM G₃, which grows with s.
+/// the time t and the fictitious time s, ds = dt/r, belong together by t = r₀G₁ + η₀G₂ + GM G₃, which grows
+/// with s.
 ///
-/// A body that falls in fast and flies past leaves next to nothing of r₀ + η₀/√-β, on which its way out depends. There r and t
-/// come from their growing and falling exponentials,
+/// A body that falls in fast and flies past leaves next to nothing of r₀ + η₀/√-β, on which its way out
+/// depends. There r and t come from their growing and falling exponentials,
 ///
 ///     r = P eˣ + Q e⁻ˣ + GM/β,   x = √-β s,   4PQ = (L² - GM²/β)/-β,   2Q = r₀ - η₀/√-β - GM/β,
 ///
 /// with P from the product, where nothing cancels.
 ///
-/// G₁ and G₂ come from the sine and cosine of the half angle, so that their identities hold to a rounding that has no
-/// preferred sign. (From a series in double precision the energy drifts linearly, by 1e-16 a call.) G₃ only enters the
-/// relation of s and t, where a wrong last digit is one of the time.
+/// G₁ and G₂ come from the sine and cosine of the half angle, so that their identities hold to a rounding
+/// that has no preferred sign. (From a series in double precision the energy drifts linearly, by 1e-16 a
+/// call.) G₃ only enters the relation of s and t, where a wrong last digit is one of the time.
 template <class Scalar>
 class UniversalKepler {
  public:
-  /// `root` is the square root of |beta|, `inverse` 1/r0, `l2` the square of the angular momentum, which only counts where beta
-  /// and eta0 are negative.
+  /// `root` is the square root of |beta|, `inverse` 1/r0, `l2` the square of the angular momentum, which only
+  /// counts where beta and eta0 are negative.
   UniversalKepler(const Scalar& gm, const Scalar& r0, const Scalar& inverse, const Scalar& eta0,
                   const Scalar& beta, const Scalar& root, const Scalar& l2)
       : gm_(gm),
@@ -77,8 +78,8 @@ class UniversalKepler {
     }
   }
 
-  /// Finds s, and the functions of it, for a time t > 0 (of an ellipse: up to half a period). False: not found, or of no digit
-  /// after a flyby so close that q does not hold its distance.
+  /// Finds s, and the functions of it, for a time t > 0 (of an ellipse: up to half a period). False: not
+  /// found, or of no digit after a flyby so close that q does not hold its distance.
   bool solve(const Scalar& t) {
     using std::sqrt;
     const Scalar close = sqrt(epsilon()) / 4;  // a step so small, squared, leaves an error to the fourth
@@ -254,8 +255,8 @@ class UniversalKepler {
     if (passing_) power_ = (c1_ + s1_) * (c1_ + s1_);
   }
 
-  /// sin(√β s/2)/√β. The rounding error of √β would be one of the energy, and the same in every call: it is taken out before the
-  /// quotient is rounded.
+  /// sin(√β s/2)/√β. The rounding error of √β would be one of the energy, and the same in every call: it is
+  /// taken out before the quotient is rounded.
   SEMIEXPLICIT_INLINE Scalar half_function() const {
     if (narrow_) return s1_;
     const Scalar x = s1_ * per_root_;
@@ -292,7 +293,8 @@ class UniversalKepler {
     }
   }
 
-  /// From s to s + step, which is small: by the addition theorem, with the functions of step/2 from their series.
+  /// From s to s + step, which is small: by the addition theorem, with the functions of step/2 from their
+  /// series.
   SEMIEXPLICIT_INLINE void shift(const Scalar& step) {
     const Scalar half = step / 2, z = beta_ * half * half;
     const Scalar unit = narrow_ ? half : half * root_, sign = narrow_ ? beta_ : Scalar(beta_ < 0 ? -1 : 1);
@@ -318,22 +320,24 @@ class UniversalKepler {
 
 }  // namespace detail
 
-/// Kepler's motion about a centre at the origin, the exact flow of Kinetic + Attraction: ellipses, parabolas, hyperbolas,
-/// and the orbits of repulsion (GM < 0) and of no force, for times of either sign and of any number of periods. On a
-/// straight line through the centre the body turns back there, which is the limit of narrow ellipses.
+/// Kepler's motion about a centre at the origin, the exact flow of Kinetic + Attraction: ellipses, parabolas,
+/// hyperbolas, and the orbits of repulsion (GM < 0) and of no force, for times of either sign and of any
+/// number of periods. On a straight line through the centre the body turns back there, which is the limit of
+/// narrow ellipses.
 ///
-/// The errors are a few roundings of q and of p, without a preferred sign: the energy of a million calls walks by 1e-13 to 1e-12.
-/// Of n periods at once the phase has an error of n roundings. About 0.2 µs a call.
+/// The errors are a few roundings of q and of p, without a preferred sign: the energy of a million calls
+/// walks by 1e-13 to 1e-12. Of n periods at once the phase has an error of n roundings. About 0.2 µs a call.
 ///
-/// Sources: E. Stiefel and G. Scheifele, Linear and Regular Celestial Mechanics (1971), section 11; J. Danby, Fundamentals of
-/// Celestial Mechanics, 2nd ed., sections 6.8 and 6.9; B. Conway, Celest. Mech. 39 (1986) 199.
+/// Sources: E. Stiefel and G. Scheifele, Linear and Regular Celestial Mechanics (1971), section 11; J. Danby,
+/// Fundamentals of Celestial Mechanics, 2nd ed., sections 6.8 and 6.9; B. Conway, Celest. Mech. 39 (1986)
+/// 199.
 template <class Scalar = double, int Dim = 2>
 struct KeplerFlow {
   Scalar gm = Scalar(1);  ///< length³/time²
 
-  /// Writes what q and p move by in the time t, as increments (f - 1) q + g p and f' q + (g' - 1) p: a small step has no
-  /// rounding error of the state itself. Status::not_finite: from or into the centre; Status::no_convergence: time and state
-  /// lie outside of what the number type can hold.
+  /// Writes what q and p move by in the time t, as increments (f - 1) q + g p and f' q + (g' - 1) p: a small
+  /// step has no rounding error of the state itself. Status::not_finite: from or into the centre;
+  /// Status::no_convergence: time and state lie outside of what the number type can hold.
   Status increments(const Scalar& t, const auto& q, const auto& p, auto& dq, auto& dp) const {
     using std::floor;
     using std::sqrt;

@@ -10,10 +10,11 @@ namespace semiexplicit::effects::charges {
 
 /// A solenoid about the third axis with its middle at the origin, a current sheet of a length and a radius R:
 ///
-///     B(z) = B/2 (s(z + L/2) - s(z - L/2)),  s(u) = u/√(u² + R²) on the axis,  A = (B(z)/2 - ρ² B''(z)/16) (-y, x, 0),
+///     B(z) = B/2 (s(z + L/2) - s(z - L/2)),  s(u) = u/√(u² + R²) on the axis,
+///     A = (B(z)/2 - ρ² B''(z)/16) (-y, x, 0),
 ///
-/// to the third power of the distance ρ from it, which is for ρ much smaller than R. The orbital plane of a charge on its way
-/// along the axis turns by Larmor's angle, -e ∫B dz/(2p), where ∫B dz = BL.
+/// to the third power of the distance ρ from it, which is for ρ much smaller than R. The orbital plane of a
+/// charge on its way along the axis turns by Larmor's angle, -e ∫B dz/(2p), where ∫B dz = BL.
 ///
 /// Source: Jackson, Classical Electrodynamics, 3rd ed., problems 5.3 and 5.4.
 template <class Scalar = double>
@@ -62,10 +63,11 @@ struct SolenoidField : detail::AxialPotential<SolenoidField<Scalar>> {
 ///
 ///     A = (B/k) cosh(ky) sin(kz) (1, 0, 0),   B_y = B cosh(ky) cos(kz),   B_z = -B sinh(ky) sin(kz).
 ///
-/// With K = eB/(mck) a charge wiggles by K/(γβk), is slowed to c (1 - (1 + K²/2)/(2γ²)) along the axis, and is focused along y with
-/// the wave number Kk/(√2 γβ).
+/// With K = eB/(mck) a charge wiggles by K/(γβk), is slowed to c (1 - (1 + K²/2)/(2γ²)) along the axis, and
+/// is focused along y with the wave number Kk/(√2 γβ).
 ///
-/// Source: K. Wille, The Physics of Particle Accelerators (2000), chapter 9; E. Scharlemann, J. Appl. Phys. 58 (1985) 2154.
+/// Source: K. Wille, The Physics of Particle Accelerators (2000), chapter 9; E. Scharlemann, J. Appl. Phys.
+/// 58 (1985) 2154.
 template <class Scalar = double>
 struct UndulatorField {
   UndulatorField(Scalar strength, Scalar wave_number) : b(strength), k(wave_number) {}
@@ -87,8 +89,9 @@ struct UndulatorField {
   }
 };
 
-/// A magnetic quadrupole along the third axis, without ends: B = G (y, x, 0), A = -G/2 (x² - y²) (0, 0, 1). With κ = eG/p a charge
-/// along the axis is focused along x as cos(√κ z) and driven away along y as cosh(√κ z).
+/// A magnetic quadrupole along the third axis, without ends: B = G (y, x, 0), A = -G/2 (x² - y²) (0, 0, 1).
+/// With κ = eG/p a charge along the axis is focused along x as cos(√κ z) and driven away along y as cosh(√κ
+/// z).
 template <class Scalar = double>
 struct QuadrupoleField {
   explicit QuadrupoleField(Scalar gradient) : g(gradient) {}

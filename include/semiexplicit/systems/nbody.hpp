@@ -12,13 +12,14 @@
 #include <semiexplicit/core/words.hpp>
 #include <semiexplicit/scene/effect.hpp>
 
-/// Effects on any number of bodies that attract each other, in Jacobi coordinates: body 1 relative to body 0, body 2 to the
-/// centre of mass of 0 and 1, and so on. q holds these positions one behind the other, p the momenta that belong to them; the
-/// centre of mass rests and is left out, so that n bodies have 3(n - 1) degrees of freedom. Masses are given as GM, and all
-/// energies are G times those of mechanics; any consistent units: au, year and GM = 4π², say.
+/// Effects on any number of bodies that attract each other, in Jacobi coordinates: body 1 relative to body 0,
+/// body 2 to the centre of mass of 0 and 1, and so on. q holds these positions one behind the other, p the
+/// momenta that belong to them; the centre of mass rests and is left out, so that n bodies have 3(n - 1)
+/// degrees of freedom. Masses are given as GM, and all energies are G times those of mechanics; any
+/// consistent units: au, year and GM = 4π², say.
 ///
-/// Kinetic + Attraction is Kepler's motion of each body about those within, and has an exact flow (nbody_flow.hpp);
-/// Interaction is the rest of Newton's attraction, smaller by the ratio of the masses.
+/// Kinetic + Attraction is Kepler's motion of each body about those within, and has an exact flow
+/// (nbody_flow.hpp); Interaction is the rest of Newton's attraction, smaller by the ratio of the masses.
 ///
 /// Sources: J. Wisdom and M. Holman, Astron. J. 102 (1991) 1528; H. Rein and D. Tamayo, MNRAS 452 (2015) 376.
 namespace semiexplicit::effects::nbody {
@@ -45,15 +46,15 @@ class Bodies {
 
   Eigen::Index size() const { return static_cast<Eigen::Index>(bodies_.size()); }
   Eigen::Index dof() const { return 3 * (size() - 1); }
-  /// Of body i; of it and those within; its reduced mass beside those within (0 for the primary); its share of the mass of it
-  /// and those within.
+  /// Of body i; of it and those within; its reduced mass beside those within (0 for the primary); its share
+  /// of the mass of it and those within.
   const Scalar& gm(Eigen::Index i) const { return at(i).gm; }
   const Scalar& up_to(Eigen::Index i) const { return at(i).up_to; }
   const Scalar& reduced(Eigen::Index i) const { return at(i).reduced; }
   const Scalar& share(Eigen::Index i) const { return at(i).share; }
 
-  /// The state of bodies with these positions and velocities in any inertial frame. Throws std::invalid_argument for another
-  /// number of them.
+  /// The state of bodies with these positions and velocities in any inertial frame. Throws
+  /// std::invalid_argument for another number of them.
   PhasePoint<Scalar, Eigen::Dynamic> jacobi(const Vectors& positions, const Vectors& velocities) const {
     if (positions.size() != bodies_.size() || velocities.size() != bodies_.size())
       throw std::invalid_argument("Bodies: give a position and a velocity for each of the " +
@@ -128,8 +129,8 @@ Triple<NumberIn<X>> triple(const X& x, Eigen::Index i) {
   return {x[3 * i - 3], x[3 * i - 2], x[3 * i - 1]};
 }
 
-/// Calls use(j, k, d) for all pairs of bodies j < k, with d from j to k, and after those of a k end(k). The sums go on from pair
-/// to pair, so that nothing is stored.
+/// Calls use(j, k, d) for all pairs of bodies j < k, with d from j to k, and after those of a k end(k). The
+/// sums go on from pair to pair, so that nothing is stored.
 template <class Scalar, class X, class Use, class End>
 void for_each_pair(const Bodies<Scalar>& bodies, const X& x, const Use& use, const End& end) {
   using Number = NumberIn<X>;
@@ -204,14 +205,16 @@ struct Kinetic {
   }
 };
 
-/// Newton's attraction of each body by those within, as if these were one mass at their centre. Exact for two bodies.
+/// Newton's attraction of each body by those within, as if these were one mass at their centre. Exact for two
+/// bodies.
 template <class Scalar = double, int Dof = Eigen::Dynamic>
 struct Attraction {
   using Acts = OnPosition<Scalar, Dof>;
   static constexpr const char* name = "attraction";
   static constexpr const char* about = "attraction of each body by those within, as one mass";
   Bodies<Scalar> bodies;
-  /// The flow refuses bodies that come closer than so many mutual Hill radii, ((m + m')/(3 m₀))^(1/3) (r + r')/2; 0: never.
+  /// The flow refuses bodies that come closer than so many mutual Hill radii, ((m + m')/(3 m₀))^(1/3) (r +
+  /// r')/2; 0: never.
   Scalar hill_radii = Scalar(3);
 
   Eigen::Index dof() const { return bodies.dof(); }
@@ -269,8 +272,8 @@ struct Interaction {
   }
 };
 
-/// The oblateness of the primary as all others feel it: G m₀ m J₂ R²/(2r³) (3 (n·r)²/r² - 1) for each, with r from the
-/// primary and n its axis. See orbits::Oblateness.
+/// The oblateness of the primary as all others feel it: G m₀ m J₂ R²/(2r³) (3 (n·r)²/r² - 1) for each, with r
+/// from the primary and n its axis. See orbits::Oblateness.
 template <class Scalar = double, int Dof = Eigen::Dynamic>
 struct Oblateness {
   using Acts = OnPosition<Scalar, Dof>;

@@ -11,9 +11,10 @@
 
 namespace semiexplicit::effects::nbody {
 
-/// Kepler's motion of each body about those within, the exact flow of Kinetic + Attraction. Two bodies (not the primary) that are,
-/// or within the time would come, on straight lines, closer than Attraction::hill_radii mutual Hill radii are refused with
-/// Status::close_encounter: the interaction is not small then, and a step of a splitting does not resolve it.
+/// Kepler's motion of each body about those within, the exact flow of Kinetic + Attraction. Two bodies (not
+/// the primary) that are, or within the time would come, on straight lines, closer than
+/// Attraction::hill_radii mutual Hill radii are refused with Status::close_encounter: the interaction is not
+/// small then, and a step of a splitting does not resolve it.
 template <class Scalar = double>
 class KeplerFlows {
  public:

@@ -13,8 +13,9 @@
 
 namespace semiexplicit::effects::nbody {
 
-/// The first post-Newtonian correction of each body and those within, taken as one mass: orbits::PostNewtonian1 in every Jacobi
-/// vector. For planets about a star the rest of EinsteinInfeldHoffmann is smaller by the ratio of the masses.
+/// The first post-Newtonian correction of each body and those within, taken as one mass:
+/// orbits::PostNewtonian1 in every Jacobi vector. For planets about a star the rest of EinsteinInfeldHoffmann
+/// is smaller by the ratio of the masses.
 template <class Scalar = double, int Dof = Eigen::Dynamic>
 struct PostNewtonian1 {
   using Acts = OnBoth<Scalar, Dof>;
@@ -58,13 +59,14 @@ struct PostNewtonian1 {
   }
 };
 
-/// The first post-Newtonian correction of all bodies together (Einstein, Infeld and Hoffmann), with v = p/m, φ the sum of the others'
-/// m/r, n the direction of a pair, in barycentric ADM (at this order also harmonic) coordinates:
+/// The first post-Newtonian correction of all bodies together (Einstein, Infeld and Hoffmann), with v = p/m,
+/// φ the sum of the others' m/r, n the direction of a pair, in barycentric ADM (at this order also harmonic)
+/// coordinates:
 ///
 ///     H = 1/c² (-Σ m v⁴/8 + Σ m φ²/2 - ½ Σ_pairs m m'/r (3 (v² + v'²) - 7 v·v' - (n·v)(n·v'))).
 ///
-/// 64 bodies at most, so that no memory is asked for in a step. Source: Landau and Lifshitz, The Classical Theory of Fields,
-/// section 106; in this form Damour, Jaranowski, Schäfer, Phys. Rev. D 62 (2000) 021501.
+/// 64 bodies at most, so that no memory is asked for in a step. Source: Landau and Lifshitz, The Classical
+/// Theory of Fields, section 106; in this form Damour, Jaranowski, Schäfer, Phys. Rev. D 62 (2000) 021501.
 template <class Scalar = double, int Dof = Eigen::Dynamic>
 class EinsteinInfeldHoffmann {
  public:
@@ -137,7 +139,8 @@ class EinsteinInfeldHoffmann {
   }
 
  private:
-  /// Positions, from the primary, and velocities about the centre of mass, of all bodies, and what the pairs have in common.
+  /// Positions, from the primary, and velocities about the centre of mass, of all bodies, and what the pairs
+  /// have in common.
   template <class Number>
   struct Cartesian {
     struct Pair {

@@ -8,9 +8,9 @@
 #include <semiexplicit/core/lanes.hpp>
 #include <semiexplicit/scene/effect.hpp>
 
-/// Effects on a chain of N sites with open ends, ψ = q + ip at each; time in units of 1/energy. H moves it by ψ' = -2i
-/// ∂H/∂ψ̄. N is the size, or Eigen::Dynamic with the size in `sites`. Scene(OnSite{.sites = n}, PairExchange{.sites = n}) is
-/// systems::NlsLattice. All keep the mass Σ|ψᵢ|².
+/// Effects on a chain of N sites with open ends, ψ = q + ip at each; time in units of 1/energy. H moves it by
+/// ψ' = -2i ∂H/∂ψ̄. N is the size, or Eigen::Dynamic with the size in `sites`. Scene(OnSite{.sites = n},
+/// PairExchange{.sites = n}) is systems::NlsLattice. All keep the mass Σ|ψᵢ|².
 namespace semiexplicit::effects::lattice {
 
 namespace detail {
@@ -31,8 +31,8 @@ T v(const T& q, const T& p) {
   return q * p;
 }
 
-/// put(i, Σu, Σv) for the sites begin to end - 1 that have neighbours. One pass that reads neighbours instead of storing
-/// squares: vectorises, and touches memory once.
+/// put(i, Σu, Σv) for the sites begin to end - 1 that have neighbours. One pass that reads neighbours instead
+/// of storing squares: vectorises, and touches memory once.
 template <class Q, class P, class Put>
 [[gnu::always_inline]] inline void over_neighbours(Eigen::Index sites, Eigen::Index begin, Eigen::Index end,
                                                    const Q& q, const P& p, const Put& put) {
@@ -47,7 +47,8 @@ template <class Q, class P, class Put>
   if (end > last) put(last, u_at(last - 1), v_at(last - 1));
 }
 
-/// Both halves of the gradient at a site: of OnSite, density = g|ψ|², and of PairExchange, by_u = 2kΣu and by_v = 4kΣv.
+/// Both halves of the gradient at a site: of OnSite, density = g|ψ|², and of PairExchange, by_u = 2kΣu and
+/// by_v = 4kΣv.
 template <class T>
 struct SiteGradient {
   T q, p;
@@ -116,8 +117,8 @@ struct PairExchange {
   }
 };
 
-/// Hopping to the neighbours: -J Σ Re(ψᵢ₋₁ conj(ψᵢ)), so that iψᵢ' = -J(ψᵢ₋₁ + ψᵢ₊₁), a wave of number k turns at
-/// -2J cos k. Separable.
+/// Hopping to the neighbours: -J Σ Re(ψᵢ₋₁ conj(ψᵢ)), so that iψᵢ' = -J(ψᵢ₋₁ + ψᵢ₊₁), a wave of number k
+/// turns at -2J cos k. Separable.
 ///
 /// Source: the tight-binding model; C. Kittel, Introduction to Solid State Physics, chapter 9.
 template <class Scalar = double, int N = Eigen::Dynamic>
@@ -179,11 +180,11 @@ namespace semiexplicit::systems {
 ///
 ///     H = ¼ Σ |ψᵢ|⁴ - Σ Re(ψ²ᵢ₋₁ conj(ψᵢ)²),
 ///
-/// the second sum over neighbours: the effects OnSite and PairExchange of strength 1 in one pass. It keeps H and the mass
-/// Σ |ψᵢ|². N is the size, or Eigen::Dynamic with the size given to the constructor.
+/// the second sum over neighbours: the effects OnSite and PairExchange of strength 1 in one pass. It keeps H
+/// and the mass Σ |ψᵢ|². N is the size, or Eigen::Dynamic with the size given to the constructor.
 ///
-/// Sources: Colliander, Keel, Staffilani, Takaoka, Tao, Invent. Math. 181 (2010) 39; Jayawardana and Ohsawa (2023),
-/// eq. (Hamil-NLS).
+/// Sources: Colliander, Keel, Staffilani, Takaoka, Tao, Invent. Math. 181 (2010) 39; Jayawardana and Ohsawa
+/// (2023), eq. (Hamil-NLS).
 template <class ScalarType = double, int N = Eigen::Dynamic>
 class NlsLattice {
  public:

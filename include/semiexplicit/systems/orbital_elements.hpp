@@ -8,15 +8,16 @@
 
 namespace semiexplicit::effects::orbits {
 
-/// Kepler's elements of a bound orbit. Angles in radians: inclination and node to the plane of the first two axes, the
-/// argument of the periapsis from the node, the mean anomaly from the periapsis.
+/// Kepler's elements of a bound orbit. Angles in radians: inclination and node to the plane of the first two
+/// axes, the argument of the periapsis from the node, the mean anomaly from the periapsis.
 template <class Scalar = double>
 struct Elements {
   Scalar a = Scalar(1), e = Scalar(0);  ///< semi-major axis, length; eccentricity, 0 <= e < 1
   Scalar inclination = Scalar(0), node = Scalar(0), periapsis = Scalar(0), mean_anomaly = Scalar(0);
 };
 
-/// The eccentric anomaly E of E - e sin E = M. Source: J. Danby, Fundamentals of Celestial Mechanics, 2nd ed., section 6.6.
+/// The eccentric anomaly E of E - e sin E = M. Source: J. Danby, Fundamentals of Celestial Mechanics, 2nd
+/// ed., section 6.6.
 template <class Scalar>
 Scalar eccentric_anomaly(const Scalar& mean_anomaly, const Scalar& e) {
   using std::abs;
@@ -31,8 +32,8 @@ Scalar eccentric_anomaly(const Scalar& mean_anomaly, const Scalar& e) {
   return x;
 }
 
-/// Position and velocity on an orbit about a centre of the given GM. Throws std::invalid_argument unless a and GM are positive
-/// and 0 <= e < 1.
+/// Position and velocity on an orbit about a centre of the given GM. Throws std::invalid_argument unless a
+/// and GM are positive and 0 <= e < 1.
 template <class Scalar>
 PhasePoint<Scalar, 3> state_of(const Elements<Scalar>& orbit, const Scalar& gm) {
   using std::cos;
@@ -52,8 +53,8 @@ PhasePoint<Scalar, 3> state_of(const Elements<Scalar>& orbit, const Scalar& gm) 
   return {along * to_periapsis + across * beside, v_along * to_periapsis + v_across * beside};
 }
 
-/// The elements of the orbit through a position with a velocity. An angle that a circle or an orbit in the plane has not is
-/// counted from the first axis. Throws std::invalid_argument where the orbit is not bound.
+/// The elements of the orbit through a position with a velocity. An angle that a circle or an orbit in the
+/// plane has not is counted from the first axis. Throws std::invalid_argument where the orbit is not bound.
 template <class Scalar>
 Elements<Scalar> elements_of(const Vector<Scalar, 3>& q, const Vector<Scalar, 3>& v, const Scalar& gm) {
   using std::atan2;

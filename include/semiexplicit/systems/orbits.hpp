@@ -4,10 +4,10 @@
 
 #include <semiexplicit/scene/effect.hpp>
 
-/// Effects on the orbit of one body, per unit of its mass, about a centre at the origin, in the plane (Dim 2) or in space
-/// (Dim 3): q is the position and p the momentum per mass, in the inertial frame the velocity in Newton's limit. Any
-/// consistent units: au, year and GM = 4π², say, or km, s and GM = 398600.4418. A body at the centre itself has no gradient
-/// (NaN). The relativistic effects are in post_newtonian.hpp.
+/// Effects on the orbit of one body, per unit of its mass, about a centre at the origin, in the plane (Dim 2)
+/// or in space (Dim 3): q is the position and p the momentum per mass, in the inertial frame the velocity in
+/// Newton's limit. Any consistent units: au, year and GM = 4π², say, or km, s and GM = 398600.4418. A body at
+/// the centre itself has no gradient (NaN). The relativistic effects are in post_newtonian.hpp.
 namespace semiexplicit::effects::orbits {
 
 namespace detail {
@@ -34,7 +34,8 @@ struct Kinetic {
   }
 };
 
-/// Newton's attraction by a mass at the origin, -GM/r. For two bodies q is the relative position and GM the sum of both.
+/// Newton's attraction by a mass at the origin, -GM/r. For two bodies q is the relative position and GM the
+/// sum of both.
 template <class Scalar = double, int Dim = 2>
 struct Attraction {
   using Acts = OnPosition<Scalar, Dim>;
@@ -55,8 +56,8 @@ struct Attraction {
 };
 
 /// Newton's attraction by two masses that rest on the first axis. With RotatingFrame of rate 1 and
-/// restricted(μ) it is the circular restricted three-body problem, in units of the distance of the masses and 1/(2π) of
-/// their period; Jacobi's constant is then -2H.
+/// restricted(μ) it is the circular restricted three-body problem, in units of the distance of the masses and
+/// 1/(2π) of their period; Jacobi's constant is then -2H.
 ///
 /// Source: V. Szebehely, Theory of Orbits (1967), section 1.5.
 template <class Scalar = double, int Dim = 2>
@@ -90,8 +91,9 @@ struct TwoCentres {
   }
 };
 
-/// The oblateness of the centre, whose axis is the third one: GM J₂ R²/(2r³) · (3z²/r² - 1), outside of the body. In the
-/// plane (Dim 2) the orbit is equatorial, z = 0. The node of an orbit turns at -(3/2) n J₂ (R/a)² cos i/(1 - e²)².
+/// The oblateness of the centre, whose axis is the third one: GM J₂ R²/(2r³) · (3z²/r² - 1), outside of the
+/// body. In the plane (Dim 2) the orbit is equatorial, z = 0. The node of an orbit turns at -(3/2) n J₂
+/// (R/a)² cos i/(1 - e²)².
 ///
 /// Source: D. Vallado, Fundamentals of Astrodynamics and Applications, 4th ed., sections 8.6 and 9.4.
 template <class Scalar = double, int Dim = 3>
@@ -126,8 +128,8 @@ struct Oblateness {
   }
 };
 
-/// A frame that turns about the third axis at the rate ω: -ω(q₁p₂ - q₂p₁), which is the Coriolis and the centrifugal
-/// force. p stays the inertial velocity: p = q' + ω × q.
+/// A frame that turns about the third axis at the rate ω: -ω(q₁p₂ - q₂p₁), which is the Coriolis and the
+/// centrifugal force. p stays the inertial velocity: p = q' + ω × q.
 ///
 /// Source: V. Arnold, Mathematical Methods of Classical Mechanics, section 27.
 template <class Scalar = double, int Dim = 2>

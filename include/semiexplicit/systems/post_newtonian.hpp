@@ -5,9 +5,10 @@
 
 #include <semiexplicit/systems/orbits.hpp>
 
-/// Relativistic corrections to orbits::Kinetic + orbits::Attraction, for the relative motion of two bodies of total mass M
-/// and symmetric mass ratio ν = m₁m₂/M² (0 for a test particle, 1/4 for equal masses), in ADM coordinates of the centre of
-/// mass; p is the relative momentum per reduced mass. Valid for GM/(c²r) and (p/c)² much below one.
+/// Relativistic corrections to orbits::Kinetic + orbits::Attraction, for the relative motion of two bodies of
+/// total mass M and symmetric mass ratio ν = m₁m₂/M² (0 for a test particle, 1/4 for equal masses), in ADM
+/// coordinates of the centre of mass; p is the relative momentum per reduced mass. Valid for GM/(c²r) and
+/// (p/c)² much below one.
 namespace semiexplicit::effects::orbits {
 
 namespace detail {
@@ -115,10 +116,12 @@ struct PostNewtonian2 {
   }
 };
 
-/// Spin and orbit at leading order, for a test body about a centre with spin (angular momentum) S along the third axis:
-/// 2G S·L/(c²r³), the dragging of frames. It turns the node of an orbit at 2GS/(c²a³(1 - e²)^(3/2)).
+/// Spin and orbit at leading order, for a test body about a centre with spin (angular momentum) S along the
+/// third axis: 2G S·L/(c²r³), the dragging of frames. It turns the node of an orbit at 2GS/(c²a³(1 -
+/// e²)^(3/2)).
 ///
-/// Sources: J. Lense and H. Thirring, Phys. Z. 19 (1918) 156; Damour and Schäfer, Nuovo Cim. B 101 (1988) 127.
+/// Sources: J. Lense and H. Thirring, Phys. Z. 19 (1918) 156; Damour and Schäfer, Nuovo Cim. B 101 (1988)
+/// 127.
 template <class Scalar = double, int Dim = 3>
 struct SpinOrbit {
   using Acts = OnBoth<Scalar, Dim>;

@@ -4,10 +4,12 @@
 
 namespace semiexplicit::systems {
 
-/// H = (q² + 1)(p² + 1)/2 in one degree of freedom: the smallest non-separable problem with a closed form. From (q₀, 0),
-/// q(t) = q₀ cn(√(1 + q₀²) t | k² = q₀²/(1 + q₀²)) and p = q'/(q² + 1), with Jacobi's elliptic function cn.
+/// H = (q² + 1)(p² + 1)/2 in one degree of freedom: the smallest non-separable problem with a closed form.
+/// From (q₀, 0), q(t) = q₀ cn(√(1 + q₀²) t | k² = q₀²/(1 + q₀²)) and p = q'/(q² + 1), with Jacobi's elliptic
+/// function cn.
 ///
-/// Source: M. Tao, Phys. Rev. E 94 (2016) 043303; the order test of Jayawardana and Ohsawa (2023), eq. (exact-H).
+/// Source: M. Tao, Phys. Rev. E 94 (2016) 043303; the order test of Jayawardana and Ohsawa (2023), eq.
+/// (exact-H).
 template <class ScalarType = double>
 struct Product {
   using Scalar = ScalarType;

@@ -7,7 +7,8 @@
 #include <semiexplicit/core/vector.hpp>
 #include <semiexplicit/scene/effect.hpp>
 
-/// Charges as fast as light. q is the position, p the canonical momentum γmv + eA; units as in charges.hpp, with c.
+/// Charges as fast as light. q is the position, p the canonical momentum γmv + eA; units as in charges.hpp,
+/// with c.
 ///
 /// Source: J. D. Jackson, Classical Electrodynamics, 3rd ed., section 12.1.
 namespace semiexplicit::effects::charges {
@@ -40,8 +41,9 @@ struct Relativity {
 
 }  // namespace detail
 
-/// √(m²c⁴ + c²|p - eA(q)|²) - mc² in the sum of any number of magnetic fields, or in none: a charge at any speed. Fields as for
-/// MagneticKinetic, your own and FieldFrom too; electric potentials are effects beside it (electrostatics.hpp).
+/// √(m²c⁴ + c²|p - eA(q)|²) - mc² in the sum of any number of magnetic fields, or in none: a charge at any
+/// speed. Fields as for MagneticKinetic, your own and FieldFrom too; electric potentials are effects beside
+/// it (electrostatics.hpp).
 ///
 ///     charges::RelativisticKinetic motion(1.0, 1.0, 1.0, charges::UniformField(0.1));   // e, m, c, fields
 template <class Scalar, class... Fields>
@@ -90,8 +92,8 @@ class RelativisticKinetic {
 };
 
 /// The same in fields that depend on the time, or not: a Hamiltonian for Autonomous. A field that does has
-/// `add_potential(t, x, a)`, `add_gradient(t, x, v, factor, out)` and `add_time_derivative(t, x, a)`, a += ∂A/∂t; FieldFrom makes
-/// them of A(t, x).
+/// `add_potential(t, x, a)`, `add_gradient(t, x, v, factor, out)` and `add_time_derivative(t, x, a)`, a +=
+/// ∂A/∂t; FieldFrom makes them of A(t, x).
 ///
 ///     Autonomous K(charges::RelativisticCharge(1.0, 1.0, 1.0, wave));   // e, m, c, fields
 template <class ScalarType, class... Fields>

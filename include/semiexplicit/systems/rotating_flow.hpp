@@ -11,9 +11,9 @@ namespace semiexplicit::effects::orbits {
 
 namespace detail {
 
-/// Positions and momenta turned by -ωt about the third axis, as the axes turn by ωt: by three shears, and the momenta by the
-/// inverse transposed ones. Whatever their coefficients were rounded to, that is a symplectic map, so the same rounding error in
-/// every step of a run makes no drift.
+/// Positions and momenta turned by -ωt about the third axis, as the axes turn by ωt: by three shears, and the
+/// momenta by the inverse transposed ones. Whatever their coefficients were rounded to, that is a symplectic
+/// map, so the same rounding error in every step of a run makes no drift.
 template <class Scalar>
 class FrameTurn {
  public:
@@ -56,7 +56,8 @@ class FrameTurn {
 
 }  // namespace detail
 
-/// Free motion seen from a turning frame, the exact flow of Kinetic + RotatingFrame: q + t p and p, turned by -ωt.
+/// Free motion seen from a turning frame, the exact flow of Kinetic + RotatingFrame: q + t p and p, turned by
+/// -ωt.
 template <class Scalar = double, int Dim = 2>
 struct RotatingFlow {
   Scalar omega = Scalar(1);  ///< radians/time
@@ -83,7 +84,8 @@ struct RotatingFlow {
   }
 };
 
-/// Kepler's motion seen from a turning frame, the exact flow of Kinetic + Attraction + RotatingFrame. See KeplerFlow.
+/// Kepler's motion seen from a turning frame, the exact flow of Kinetic + Attraction + RotatingFrame. See
+/// KeplerFlow.
 template <class Scalar = double, int Dim = 2>
 struct RotatingKeplerFlow {
   KeplerFlow<Scalar, Dim> kepler;

@@ -5,15 +5,18 @@
 
 #include <semiexplicit/systems/vortices.hpp>
 
-/// Walls that point vortices cannot cross, by the method of images: the Kirchhoff-Routh function without the pairs
-/// themselves, which are vortices::Pairs. All vortices must start on the wet side of the wall; it is not looked after.
+/// Walls that point vortices cannot cross, by the method of images: the Kirchhoff-Routh function without the
+/// pairs themselves, which are vortices::Pairs. All vortices must start on the wet side of the wall; it is
+/// not looked after.
 ///
-/// Source: P. Newton, The N-Vortex Problem (2001), section 3.2; P. Saffman, Vortex Dynamics (1992), section 7.
+/// Source: P. Newton, The N-Vortex Problem (2001), section 3.2; P. Saffman, Vortex Dynamics (1992),
+/// section 7.
 namespace semiexplicit::effects::vortices {
 
 namespace detail {
 
-/// A sum over images, 1/(4π) Σ_{i,j} ΓᵢΓⱼ log √w(zᵢ, zⱼ), where w is the wall's symmetric function of two places.
+/// A sum over images, 1/(4π) Σ_{i,j} ΓᵢΓⱼ log √w(zᵢ, zⱼ), where w is the wall's symmetric function of two
+/// places.
 template <class Wall, class Scalar, int N>
 class Images {
  public:
@@ -97,7 +100,8 @@ struct HalfPlane : detail::Images<detail::FlatWall, Scalar, N> {
 template <class Scalar, int N>
 HalfPlane(Circulations<Scalar, N>) -> HalfPlane<Scalar, N>;
 
-/// A round wall of radius R about the origin, the fluid inside. A vortex at r turns about the centre at Γ/(2π(R² - r²)).
+/// A round wall of radius R about the origin, the fluid inside. A vortex at r turns about the centre at
+/// Γ/(2π(R² - r²)).
 template <class Scalar = double, int N = Eigen::Dynamic>
 struct Disk : detail::Images<detail::RoundWall<Scalar>, Scalar, N> {
   static constexpr const char* name = "disk";

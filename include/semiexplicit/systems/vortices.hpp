@@ -9,9 +9,9 @@
 #include <semiexplicit/scene/effect.hpp>
 #include <semiexplicit/systems/detail/vortex_pairs.hpp>
 
-/// Effects on N point vortices in the plane, of circulations Γᵢ (length²/time), in the canonical coordinates of
-/// systems::PointVortices: qᵢ = √|Γᵢ| xᵢ, pᵢ = √|Γᵢ| sgn(Γᵢ) yᵢ. A background flow of stream function ψ, with velocity
-/// (∂ψ/∂y, -∂ψ/∂x), adds Σ Γᵢ ψ(xᵢ, yᵢ) to H. N is the number, or Eigen::Dynamic.
+/// Effects on N point vortices in the plane, of circulations Γᵢ (length²/time), in the canonical coordinates
+/// of systems::PointVortices: qᵢ = √|Γᵢ| xᵢ, pᵢ = √|Γᵢ| sgn(Γᵢ) yᵢ. A background flow of stream function ψ,
+/// with velocity (∂ψ/∂y, -∂ψ/∂x), adds Σ Γᵢ ψ(xᵢ, yᵢ) to H. N is the number, or Eigen::Dynamic.
 ///
 /// Source: P. Newton, The N-Vortex Problem (2001), chapters 2 and 3.
 namespace semiexplicit::effects::vortices {
@@ -73,8 +73,9 @@ Scalar pair_energy(const Circulations<Scalar, N>& of, const auto& q, const auto&
 
 }  // namespace detail
 
-/// Each vortex moves in the velocities of all others: -1/(2π) Σ_{i<j} ΓᵢΓⱼ log‖zᵢ - zⱼ‖. Vortices that coincide have no
-/// gradient (NaN). Two at distance D turn about each other at (Γ₁ + Γ₂)/(2πD²). Source: Newton (2001), section 2.1.
+/// Each vortex moves in the velocities of all others: -1/(2π) Σ_{i<j} ΓᵢΓⱼ log‖zᵢ - zⱼ‖. Vortices that
+/// coincide have no gradient (NaN). Two at distance D turn about each other at (Γ₁ + Γ₂)/(2πD²). Source:
+/// Newton (2001), section 2.1.
 template <class Scalar = double, int N = Eigen::Dynamic>
 class Pairs {
  public:
@@ -115,8 +116,8 @@ class Pairs {
 template <class Scalar, int N>
 Pairs(Circulations<Scalar, N>) -> Pairs<Scalar, N>;
 
-/// A uniform straining flow, outward along the axis at `angle` and inward across it, of velocity rate · distance:
-/// ψ = rate (cos 2α xy + sin 2α (y² - x²)/2). Source: Newton (2001), section 3.1.
+/// A uniform straining flow, outward along the axis at `angle` and inward across it, of velocity rate ·
+/// distance: ψ = rate (cos 2α xy + sin 2α (y² - x²)/2). Source: Newton (2001), section 3.1.
 template <class Scalar = double, int N = Eigen::Dynamic>
 class Strain {
  public:
@@ -156,8 +157,8 @@ class Strain {
 template <class Scalar, int N, class... Numbers>
 Strain(Circulations<Scalar, N>, Numbers...) -> Strain<Scalar, N>;
 
-/// A flow that turns about the origin at `rate`, counterclockwise: ψ = -rate (x² + y²)/2. A frame that turns at ω sees the
-/// rate -ω.
+/// A flow that turns about the origin at `rate`, counterclockwise: ψ = -rate (x² + y²)/2. A frame that turns
+/// at ω sees the rate -ω.
 template <class Scalar = double, int N = Eigen::Dynamic>
 class Rotation {
  public:
@@ -194,11 +195,12 @@ namespace semiexplicit::systems {
 ///
 ///     H = -1/(4π) Σ_{i≠j} Γᵢ Γⱼ log‖zᵢ - zⱼ‖,
 ///
-/// in canonical coordinates qᵢ = √|Γᵢ| xᵢ, pᵢ = √|Γᵢ| sgn(Γᵢ) yᵢ. It keeps H, the linear impulse (Σ Γᵢxᵢ, Σ Γᵢyᵢ) and the
-/// angular impulse Σ Γᵢ‖zᵢ‖². Two vortices at distance D turn about each other at (Γ₁ + Γ₂)/(2πD²). Where two vortices
-/// coincide the gradient is NaN. N is the number, or Eigen::Dynamic.
+/// in canonical coordinates qᵢ = √|Γᵢ| xᵢ, pᵢ = √|Γᵢ| sgn(Γᵢ) yᵢ. It keeps H, the linear impulse (Σ Γᵢxᵢ, Σ
+/// Γᵢyᵢ) and the angular impulse Σ Γᵢ‖zᵢ‖². Two vortices at distance D turn about each other at (Γ₁ +
+/// Γ₂)/(2πD²). Where two vortices coincide the gradient is NaN. N is the number, or Eigen::Dynamic.
 ///
-/// Sources: P. Newton, The N-Vortex Problem (2001), section 2.1; Jayawardana and Ohsawa (2023), eq. (Hamil-Vortices).
+/// Sources: P. Newton, The N-Vortex Problem (2001), section 2.1; Jayawardana and Ohsawa (2023), eq.
+/// (Hamil-Vortices).
 template <class ScalarType = double, int N = Eigen::Dynamic>
 class PointVortices {
   /// Few, but enough to gain by it.

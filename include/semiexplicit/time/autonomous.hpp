@@ -11,13 +11,13 @@
 
 namespace semiexplicit {
 
-/// An H that depends on the time, as an autonomous Hamiltonian in the extended phase space, of one degree of freedom more,
-/// whose coordinates are (q, t) and (p, p_t):
+/// An H that depends on the time, as an autonomous Hamiltonian in the extended phase space, of one degree of
+/// freedom more, whose coordinates are (q, t) and (p, p_t):
 ///
 ///     K = H(t, q, p) + p_t
 ///
-/// Then dt/ds = 1, every copy of the doubled system carries a time of its own, and whatever takes a Hamiltonian takes
-/// this one, with its order and symplecticity.
+/// Then dt/ds = 1, every copy of the doubled system carries a time of its own, and whatever takes a
+/// Hamiltonian takes this one, with its order and symplecticity.
 ///
 ///     Autonomous K(H);
 ///     Semiexplicit stepper(K, schemes::low_defect6_s13());
@@ -25,12 +25,13 @@ namespace semiexplicit {
 ///     integrate(stepper, Z, {.dt = dt, .steps = n, .t0 = t0}, observer);   // observer(t, Z)
 ///     z = K.point(Z);  K.time(Z);
 ///
-/// p_t changes by -∂H/∂t, so it is minus the energy that the driving has put in, and K stays what it was: the check that the
-/// energy is elsewhere. That takes `time_derivative(t, q, p)`. An H without it is integrated just as well, since neither
-/// q, p nor t depend on p_t; but p_t then stays at 0, and there is no energy() here because it would mean nothing. Whether
-/// time_derivative is right check_gradient(K, Z) tells.
+/// p_t changes by -∂H/∂t, so it is minus the energy that the driving has put in, and K stays what it was: the
+/// check that the energy is elsewhere. That takes `time_derivative(t, q, p)`. An H without it is integrated
+/// just as well, since neither q, p nor t depend on p_t; but p_t then stays at 0, and there is no energy()
+/// here because it would mean nothing. Whether time_derivative is right check_gradient(K, Z) tells.
 ///
-/// Source: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, 2nd ed., section VIII.2.1 (with g = 1).
+/// Source: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, 2nd ed., section VIII.2.1 (with
+/// g = 1).
 template <TimeDependentHamiltonian H>
 class Autonomous : public ExtendedPhaseSpace<typename H::Scalar, H::Dof> {
  public:
@@ -59,8 +60,8 @@ class Autonomous : public ExtendedPhaseSpace<typename H::Scalar, H::Dof> {
       return Dof;
   }
 
-  /// The extended point of z at the time t, with p_t = 0, so that K starts as H(t, z). Throws std::invalid_argument
-  /// where z has another size than H.
+  /// The extended point of z at the time t, with p_t = 0, so that K starts as H(t, z). Throws
+  /// std::invalid_argument where z has another size than H.
   State extended(const Point& z, const Scalar& t) const {
     if (z.dof() != dof() - 1)
       throw std::invalid_argument("Autonomous: the state has " + std::to_string(z.dof()) +

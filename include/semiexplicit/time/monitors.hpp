@@ -9,7 +9,8 @@
 #include <semiexplicit/core/hamiltonian_door.hpp>
 #include <semiexplicit/core/phase_point.hpp>
 
-/// Monitor functions for TimeTransformed, which asks for their gradients, and ReversibleSteps, which takes `value` alone.
+/// Monitor functions for TimeTransformed, which asks for their gradients, and ReversibleSteps, which takes
+/// `value` alone.
 namespace semiexplicit::monitors {
 
 namespace detail {
@@ -24,8 +25,9 @@ std::pair<Scalar, Scalar> power_of_distance(const Scalar& squared, double power)
 
 }  // namespace detail
 
-/// g = |q|^power: steps that shrink towards a centre of attraction at the origin. With the power 3/2 a step is the same part of
-/// the local free-fall time everywhere, and Kepler orbits of any eccentricity take a hundred steps or so.
+/// g = |q|^power: steps that shrink towards a centre of attraction at the origin. With the power 3/2 a step
+/// is the same part of the local free-fall time everywhere, and Kepler orbits of any eccentricity take a
+/// hundred steps or so.
 struct Distance {
   double power = 1.5;
 
@@ -76,9 +78,10 @@ DistanceFrom(const Vector<Scalar, Dof>&) -> DistanceFrom<Scalar, Dof>;
 template <class Scalar, int Dof>
 DistanceFrom(const Vector<Scalar, Dof>&, double) -> DistanceFrom<Scalar, Dof>;
 
-/// g = (Σ_{i<j} 1/r^{2 power})^{-1/2} with the distances r of bodies whose places stand in q one after the other, `dimensions` numbers
-/// each: about the closest pair's r^power, but smooth where another pair becomes the closest. With the power 3/2 it is the free-fall
-/// time, for bodies of like mass. It throws std::invalid_argument where q is not that of two bodies or more.
+/// g = (Σ_{i<j} 1/r^{2 power})^{-1/2} with the distances r of bodies whose places stand in q one after the
+/// other, `dimensions` numbers each: about the closest pair's r^power, but smooth where another pair becomes
+/// the closest. With the power 3/2 it is the free-fall time, for bodies of like mass. It throws
+/// std::invalid_argument where q is not that of two bodies or more.
 struct ClosestPair {
   int dimensions = 3;
   double power = 1.5;
@@ -129,9 +132,9 @@ struct ClosestPair {
   }
 };
 
-/// g = 1/|∇H|, the size of the vector field: steps of equal length in phase space. q and p are compared in their own units: scale H
-/// where these differ. A value is one gradient call, and there is no gradient: for ReversibleSteps. One of dynamic size works in memory
-/// of its own.
+/// g = 1/|∇H|, the size of the vector field: steps of equal length in phase space. q and p are compared in
+/// their own units: scale H where these differ. A value is one gradient call, and there is no gradient: for
+/// ReversibleSteps. One of dynamic size works in memory of its own.
 template <class H>
 class FieldSize {
  public:
@@ -157,8 +160,9 @@ class FieldSize {
   mutable PhasePoint<Scalar, Dof> at_, gradient_;
 };
 
-/// g = 1/Σ_{i<j} 1/D²ᵢⱼ with the distances D of point vortices, of which each pair turns at a rate like 1/D²: steps that shrink
-/// where two of them come close. For PointVortices; it needs their circulations for the places.
+/// g = 1/Σ_{i<j} 1/D²ᵢⱼ with the distances D of point vortices, of which each pair turns at a rate like 1/D²:
+/// steps that shrink where two of them come close. For PointVortices; it needs their circulations for the
+/// places.
 template <class Scalar, int N>
 class VortexDistances {
  public:

@@ -12,7 +12,8 @@ concept PositionMonitor = requires(const G& g, In<Scalar, Dof> q, Out<Scalar, Do
   { g(q, dgdq) } -> std::convertible_to<Scalar>;
 };
 
-/// A monitor function g(q, p) > 0: g(q, p, dgdq, dgdp) returns the value and writes both halves of the gradient.
+/// A monitor function g(q, p) > 0: g(q, p, dgdq, dgdp) returns the value and writes both halves of the
+/// gradient.
 template <class G, class Scalar, int Dof>
 concept PhaseMonitor = requires(const G& g, In<Scalar, Dof> q, In<Scalar, Dof> p, Out<Scalar, Dof> dgdq,
                                 Out<Scalar, Dof> dgdp) {
@@ -32,8 +33,9 @@ concept ValueFunction = std::invocable < const G&,
 
 }  // namespace detail
 
-/// A monitor function of which the value is all that is asked: `g.value(q, p)`, which a monitor with gradients may have beside
-/// them, or a PhaseMonitor, or any function g(q, p). A function of two arguments is taken as one of q and p.
+/// A monitor function of which the value is all that is asked: `g.value(q, p)`, which a monitor with
+/// gradients may have beside them, or a PhaseMonitor, or any function g(q, p). A function of two arguments is
+/// taken as one of q and p.
 template <class G, class Scalar, int Dof>
 concept ValueMonitor = detail::HasMonitorValue<G, Scalar, Dof> || PhaseMonitor<G, Scalar, Dof> ||
     detail::ValueFunction<G, Scalar, Dof>;

@@ -14,37 +14,44 @@
 
 namespace semiexplicit {
 
-/// Steps that follow the motion and can be undone: each takes about the time g(q, p) dt, where g > 0 is a monitor function, the local
-/// time scale, and the density ρ = dt/time of the steps is carried from step to step by a rule that is its own reverse,
+/// Steps that follow the motion and can be undone: each takes about the time g(q, p) dt, where g > 0 is a
+/// monitor function, the local time scale, and the density ρ = dt/time of the steps is carried from step to
+/// step by a rule that is its own reverse,
 ///
 ///     ρ_{n+1/2} + ρ_{n-1/2} = 2/g(z_n),     t_{n+1} = t_n + dt/ρ_{n+1/2}.
 ///
-/// It asks for values of g alone and for no energy, and takes any stepper whose step back undoes a step: Semiexplicit,
-/// GaussLegendre, ExplicitSplitting, FlowSplitting, one of your own; MidpointProjection as far as it is one. A step back with -dt
-/// undoes a step, and for reversible systems, H(q, -p) = H(q, p), that stands in for symplecticity: integrable ones and those
-/// near them keep energy and actions without drift, as with steps of one size. The map itself is not symplectic; TimeTransformed
-/// is, where H has its energy and g a gradient.
+/// It asks for values of g alone and for no energy, and takes any stepper whose step back undoes a step:
+/// Semiexplicit, GaussLegendre, ExplicitSplitting, FlowSplitting, one of your own; MidpointProjection as far
+/// as it is one. A step back with -dt undoes a step, and for reversible systems, H(q, -p) = H(q, p), that
+/// stands in for symplecticity: integrable ones and those near them keep energy and actions without drift, as
+/// with steps of one size. The map itself is not symplectic; TimeTransformed is, where H has its energy and g
+/// a gradient.
 ///
-///     ReversibleSteps stepper(Semiexplicit(H, schemes::low_defect8_s20()), [](const auto& q, const auto& p) { return ...; });
-///     integrate(stepper, z, {.dt = 0.1, .t_end = 1000}, observers...);   // observer(t, z): t is the time, z the phase point
+///     ReversibleSteps stepper(Semiexplicit(H, schemes::low_defect8_s20()),
+///                             [](const auto& q, const auto& p) { return ...; });
+///     integrate(stepper, z, {.dt = 0.1, .t_end = 1000}, observers...);  // observer(t, z), t the time
 ///
-/// dt is the step in the parameter s of TimeTransformed, time = g ds, so that the monitors of monitors.hpp serve both. Dense output,
-/// sections, at_times() and all that observes take H itself and see physical times, which are summed with compensation. With
-/// t_end the run ends there exactly: the last two steps are cut, and can be undone still; where a run goes on
-/// after that, the densities swing a little more. What goes on from step to step, ρ and the
-/// time, is among what a checkpoint saves. Tangent vectors are carried by the derivative of each step at its own length.
+/// dt is the step in the parameter s of TimeTransformed, time = g ds, so that the monitors of monitors.hpp
+/// serve both. Dense output, sections, at_times() and all that observes take H itself and see physical times,
+/// which are summed with compensation. With t_end the run ends there exactly: the last two steps are cut, and
+/// can be undone still; where a run goes on after that, the densities swing a little more. What goes on from
+/// step to step, ρ and the time, is among what a checkpoint saves. Tangent vectors are carried by the
+/// derivative of each step at its own length.
 ///
-/// The first density is taken from a trial step to either side, so that the densities do not swing from step to step, for that swing
-/// would stay. Where g more than doubles within a step, no density may be left: the step fails with Status::invalid_monitor,
-/// and a smaller dt is the remedy. g is to be smooth on the scale of a step; kinks of g are noise to the density.
+/// The first density is taken from a trial step to either side, so that the densities do not swing from step
+/// to step, for that swing would stay. Where g more than doubles within a step, no density may be left: the
+/// step fails with Status::invalid_monitor, and a smaller dt is the remedy. g is to be smooth on the scale of
+/// a step; kinks of g are noise to the density.
 ///
-/// Of the rules that can be undone this one is tied to g at every step, and what it has of the swing neither grows nor decays. Measured
-/// on Kepler orbits, e = 0.9 to 0.999, thirty to two hundred steps an orbit, and on the diamagnetic Kepler problem, chaotic, with close
-/// encounters: as stable over 1e5 periods as ρ_{n+1/2} - ρ_{n-1/2} = -dt (∇g·X)/g (Hairer, Söderlind), which needs the derivative
-/// along the motion; the product ρ_{n+1/2} ρ_{n-1/2} = 1/g², always positive, is not, its swing grows.
+/// Of the rules that can be undone this one is tied to g at every step, and what it has of the swing neither
+/// grows nor decays. Measured on Kepler orbits, e = 0.9 to 0.999, thirty to two hundred steps an orbit, and
+/// on the diamagnetic Kepler problem, chaotic, with close encounters: as stable over 1e5 periods as ρ_{n+1/2}
+/// - ρ_{n-1/2} = -dt (∇g·X)/g (Hairer, Söderlind), which needs the derivative along the motion; the product
+/// ρ_{n+1/2} ρ_{n-1/2} = 1/g², always positive, is not, its swing grows.
 ///
-/// Sources: W. Huang, B. Leimkuhler, SIAM J. Sci. Comput. 18 (1997) 239, the rule; S. Cirilli, E. Hairer, B. Leimkuhler, BIT 39 (1999)
-/// 25, its start and its swing; E. Hairer, G. Söderlind, SIAM J. Sci. Comput. 26 (2005) 1838, why there is no drift.
+/// Sources: W. Huang, B. Leimkuhler, SIAM J. Sci. Comput. 18 (1997) 239, the rule; S. Cirilli, E. Hairer, B.
+/// Leimkuhler, BIT 39 (1999) 25, its start and its swing; E. Hairer, G. Söderlind, SIAM J. Sci. Comput. 26
+/// (2005) 1838, why there is no drift.
 template <Stepper S, class G>
 requires ValueMonitor<G, typename S::Scalar, S::State::Dof>
 class ReversibleSteps {
@@ -68,13 +75,14 @@ class ReversibleSteps {
       last_ = trial_ = scratch_ = State(Eigen::Index(stepper_.dof()));
   }
 
-  /// A step of dt in s, which may be negative. z is untouched unless the report is ok(), and so are time and density; also where the
-  /// gradient or the monitor throws. No heap use beyond the stepper's own.
+  /// A step of dt in s, which may be negative. z is untouched unless the report is ok(), and so are time and
+  /// density; also where the gradient or the monitor throws. No heap use beyond the stepper's own.
   StepReport step(State& z, const Scalar& dt) {
     return advance(z, dt, [](const Scalar& time) { return time; });
   }
 
-  /// The same, but not beyond t_end: what is left of less than two steps is taken in two halves, of less than one at once.
+  /// The same, but not beyond t_end: what is left of less than two steps is taken in two halves, of less than
+  /// one at once.
   StepReport step_until(State& z, const Scalar& dt, const Scalar& t_end) {
     const Scalar left = (t_end - clock_.time) - clock_.carry;
     if (left == Scalar(0)) return {};
@@ -92,7 +100,8 @@ class ReversibleSteps {
     return report;
   }
 
-  /// A run starts from z at the time t. Where z is the state that it left last, it goes on, or turns round, with the density of then.
+  /// A run starts from z at the time t. Where z is the state that it left last, it goes on, or turns round,
+  /// with the density of then.
   void begin(const State& z, const Scalar& t) {
     if (!continues(z)) clock_.density = Scalar(0);
     clock_.time = t;

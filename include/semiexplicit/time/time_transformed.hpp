@@ -11,27 +11,27 @@
 
 namespace semiexplicit {
 
-/// Poincaré's transformation of time: steps of equal size in a parameter s with dt = g ds, so small where g is small and
-/// symplectic still, which steps that are chosen as one goes are not. It is a Hamiltonian in the extended phase space, of
-/// one degree of freedom more, whose coordinates are (q, t) and (p, p_t):
+/// Poincaré's transformation of time: steps of equal size in a parameter s with dt = g ds, so small where g
+/// is small and symplectic still, which steps that are chosen as one goes are not. It is a Hamiltonian in the
+/// extended phase space, of one degree of freedom more, whose coordinates are (q, t) and (p, p_t):
 ///
 ///     K = g(q, p) (H(q, p) + p_t - energy)
 ///
-/// On K = 0, where extended() starts, its orbits are those of H, and the physical time is carried by the integrator itself,
-/// to its order. K is not separable even where H is. p_t stays what it is.
+/// On K = 0, where extended() starts, its orbits are those of H, and the physical time is carried by the
+/// integrator itself, to its order. K is not separable even where H is. p_t stays what it is.
 ///
 ///     TimeTransformed K(H, monitors::Distance{}, H.energy(z.q(), z.p()));       // monitors.hpp
 ///     Semiexplicit stepper(K, schemes::low_defect8_s20());
 ///     auto Z = K.extended(z, 0.0);
-///     integrate(stepper, Z, {.dt = ds, .steps = n}, at_times(K, times, observer));   // observer(t, z) in physical time
+///     integrate(stepper, Z, {.dt = ds, .steps = n}, at_times(K, times, observer));  // physical times
 ///     z = K.point(Z);  K.time(Z);
 ///
-/// H needs its energy. `energy` is its value on the orbit; extended() takes up what it is off by. A gradient of K is one
-/// gradient and one energy of H, and g. One of dynamic size works in memory of its own: threads need a copy each, as every
-/// stepper has.
+/// H needs its energy. `energy` is its value on the orbit; extended() takes up what it is off by. A gradient
+/// of K is one gradient and one energy of H, and g. One of dynamic size works in memory of its own: threads
+/// need a copy each, as every stepper has.
 ///
-/// Source: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, 2nd ed., section VIII.2.1; carrying the time as a
-/// coordinate: S. Mikkola, Celest. Mech. Dyn. Astron. 67 (1997) 145.
+/// Source: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, 2nd ed., section VIII.2.1;
+/// carrying the time as a coordinate: S. Mikkola, Celest. Mech. Dyn. Astron. 67 (1997) 145.
 template <HasEnergy H, class G>
 requires(PositionMonitor<G, typename H::Scalar, H::Dof> ||
          PhaseMonitor<G, typename H::Scalar, H::Dof>) class TimeTransformed
@@ -51,8 +51,8 @@ requires(PositionMonitor<G, typename H::Scalar, H::Dof> ||
 
   Eigen::Index dof() const { return dof_of(hamiltonian_) + 1; }
 
-  /// The extended point of z at the time t, on K = 0. Throws std::invalid_argument where z has another size than H, or H
-  /// or g is not finite at z, or g not positive.
+  /// The extended point of z at the time t, on K = 0. Throws std::invalid_argument where z has another size
+  /// than H, or H or g is not finite at z, or g not positive.
   State extended(const Point& z, const Scalar& t) const {
     using std::isfinite;
     if (z.dof() != dof_of(hamiltonian_))

@@ -1,4 +1,5 @@
-// The smallest program that the headers must arrive for: one projected step of the pendulum H = p²/2 - cos q, there and back.
+// The smallest program that the headers must arrive for: one projected step of the pendulum H = p²/2 - cos q,
+// there and back.
 #include <cmath>
 
 #include <semiexplicit/schemes/named.hpp>

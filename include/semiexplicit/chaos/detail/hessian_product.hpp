@@ -20,13 +20,15 @@ concept HasDualGradient = Hamiltonian<H> && std::same_as<typename H::PackGradien
   h.gradient(at, at, gradient, gradient);
 };
 
-/// ∇²H(z) times columns v of 2d numbers, of length one, without the matrix: by H.hessian_times, else by duals through a gradient
-/// that is a template (HasDualGradient), both exact to rounding. Else with the matrix, where H gives it or where it is no dearer:
-/// d ≤ 4, or d columns and more. Else by central differences of the gradient along v, two calls a column.
+/// ∇²H(z) times columns v of 2d numbers, of length one, without the matrix: by H.hessian_times, else by duals
+/// through a gradient that is a template (HasDualGradient), both exact to rounding. Else with the matrix,
+/// where H gives it or where it is no dearer: d ≤ 4, or d columns and more. Else by central differences of
+/// the gradient along v, two calls a column.
 ///
-/// The shift along each column is found as those of SecondDerivatives are: from the gradients themselves, kept from call to call,
-/// looked at again every 16 calls and found anew where z has gone far. The product is off by about 1e-10 to 1e-9 of its size in double, and
-/// by (2e-16 x)^{2/3} where the column moves an angle that has wound up to x. Such a product is not that of a symmetric matrix.
+/// The shift along each column is found as those of SecondDerivatives are: from the gradients themselves,
+/// kept from call to call, looked at again every 16 calls and found anew where z has gone far. The product is
+/// off by about 1e-10 to 1e-9 of its size in double, and by (2e-16 x)^{2/3} where the column moves an angle
+/// that has wound up to x. Such a product is not that of a symmetric matrix.
 template <class H>
 class HessianProduct {
  public:
@@ -49,8 +51,8 @@ class HessianProduct {
     }
   }
 
-  /// Before the products of a step; and before a sweep over points that the step has gone over before: with other shifts the
-  /// differences' errors would be others, and an iteration would not come to rest.
+  /// Before the products of a step; and before a sweep over points that the step has gone over before: with
+  /// other shifts the differences' errors would be others, and an iteration would not come to rest.
   void begin() { search_ = true; }
   void keep_shifts() { search_ = false; }
 
@@ -84,15 +86,16 @@ class HessianProduct {
   /// The gradient at the point, after the product with the first column, where gives_gradient.
   const Vec& gradient() const { return gradient_; }
 
-  /// What products with columns that are equal but for rounding may differ by, relative to their size; of differences a bound.
+  /// What products with columns that are equal but for rounding may differ by, relative to their size; of
+  /// differences a bound.
   Scalar rounding() const {
     using std::sqrt;
     const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon();
     return exact || dense_ ? epsilon : sqrt(epsilon);
   }
 
-  /// Throws std::invalid_argument where H.hessian_times or H.hessian and differences of the gradient along v have nothing in
-  /// common, as where a type inherits them and has another gradient.
+  /// Throws std::invalid_argument where H.hessian_times or H.hessian and differences of the gradient along v
+  /// have nothing in common, as where a type inherits them and has another gradient.
   void check([[maybe_unused]] const H& h, [[maybe_unused]] const Vec& z, [[maybe_unused]] const Vec& v) {
     if constexpr (HasHessianTimes<H> || (HasHessian<H> && !exact)) {
       Vec given = z, found = z;

@@ -13,7 +13,8 @@
 
 namespace semiexplicit::detail {
 
-/// What the observers of tangent vectors share: it follows the run step by step and keeps the vectors orthonormal.
+/// What the observers of tangent vectors share: it follows the run step by step and keeps the vectors
+/// orthonormal.
 template <class Stepper>
 class TangentRun {
  public:
@@ -45,7 +46,8 @@ class TangentRun {
     if (!v.allFinite()) refuse("the vectors to start with are not independent");
   }
 
-  /// Takes in the next state; true where that was a step, which the vectors have gone along. Throws what LyapunovExponents says.
+  /// Takes in the next state; true where that was a step, which the vectors have gone along. Throws what
+  /// LyapunovExponents says.
   bool follow(const Scalar& t, const State& z, const IntegrationReport& run) {
     using Next = typename RunClock<Scalar>::Next;
     const bool equal = clock_.started() && z.vector() == previous_.vector();
@@ -71,7 +73,8 @@ class TangentRun {
     return next == Next::follows;
   }
 
-  /// Modified Gram-Schmidt; put(i, j, r) is told the upper triangle R of V = QR, column by column, the diagonal of each last.
+  /// Modified Gram-Schmidt; put(i, j, r) is told the upper triangle R of V = QR, column by column, the
+  /// diagonal of each last.
   template <class Put>
   void orthonormalise(const Put& put) {
     auto& v = tangents_.vectors();
@@ -107,8 +110,8 @@ class TangentRun {
  private:
   using Hamiltonian = std::remove_cvref_t<decltype(std::declval<const Stepper&>().hamiltonian())>;
 
-  /// The time from the previous state to z. In an extended phase space the states have it, and dt may be another variable's; what
-  /// differs by no more than a time's rounding does not differ.
+  /// The time from the previous state to z. In an extended phase space the states have it, and dt may be
+  /// another variable's; what differs by no more than a time's rounding does not differ.
   double passed(const State& z, const Scalar& dt) const {
     using std::abs;
     if constexpr (InExtendedPhaseSpace<Hamiltonian>) {

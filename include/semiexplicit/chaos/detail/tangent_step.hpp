@@ -13,7 +13,8 @@
 
 namespace semiexplicit::detail {
 
-/// to += t J product, for 2d numbers. Not inlined where they are many: g++ vectorises the loops on their own, and not within the sweep.
+/// to += t J product, for 2d numbers. Not inlined where they are many: g++ vectorises the loops on their own,
+/// and not within the sweep.
 template <class Scalar>
 SEMIEXPLICIT_NOINLINE void add_to_many(const Scalar& t, const Scalar* __restrict product,
                                        Scalar* __restrict to, Eigen::Index d) {
@@ -25,7 +26,8 @@ SEMIEXPLICIT_NOINLINE void add_to_many(const Scalar& t, const Scalar* __restrict
 template <class Scalar, int Dof>
 using Frame = Eigen::Matrix<Scalar, twice(Dof), Eigen::Dynamic>;
 
-/// The derivative of a stepper's step, applied to tangent vectors. Specialised for the steppers whose derivative is known.
+/// The derivative of a stepper's step, applied to tangent vectors. Specialised for the steppers whose
+/// derivative is known.
 template <class Stepper>
 class TangentStep {
   template <class T>
@@ -35,7 +37,8 @@ class TangentStep {
                 "and AlignmentIndex a Semiexplicit, a MidpointProjection or an ExplicitSplitting");
 };
 
-/// Of a stepper that chooses its steps: the derivative of each at its own length. dt is the time of the step here.
+/// Of a stepper that chooses its steps: the derivative of each at its own length. dt is the time of the step
+/// here.
 template <ChoosesSteps S>
 class TangentStep<S> : public TangentStep<typename S::Fixed> {
  public:
@@ -43,8 +46,8 @@ class TangentStep<S> : public TangentStep<typename S::Fixed> {
       : TangentStep<typename S::Fixed>(chooser.stepper(), columns) {}
 };
 
-/// What the doubled steps share: the kicks on two copies of a phase point and on two copies of its tangent vectors, which
-/// each kick moves by its derivative, db += t J ∇²H(a) da.
+/// What the doubled steps share: the kicks on two copies of a phase point and on two copies of its tangent
+/// vectors, which each kick moves by its derivative, db += t J ∇²H(a) da.
 template <class H>
 class DoubledTangents {
  public:
@@ -67,7 +70,8 @@ class DoubledTangents {
         w(da),
         g(da) {}
 
-  /// The copies z ± m and, with `tangents`, v ± w go through all kicks; f and g become the residuals of the projection.
+  /// The copies z ± m and, with `tangents`, v ± w go through all kicks; f and g become the residuals of the
+  /// projection.
   template <bool tangents>
   void sweep(const State& z, const Vectors& v, const Scalar& dt) {
     a = z.vector() + m;
@@ -152,10 +156,11 @@ class DoubledTangents {
   Vectors da, db, w, g;
 };
 
-/// Of the projected step: with (a', b') = sweep(z + m, z - m) and f = a' - b' + 2m = 0, a tangent vector v takes w with (da', db') =
-/// tangent sweep(v + w, v - w) and g = da' - db' + 2w = 0, and becomes (da' + db')/2: the same equation, linearised at its
-/// solution, and solved by the stepper's own solver to its own rule, so that vᵀJu is kept as the step keeps symplecticity. The
-/// simplified Newton method solves both in one go: in most steps one sweep of the point with its vectors is all.
+/// Of the projected step: with (a', b') = sweep(z + m, z - m) and f = a' - b' + 2m = 0, a tangent vector v
+/// takes w with (da', db') = tangent sweep(v + w, v - w) and g = da' - db' + 2w = 0, and becomes (da' +
+/// db')/2: the same equation, linearised at its solution, and solved by the stepper's own solver to its own
+/// rule, so that vᵀJu is kept as the step keeps symplecticity. The simplified Newton method solves both in
+/// one go: in most steps one sweep of the point with its vectors is all.
 template <class H, class Solver>
 class TangentStep<Semiexplicit<H, Solver>> {
  public:
@@ -171,7 +176,8 @@ class TangentStep<Semiexplicit<H, Solver>> {
         work_(solver_, multiplier_.size()),
         tangent_work_(solver_, stacked_.size()) {}
 
-  /// v becomes the image of its columns, which have length one, by the derivative of the step from z; untouched unless ok.
+  /// v becomes the image of its columns, which have length one, by the derivative of the step from z;
+  /// untouched unless ok.
   StepReport operator()(const State& z, Vectors& v, const Scalar& dt) {
     StepReport report{.status = copies_.check(z, dt)};
     if (!report.ok()) return report;
@@ -219,7 +225,8 @@ class TangentStep<Semiexplicit<H, Solver>> {
       if (!settled) settled = orbit.done(norm(copies_.f) / 4, size_m, sizes(z));
       if (tangent.done(norm(copies_.g.reshaped()) / 4, size_w, tangent_sizes(v)) && settled) break;
       if (settled && !orbit.report().ok()) break;
-      // The point rests once it is found: with it rest the rounding errors of differences, and the equation of w is linear.
+      // The point rests once it is found: with it rest the rounding errors of differences, and the equation
+      // of w is linear.
       if (!settled) copies_.m -= copies_.f / 4;
       copies_.w -= copies_.g / 4;
       size_m = norm(copies_.m);

@@ -15,9 +15,10 @@ enum class Summation {
   plain         ///< rounded every step: a little faster for small systems, the errors of long runs are larger
 };
 
-/// Adds increments to a state with compensated (Kahan's) summation: what rounding cuts off in one step is carried into the
-/// next, so that the sum over a long run has the error of about one rounding instead of one a step. Holds two vectors of
-/// length 2d. The carry belongs to the point that the last update() made; any other point starts without one.
+/// Adds increments to a state with compensated (Kahan's) summation: what rounding cuts off in one step is
+/// carried into the next, so that the sum over a long run has the error of about one rounding instead of one
+/// a step. Holds two vectors of length 2d. The carry belongs to the point that the last update() made; any
+/// other point starts without one.
 template <class Scalar, int Dof>
 class CompensatedUpdate {
  public:

@@ -12,8 +12,8 @@
 
 namespace semiexplicit::detail {
 
-/// What the projections share: one step of the doubled system from a common point z, and the move of z to the mean of
-/// the copies. Three vectors of length 2d, and three more where they do not fit on the stack.
+/// What the projections share: one step of the doubled system from a common point z, and the move of z to the
+/// mean of the copies. Three vectors of length 2d, and three more where they do not fit on the stack.
 template <class H>
 class DoubledStep {
  public:
@@ -26,12 +26,12 @@ class DoubledStep {
       : DoubledStep(std::move(hamiltonian), std::move(scheme), summation, Checked{}) {
     scheme_.check();
   }
-  /// The same with another Hamiltonian, and no memory of earlier steps. The scheme is not checked again, which takes longer than many
-  /// steps.
+  /// The same with another Hamiltonian, and no memory of earlier steps. The scheme is not checked again,
+  /// which takes longer than many steps.
   DoubledStep with(H hamiltonian) const { return {std::move(hamiltonian), scheme_, summation_, Checked{}}; }
 
-  /// Whether a step of size dt can start from z: Status::success if so. Costs nothing: a state that is not finite shows
-  /// in the result, and diagnose() tells it from a gradient that is not.
+  /// Whether a step of size dt can start from z: Status::success if so. Costs nothing: a state that is not
+  /// finite shows in the result, and diagnose() tells it from a gradient that is not.
   Status check(const State& z, const Scalar& dt) const {
     return status_at_start(dt, !scheme_.b.empty(), z.vector().size() == moved_.size());
   }
@@ -93,8 +93,9 @@ class DoubledStep {
   }
 
  private:
-  /// In vectors longer than this (bytes) a kick costs what it moves through memory, and keeping the sum up to date in each
-  /// would be a third of that. What the copies moved is taken from them at the end then, with their rounding errors.
+  /// In vectors longer than this (bytes) a kick costs what it moves through memory, and keeping the sum up to
+  /// date in each would be a third of that. What the copies moved is taken from them at the end then, with
+  /// their rounding errors.
   static constexpr std::size_t long_vector = std::size_t{1} << 20;
   struct Checked {};
   DoubledStep(H hamiltonian, Scheme<Scalar> scheme, Summation summation, Checked)

@@ -10,8 +10,8 @@
 
 namespace semiexplicit::detail {
 
-/// What the explicit maps of the doubled space share: H, the scheme, and copies on which a step is tried before it counts. Three
-/// vectors of length 2d.
+/// What the explicit maps of the doubled space share: H, the scheme, and copies on which a step is tried
+/// before it counts. Three vectors of length 2d.
 template <class H>
 class ExplicitMap {
  public:
@@ -29,8 +29,8 @@ class ExplicitMap {
     scheme.check();
   }
 
-  /// Moves zeta by run(a, b, gradient, d), which works on arrays of 2d numbers, or of registers that hold them; only a finite
-  /// result becomes the new state.
+  /// Moves zeta by run(a, b, gradient, d), which works on arrays of 2d numbers, or of registers that hold
+  /// them; only a finite result becomes the new state.
   template <class Run>
   StepReport step(State& zeta, const Scalar& dt, std::int64_t gradients, const Run& run) {
     const bool fits = zeta.a.vector().size() == a.size() && zeta.b.vector().size() == b.size();

@@ -9,8 +9,8 @@
 
 namespace semiexplicit::detail {
 
-/// Calls f(i) for every i < n. With a small constant for n there is no loop, and what f indexes can stay in registers; from 5
-/// on compilers do better with a loop, which they vectorise.
+/// Calls f(i) for every i < n. With a small constant for n there is no loop, and what f indexes can stay in
+/// registers; from 5 on compilers do better with a loop, which they vectorise.
 template <class F>
 SEMIEXPLICIT_INLINE void for_each_index(Eigen::Index n, const F& f) {
   for (Eigen::Index i = 0; i < n; ++i) f(i);
@@ -23,7 +23,8 @@ SEMIEXPLICIT_INLINE void for_each_index(std::integral_constant<int, N>, const F&
   (std::make_integer_sequence<int, N>());
   else for (Eigen::Index i = 0; i < N; ++i) f(i);
 }
-/// Whether a number of degrees of freedom is a constant, and so small that a loop over it gains nothing by vectors.
+/// Whether a number of degrees of freedom is a constant, and so small that a loop over it gains nothing by
+/// vectors.
 template <class Size>
 inline constexpr bool is_small_constant = false;
 template <int D>

@@ -20,7 +20,8 @@ namespace semiexplicit {
 
 /// How GaussLegendre finds its stages.
 enum class StageSolver {
-  fixed_point,  ///< each stage from the newest values of the others: no derivatives, O(s² d) work an iteration
+  fixed_point,  ///< each stage from the newest values of the others: no derivatives, O(s² d) work an
+                ///< iteration
   newton        ///< full Newton with a dense 2ds × 2ds matrix each iteration: for small problems
 };
 
@@ -46,13 +47,14 @@ struct GaussLegendreOptions {
 
 namespace detail {
 
-/// What the Gauss-Legendre steppers have in common: everything but the stages. A Stepper derives from it, befriends it, and has
+/// What the Gauss-Legendre steppers have in common: everything but the stages. A Stepper derives from it,
+/// befriends it, and has
 ///
 ///     Eigen::Index size() const;                 // 2d, or 0 where the stages were moved from
 ///     void scale_weights(const Scalar& dt);      // dt a_ij, for another dt than before
-///     Status solve(const State& z, bool extrapolate, StepReport& report);  // first values of the stages, then iterate()
+///     Status solve(const State& z, bool extrapolate, StepReport& report);  // then iterate()
 ///     Scalar increment(Eigen::Index i, const Scalar& dt) const;            // dt Σ_j b_j X_ji
-///     void visit_stages(Visitor& visit);         // the gradients, from which the next step's stages are extrapolated
+///     void visit_stages(Visitor& visit);  // the gradients, which the next stages are extrapolated from
 template <class Stepper, class H>
 class GaussShell {
  public:
@@ -60,8 +62,8 @@ class GaussShell {
   static constexpr int Dof = HamiltonianDoor<H>::Dof;
   using State = PhasePoint<Scalar, Dof>;
 
-  /// One step of size dt, which may be negative; z is untouched unless the report is ok(). `evaluations` are iterations,
-  /// `correction` is the sum of the absolute values of what they last changed in the stages.
+  /// One step of size dt, which may be negative; z is untouched unless the report is ok(). `evaluations` are
+  /// iterations, `correction` is the sum of the absolute values of what they last changed in the stages.
   StepReport step(State& z, const Scalar& dt) {
     Stepper& stages = static_cast<Stepper&>(*this);
     StepReport report{.status = status_at_start(dt, stages.size() != 0, z.vector().size() == stages.size())};
@@ -117,9 +119,9 @@ class GaussShell {
                                   ": max_iterations must be 1 or more, and tolerance 0 or more and finite");
   }
 
-  /// Repeats sweep(), which returns the sum of the absolute values of what it changed in the stages' displacements from z, until
-  /// that is zero, within the tolerance, or but the rounding of z and the displacements. displaced() is the sum of their
-  /// absolute values.
+  /// Repeats sweep(), which returns the sum of the absolute values of what it changed in the stages'
+  /// displacements from z, until that is zero, within the tolerance, or but the rounding of z and the
+  /// displacements. displaced() is the sum of their absolute values.
   template <class Sweep, class Displaced>
   Status iterate(const State& z, StepReport& report, const Sweep& sweep, const Displaced& displaced) const {
     using std::isfinite;
@@ -130,7 +132,8 @@ class GaussShell {
     for (;;) {
       const Scalar change = sweep();
       ++report.evaluations;
-      // The first fixed-point sweep only evaluates the gradients at the starting values: a change is yet to be seen.
+      // The first fixed-point sweep only evaluates the gradients at the starting values: a change is yet to
+      // be seen.
       if (report.evaluations > 1 || options_.solver == StageSolver::newton) {
         report.correction = static_cast<double>(change);
         if (previous > Scalar(0)) report.rate = static_cast<double>(change / previous);
@@ -138,7 +141,8 @@ class GaussShell {
         if (change == Scalar(0) || change < Scalar(options_.tolerance)) return Status::success;
         since_least = change < least ? 0 : since_least + 1;
         if (change < least) least = change;
-        // The rounding of a late time may be far above that of the state: believed where nothing improves any more.
+        // The rounding of a late time may be far above that of the state: believed where nothing improves any
+        // more.
         const bool grows = previous > Scalar(0) && change >= previous;
         const bool stuck = InExtendedPhaseSpace<H> && since_least >= 8;
         if ((grows && change <= 100 * epsilon * (size + displaced())) ||

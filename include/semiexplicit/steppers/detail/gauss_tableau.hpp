@@ -11,11 +11,13 @@
 
 namespace semiexplicit {
 
-/// The coefficients of the Gauss-Legendre collocation method with s stages (order 2s), computed to the accuracy of Scalar.
+/// The coefficients of the Gauss-Legendre collocation method with s stages (order 2s), computed to the
+/// accuracy of Scalar.
 ///
-/// Source: Hairer, Lubich, Wanner, Geometric Numerical Integration, II.1.3. The a_ij are kept as m_ij = a_ij / b_j with
-/// m_ij + m_ji = 1, which holds exactly in floating point then: the condition of symplecticity b_i a_ij + b_j a_ji = b_i b_j
-/// survives the rounding of the coefficients (Antoñana, Makazaga, Murua, Numer. Algorithms 76 (2017) 861).
+/// Source: Hairer, Lubich, Wanner, Geometric Numerical Integration, II.1.3. The a_ij are kept as m_ij = a_ij
+/// / b_j with m_ij + m_ji = 1, which holds exactly in floating point then: the condition of symplecticity b_i
+/// a_ij + b_j a_ji = b_i b_j survives the rounding of the coefficients (Antoñana, Makazaga, Murua, Numer.
+/// Algorithms 76 (2017) 861).
 template <class Scalar>
 struct GaussTableau {
   using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
@@ -65,7 +67,8 @@ struct GaussTableau {
   struct Root {
     Scalar root, slope;
   };
-  /// The i-th largest root of the Legendre polynomial of degree n, and the slope there: Newton from the usual cosine.
+  /// The i-th largest root of the Legendre polynomial of degree n, and the slope there: Newton from the usual
+  /// cosine.
   static Root legendre_root(int n, int i) {
     using std::abs;
     Scalar x = static_cast<Scalar>(std::cos(3.14159265358979323846 * (i + 0.75) / (n + 0.5)));

@@ -15,8 +15,8 @@
 
 namespace semiexplicit::detail {
 
-/// x, which clang++ cannot see through where Size is a small constant: it would pack the few numbers of a kick into registers,
-/// and spend more on the shuffles between one kick and the next than it gains.
+/// x, which clang++ cannot see through where Size is a small constant: it would pack the few numbers of a
+/// kick into registers, and spend more on the shuffles between one kick and the next than it gains.
 template <class Size, class Number>
 SEMIEXPLICIT_INLINE Number apart(Number x) {
 #if defined(__clang__) && defined(__x86_64__)
@@ -26,9 +26,10 @@ SEMIEXPLICIT_INLINE Number apart(Number x) {
   return x;
 }
 
-/// to += t X, and likewise the sums, in `size` places, where X = (∂H/∂p, -∂H/∂q) and momenta lie d places after positions.
-/// Plain loops over raw pointers: compilers vectorise these, and not the equivalent Eigen expression on the halves of a
-/// vector of odd fixed size. Each sum is one expression, which clang++ makes one fused operation where there are some.
+/// to += t X, and likewise the sums, in `size` places, where X = (∂H/∂p, -∂H/∂q) and momenta lie d places
+/// after positions. Plain loops over raw pointers: compilers vectorise these, and not the equivalent Eigen
+/// expression on the halves of a vector of odd fixed size. Each sum is one expression, which clang++ makes
+/// one fused operation where there are some.
 template <class Scalar, class Number, class Size, class... Sum>
 SEMIEXPLICIT_INLINE void add_halves(const Scalar& t, const Number* __restrict dHdq,
                                     const Number* __restrict dHdp, Number* __restrict to, Size size,
@@ -59,8 +60,8 @@ SEMIEXPLICIT_NOINLINE void add_many(const Scalar& t, const Number* gradient, Num
   });
 }
 
-/// The gradient at a phase point of 2d numbers: those of H, or packs of them (HasPackGradient), or the registers of
-/// HasLaneGradient.
+/// The gradient at a phase point of 2d numbers: those of H, or packs of them (HasPackGradient), or the
+/// registers of HasLaneGradient.
 template <class H, class Number>
 SEMIEXPLICIT_INLINE SEMIEXPLICIT_INLINE_CALLS void gradient_on(const H& hamiltonian, const Number* at,
                                                                Number* gradient, Eigen::Index d) {
@@ -75,11 +76,12 @@ SEMIEXPLICIT_INLINE SEMIEXPLICIT_INLINE_CALLS void gradient_on(const H& hamilton
   }
 }
 
-/// So many sites of a large system stay in the cache together; all steppers kick the same blocks, whose numbers then have the same bits.
+/// So many sites of a large system stay in the cache together; all steppers kick the same blocks, whose
+/// numbers then have the same bits.
 inline constexpr Eigen::Index kick_block = 64;
 
-/// A kick of the blocks of a large system from `begin` to `end`. Not inlined: g++ vectorises the loops on their own, and not within
-/// the sweep. `gradient` is work space for one block.
+/// A kick of the blocks of a large system from `begin` to `end`. Not inlined: g++ vectorises the loops on
+/// their own, and not within the sweep. `gradient` is work space for one block.
 template <class H, class Scalar, class... Sum>
 SEMIEXPLICIT_NOINLINE void kick_blocks(const H& hamiltonian, const Scalar& t, const Scalar* __restrict from,
                                        Scalar* __restrict to, Scalar* __restrict gradient, Eigen::Index begin,
@@ -91,7 +93,8 @@ SEMIEXPLICIT_NOINLINE void kick_blocks(const H& hamiltonian, const Scalar& t, co
   }
 }
 
-/// The same of all, by threads. (Measured: from so many sites on they gain, where a site reads two neighbours.)
+/// The same of all, by threads. (Measured: from so many sites on they gain, where a site reads two
+/// neighbours.)
 template <class H, class Scalar, class... Sum>
 void kick_in_blocks(const H& hamiltonian, const Scalar& t, const Scalar* from, Scalar* to, Scalar* gradient,
                     Eigen::Index d, Sum*... sum) {
@@ -102,7 +105,8 @@ void kick_in_blocks(const H& hamiltonian, const Scalar& t, const Scalar* from, S
   });
 }
 
-/// One kick of the doubled system: `to`, and the sums, move by t X(from). `gradient` is work space, 2d numbers.
+/// One kick of the doubled system: `to`, and the sums, move by t X(from). `gradient` is work space, 2d
+/// numbers.
 template <class H, class Scalar, class Number, class Size, class... Sum>
 SEMIEXPLICIT_INLINE void kick(const H& hamiltonian, const Scalar& t, const Number* from, Number* to,
                               Number* gradient, Size d, Sum*... sum) {
@@ -114,8 +118,8 @@ SEMIEXPLICIT_INLINE void kick(const H& hamiltonian, const Scalar& t, const Numbe
   add(t, gradient, to, d, d, sum...);
 }
 
-/// All kicks of a step on two copies of a phase point. A is the exact flow of H(q, y) and B that of H(x, p): with a = (q, y)
-/// and b = (x, p), each moves one copy along the vector field at the other, which rests.
+/// All kicks of a step on two copies of a phase point. A is the exact flow of H(q, y) and B that of H(x, p):
+/// with a = (q, y) and b = (x, p), each moves one copy along the vector field at the other, which rests.
 template <class H, class Scalar, class Number, class Size, class... Sum>
 SEMIEXPLICIT_INLINE void kicks(const H& hamiltonian, const Scheme<Scalar>& scheme, const Scalar& dt,
                                Number* a, Number* b, Number* gradient, Size d, Sum*... sum) {
@@ -124,8 +128,9 @@ SEMIEXPLICIT_INLINE void kicks(const H& hamiltonian, const Scheme<Scalar>& schem
       [&](const Scalar& t) { kick(hamiltonian, t, b, a, gradient, d, sum...); });
 }
 
-/// What a step does before and after all kicks, on the numbers from `begin` to `end`: a = z + m and b = z - m, m being null for 0, and the
-/// residual f = a - b + 2m with `moved`, which is the sum of the increments, or found from the copies.
+/// What a step does before and after all kicks, on the numbers from `begin` to `end`: a = z + m and b = z -
+/// m, m being null for 0, and the residual f = a - b + 2m with `moved`, which is the sum of the increments,
+/// or found from the copies.
 template <class Number>
 struct ProjectionEnds {
   const Number *z, *m;
@@ -158,7 +163,8 @@ struct ProjectionEnds {
   }
 };
 
-/// projection_residual() of a large system with near neighbours only, block by block through all kicks; the same operations.
+/// projection_residual() of a large system with near neighbours only, block by block through all kicks; the
+/// same operations.
 template <class H, class Scalar, class... Sum>
 SEMIEXPLICIT_NOINLINE void projection_in_waves(const H& hamiltonian, const Scheme<Scalar>& scheme,
                                                const Scalar& dt, const ProjectionEnds<Scalar>& ends,
@@ -183,9 +189,9 @@ SEMIEXPLICIT_NOINLINE void projection_in_waves(const H& hamiltonian, const Schem
   });
 }
 
-/// The residual of the projection: all kicks from a = z + m, b = z - m (m = 0 where none is given); f becomes a - b + 2m, and
-/// `moved` what both copies moved together. With `summed` that is summed apart from the copies and has the rounding errors of
-/// the increments, else it has those of the copies.
+/// The residual of the projection: all kicks from a = z + m, b = z - m (m = 0 where none is given); f becomes
+/// a - b + 2m, and `moved` what both copies moved together. With `summed` that is summed apart from the
+/// copies and has the rounding errors of the increments, else it has those of the copies.
 template <class H, class Scalar, class Number, class Size>
 SEMIEXPLICIT_INLINE void projection_residual(const H& hamiltonian, const Scheme<Scalar>& scheme,
                                              const Scalar& dt, bool summed, const Number* z, const Number* m,

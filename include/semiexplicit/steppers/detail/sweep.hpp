@@ -7,7 +7,8 @@
 
 namespace semiexplicit::detail {
 
-/// The flows of a scheme in their order, A(a₀dt) B(b₀dt) A(a₁dt) ..., where A(t) and B(t) move what they work on by a time t.
+/// The flows of a scheme in their order, A(a₀dt) B(b₀dt) A(a₁dt) ..., where A(t) and B(t) move what they work
+/// on by a time t.
 template <class Scalar, class A, class B>
 SEMIEXPLICIT_INLINE void sweep(const Scheme<Scalar>& scheme, const Scalar& dt, const A& a, const B& b) {
   const std::size_t n = scheme.b.size();

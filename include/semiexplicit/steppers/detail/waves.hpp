@@ -6,9 +6,10 @@
 
 namespace semiexplicit::detail {
 
-/// A part of the table of stages and tiles, in an order in which each comes after the stage before it in the same tile and its
-/// neighbours, and before the stage after that in these. So the latest stages are near each other in memory, however many tiles
-/// there are. At an inner end of the part every stage has one tile less than the one before, for its neighbour is not there.
+/// A part of the table of stages and tiles, in an order in which each comes after the stage before it in the
+/// same tile and its neighbours, and before the stage after that in these. So the latest stages are near each
+/// other in memory, however many tiles there are. At an inner end of the part every stage has one tile less
+/// than the one before, for its neighbour is not there.
 template <class Stage>
 void wave(Eigen::Index stages, Eigen::Index first, Eigen::Index last, bool inner_first, bool inner_last,
           const Stage& stage) {
@@ -32,8 +33,8 @@ struct Waves {
   Eigen::Index tile = 0;  ///< sites, a multiple of `block`; 0: kick after kick of the whole system is as fast
   Eigen::Index threads = 1;
 
-  /// Large tiles are for the memory, small ones for threads that are alone at the inner ends of their parts. (Measured: NLS
-  /// lattice, 27 kicks.)
+  /// Large tiles are for the memory, small ones for threads that are alone at the inner ends of their parts.
+  /// (Measured: NLS lattice, 27 kicks.)
   Waves(Eigen::Index sites, Eigen::Index stages, Eigen::Index block) {
     constexpr Eigen::Index beyond_cache = 1 << 17, most = 8;
     const Eigen::Index least = block * 4 * stages;  // sites of a thread
@@ -50,9 +51,10 @@ struct Waves {
   bool pay() const { return tile > 0; }
 };
 
-/// stage(s, begin, end) for every s < stages, and every tile of the sites. Each may read what lies in the tile and its neighbours as
-/// stage s - 1 left it there, and write to the tile what stages s - 2 and s - 1 read. By threads, each has a part of the tiles in
-/// whose inner ends the later stages are missing; these are made up when all have come so far.
+/// stage(s, begin, end) for every s < stages, and every tile of the sites. Each may read what lies in the
+/// tile and its neighbours as stage s - 1 left it there, and write to the tile what stages s - 2 and s - 1
+/// read. By threads, each has a part of the tiles in whose inner ends the later stages are missing; these are
+/// made up when all have come so far.
 template <class Stage>
 void in_waves(const Waves& waves, Eigen::Index stages, Eigen::Index sites, const Stage& stage) {
   const Eigen::Index tile = waves.tile, tiles = (sites + tile - 1) / tile, threads = waves.threads;

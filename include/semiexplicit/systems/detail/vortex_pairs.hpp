@@ -6,19 +6,22 @@
 #include <semiexplicit/core/lanes.hpp>
 #include <semiexplicit/core/threads.hpp>
 
-/// The sums over all pairs of vortices, which are nearly all of the time that a vortex code takes: with rᵢ the positions,
+/// The sums over all pairs of vortices, which are nearly all of the time that a vortex code takes: with rᵢ
+/// the positions,
 ///
 ///     sum_x[i] = Σ_{j≠i} Γⱼ (xᵢ - xⱼ)/‖rᵢ - rⱼ‖²,   and sum_y likewise.
 namespace semiexplicit::systems::detail {
 
-/// Circulations, and the factors that make positions of canonical coordinates: xᵢ = x_per_q[i] q[i], yᵢ = y_per_p[i] p[i].
+/// Circulations, and the factors that make positions of canonical coordinates: xᵢ = x_per_q[i] q[i], yᵢ =
+/// y_per_p[i] p[i].
 template <class Scalar>
 struct VortexScales {
   const Scalar *gamma, *x_per_q, *y_per_p;
 };
 
-/// 1/s. On AVX-512 registers the processor's estimate of 14 bits, whose error e = 1 - s r is then taken down to e⁴: dividing
-/// registers would take as long as all the rest of a pair. Lanes outside of `wanted` get zero.
+/// 1/s. On AVX-512 registers the processor's estimate of 14 bits, whose error e = 1 - s r is then taken down
+/// to e⁴: dividing registers would take as long as all the rest of a pair. Lanes outside of `wanted` get
+/// zero.
 #ifdef SEMIEXPLICIT_HAS_LANES
 inline Lanes reciprocal(const Lanes& s, __mmask8 wanted = 0xff) {
   const Lanes r = _mm512_maskz_rcp14_pd(wanted, s);
@@ -40,8 +43,8 @@ T reciprocal(const T& s) {
     return T(1) / s;
 }
 
-/// Each pair once: half the divisions. vortices::Pairs, which adds to what is there, keeps its own loop over pairs: with one
-/// for both either packs take 1.25 times as long or scenes 1.5 times.
+/// Each pair once: half the divisions. vortices::Pairs, which adds to what is there, keeps its own loop over
+/// pairs: with one for both either packs take 1.25 times as long or scenes 1.5 times.
 template <class T, class Scalar>
 void add_each_pair(Eigen::Index n, const VortexScales<Scalar>& of, const T* __restrict q,
                    const T* __restrict p, T* __restrict sum_x, T* __restrict sum_y) {
@@ -134,7 +137,8 @@ void sum_vortex_pairs(const VortexScales<double>& of, const Lanes* q, const Lane
     _mm512_store_pd(x + 8 * k, block[k].x);
     _mm512_store_pd(y + 8 * k, block[k].y);
   }
-  // One or two vortices beyond a full block get from it by reaction what would take ten evaluations of a nearly empty one.
+  // One or two vortices beyond a full block get from it by reaction what would take ten evaluations of a
+  // nearly empty one.
   constexpr bool few_left = N == 9 || N == 10;
   if constexpr (few_left) {
     Lanes reaction_x[2] = {}, reaction_y[2] = {};

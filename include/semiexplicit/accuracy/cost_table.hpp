@@ -249,9 +249,11 @@ SEMIEXPLICIT_COLD inline std::ostream& operator<<(std::ostream& out, const CostT
       << std::to_string(cost.windows) << " windows, " << in_words(cost.window_time / cost.time_scale, 2)
       << " characteristic times of " << in_words(cost.time_scale, 3) << ".\n";
   if (cost.invariant)
-    out << "An invariant: the error is taken to stay bounded, but for rounding and unfinished solves; times "
+    out << "An invariant: a symplectic method is taken to keep the energy within bounds, any other error "
+           "grows with "
+           "the time\nas it was seen to; times "
         << in_words(cost.growth, 2)
-        << "\nfor what lies beyond a coarse run to t = " << in_words(cost.pilot_time, 3)
+        << " for what lies beyond a coarse run to t = " << in_words(cost.pilot_time, 3)
         << ", whose hardest stretches are among the windows.\n";
   else
     out << "No invariant: compared with a run that is known to " << figure(cost.reference_error, 1, 0, true)

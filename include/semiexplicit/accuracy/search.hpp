@@ -132,8 +132,10 @@ class Search {
     if (trial_time_ >= table_.time) {
       windows_ = {{problem_.z0, table_.time, true}};
     } else {
-      const double each = trial_time_ / window_count;
-      windows_.push_back({problem_.z0, each, true});
+      // What need not be bounded is followed for longer.
+      const bool energy = options().observable.is_energy();
+      const double each = trial_time_ / window_count / (energy ? 1 : 2);
+      windows_.push_back({problem_.z0, energy ? each : trial_time_ / 2, true});
       const auto& all = pilot_.places.all();
       for (std::size_t i = 1; i <= 2; ++i) windows_.push_back({all[all.size() * i / 3].start, each, true});
       for (std::size_t i = 0; i < 5 && i < pilot_.places.count(); ++i)
@@ -159,7 +161,6 @@ class Search {
             ? reference_.compare(problem_, setting, confirming ? 1 : trial_time_ / reference_.length())
             : try_on_windows(problem_, setting, confirming ? confirming_windows(rate) : windows_,
                              pilot_.hopeless, false);
-    if (!confirming) result.trend = 0;  // too short to tell a trend from a slow motion
     exhausted_ = exhausted_ || result.cut;
     return result;
   }
@@ -173,23 +174,27 @@ class Search {
   SEMIEXPLICIT_COLD Estimate estimate(const Candidate& candidate, const Probe& probe, double dt) const {
     const double T = table_.time;
     const bool explicit_ = candidate.setting.method == Setting::Method::midpoint;
-    if (table_.invariant)
-      return {probe.range * probe.spread * pilot_.places.growth(candidate.order, T / table_.pilot_time),
-              (explicit_ ? std::max(probe.drift, probe.trend) : probe.drift) * T, problem_.rounding(dt),
-              false};
-    const double ratio = probe.early > 0 ? probe.late / probe.early : 1;
-    double step = std::max(probe.early, probe.late);
-    if (probe.length < 0.999 * T) {
-      // In t² grows what a method that is not symplectic makes; of another only a long trial is believed that.
-      const bool squared = ratio > 2.8 && (explicit_ || probe.length > 0.05 * T);
-      if (table_.parting_rate > 0 || ratio > 1.4)
-        step = beyond(step, probe.length, squared ? 2 : 1);
-      else
-        step += std::max(0.0, probe.late - probe.early) * 2 / probe.length * (T - probe.length);
-    }
+    const bool energy = options().observable.is_energy();
+    const double hard =
+        probe.range * probe.spread * pilot_.places.growth(candidate.order, T / table_.pilot_time);
+    // A symplectic method keeps the energy within bounds. The trials of another are too short to tell its drift.
+    const double grown = !energy || (explicit_ && probe.confirmed) ? at_the_end(probe, explicit_) : 0;
     // The energy that drifts takes the frequencies along.
-    const double drift = explicit_ ? 0.1 * probe.drift * T * T / (2 * table_.time_scale) : 0;
-    return {step, drift, table_.reference_error, step > 1.2 * probe.late || ratio > 1.4};
+    const double drift = table_.invariant ? probe.drift * T
+                         : explicit_      ? 0.1 * probe.drift * T * T / (2 * table_.time_scale)
+                                          : 0;
+    return {std::max(hard, grown), drift, table_.invariant ? problem_.rounding(dt) : table_.reference_error,
+            grown > std::max(hard, 1.2 * std::max(probe.early, probe.late))};
+  }
+  /// What an error that was seen to grow from z0 on, or not, comes to at T.
+  SEMIEXPLICIT_COLD double at_the_end(const Probe& probe, bool explicit_) const {
+    const double seen = std::max(probe.early, probe.late), T = table_.time;
+    if (probe.length >= 0.999 * T) return seen;
+    const double ratio = probe.early > 0 ? probe.late / probe.early : 1;
+    // In t² grows what a method that is not symplectic makes; of another only a long trial is believed that.
+    const bool squared = ratio > 2.8 && (explicit_ || probe.length > 0.05 * T);
+    if (table_.parting_rate > 0 || ratio > 1.4) return beyond(seen, probe.length, squared ? 2 : 1);
+    return seen + std::max(0.0, probe.late - probe.early) * 2 / probe.length * (T - probe.length);
   }
   double error(const Candidate& candidate, const Probe& probe, double dt) const {
     return estimate(candidate, probe, dt).sum();
@@ -424,7 +429,6 @@ class Search {
       seen.evaluations = std::max(seen.evaluations, again.evaluations);
     }
     seen.drift = std::max(seen.drift, again.drift);
-    seen.trend = again.trend;
   }
 
   /// Processor time of a gradient call in this method, its share of the step included: measured.

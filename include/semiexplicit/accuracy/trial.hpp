@@ -24,12 +24,11 @@ struct Probe {
   double range = 0;   ///< of an invariant: the largest of all windows, in its unit
   double spread = 1;  ///< how much the ranges differ among the hard windows, as a factor
   double early = 0,
-         late = 0;         ///< of any other: largest error in the first half of the trial, and in the second
+         late = 0;         ///< largest error in the first half of the trial from z0, and in the second
   double length = 0;       ///< of that trial
   double rate = 0;         ///< gradient calls a unit of time, in typical windows
   double evaluations = 0;  ///< a step, likewise
   double drift = 0;        ///< relative error a unit of time that unfinished solves may add up to
-  double trend = 0;  ///< of an invariant: by how much a unit of time its range was seen to grow from z0 on
   bool confirmed = false;  ///< on more of the run than the others
   bool cut = false;        ///< the calls ended before the trial
   bool works() const { return status == Status::success && !cut; }
@@ -140,8 +139,10 @@ SEMIEXPLICIT_COLD Probe try_on_windows(Problem<Any>& problem, const Setting& set
       invariant.add(z);
       if (2 * n < steps) half = invariant.range();
     }
-    if (&window == &windows.front() && invariant.range() > 1.25 * half)
-      result.trend = (invariant.range() - half) * 2 / window.length;
+    if (&window == &windows.front()) {
+      result.early = half, result.late = invariant.range();
+      result.length = static_cast<double>(steps) * setting.dt;
+    }
     if (!window.typical) hard.push_back(invariant.range());
     if (!(invariant.range() <= result.range)) result.range = invariant.range();
     if (!(result.range <= hopeless)) {

@@ -1,0 +1,80 @@
+// What lies beyond the trials: slow drift, hard places that come back, and errors that are rounding. Advice is judged by closed
+// forms over the whole time.
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <string>
+
+#include <semiexplicit/accuracy.hpp>
+
+#include "catch.hpp"
+
+namespace test_long_advice {
+
+using namespace semiexplicit;
+
+namespace {
+
+/// p²/2 - 1/r: separable.
+struct Kepler {
+  using Scalar = double;
+  static constexpr int Dof = 2;
+  static constexpr bool separable = true;
+  using SeparableGradientOf = Kepler;
+  double energy(In<double, 2> q, In<double, 2> p) const { return p.squaredNorm() / 2 - 1 / q.norm(); }
+  void position_gradient(In<double, 2> q, Out<double, 2> half) const { half = q / std::pow(q.norm(), 3); }
+  void momentum_gradient(In<double, 2> p, Out<double, 2> half) const { half = p; }
+  void gradient(In<double, 2> q, In<double, 2> p, Out<double, 2> dHdq, Out<double, 2> dHdp) const {
+    position_gradient(q, dHdq);
+    momentum_gradient(p, dHdp);
+  }
+};
+PhasePoint<double, 2> at_periapsis(double e) { return {{1 - e, 0}, {0, std::sqrt((1 + e) / (1 - e))}}; }
+
+Eigen::Vector2d eccentricity(const auto& q, const auto& p) {
+  const double turn = q[0] * p[1] - q[1] * p[0], r = q.norm();
+  return {p[1] * turn - q[0] / r, -p[0] * turn - q[1] / r};
+}
+
+/// The largest error of a run that is advised for Kepler's motion: f against exact(t), relative to the largest of the latter.
+template <class Cost, class F, class Exact>
+double reached(const Cost& cost, const CostRow& advice, PhasePoint<double, 2> z, const F& f,
+               const Exact& exact) {
+  double worst = 0, size = 0;
+  cost.run(z, advice, [&](double t, const auto& now) {
+    const Eigen::Vector2d value = exact(t);
+    worst = std::max(worst, (f(now.q(), now.p()) - value).norm());
+    size = std::max(size, value.norm());
+  });
+  return worst / size;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "advice on a constant that every method lets drift is right: the direction of a planet's periapsis") {
+  const auto vector = [](const auto& q, const auto& p) { return eccentricity(q, p); };
+  const auto angle = [](const auto& q, const auto& p) {
+    const Eigen::Vector2d e = eccentricity(q, p);
+    return Eigen::Vector2d(3 + std::atan2(e[1], e[0]), 0);
+  };
+  const auto check = [](double e, double T, double target, const auto& f) {
+    CAPTURE(e, T, target);
+    const PhasePoint<double, 2> z0 = at_periapsis(e);
+    const auto cost = cost_of_accuracy(Kepler(), z0, T, {.observable = f, .targets = {target}});
+    CHECK(cost.invariant);
+    const auto advice = cost.cheapest(target);
+    REQUIRE(advice);
+    CHECK(advice->limit == LimitedBy::growth);
+    const Eigen::Vector2d first = f(z0.q(), z0.p());
+    const double error = reached(cost, *advice, z0, f, [&](double) { return first; });
+    CHECK(error <= 3 * target);
+    CHECK(error >= target / 30);
+  };
+  check(0.6, 1e3, 1e-4, vector);
+  check(0.6, 1e4, 1e-4, vector);
+  check(0.2, 1e4, 1e-6, vector);
+  check(0.6, 1e4, 1e-5, angle);
+}
+
+}  // namespace test_long_advice

@@ -77,4 +77,49 @@ TEST_CASE(
   check(0.6, 1e4, 1e-5, angle);
 }
 
+TEST_CASE("an energy that rounding hides beside its terms does not end the orbit: an inverted oscillator") {
+  const auto inverted = make_hamiltonian<double, 1>(
+      [](const auto& q, const auto& p) { return (p[0] * p[0] - q[0] * q[0]) / 2; },
+      [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) { dHdq = -q, dHdp = p; });
+  const PhasePoint<double, 1> z0(1, 0.5);
+  for (const double T : {25.0, 60.0}) {
+    CAPTURE(T);
+    const auto cost =
+        cost_of_accuracy(inverted, z0, T, {.observable = observables::Coordinate{0}, .targets = {1e-3}});
+    INFO(cost.why(1e-3));
+    const auto advice = cost.cheapest(1e-3);
+    REQUIRE(advice);
+    auto z = z0;
+    double worst = 0;
+    cost.run(z, *advice, [&](double t, const auto& now) {
+      worst = std::max(worst, std::abs(now.q()[0] - std::cosh(t) - 0.5 * std::sinh(t)));
+    });
+    CHECK(worst / std::cosh(T) <= 3e-3 * 1.5);
+    // The energy is out of reach, and for what reason.
+    const auto energy = cost_of_accuracy(inverted, z0, T, {.targets = {1e-6}});
+    CHECK(energy.reach(1e-6) == Reach::rounding);
+  }
+}
+
+TEST_CASE("what varies by a small part of its size is no constant where the target is smaller still") {
+  const auto oscillator = make_hamiltonian<double, 1>(
+      [](const auto& q, const auto& p) { return (p[0] * p[0] + q[0] * q[0]) / 2; },
+      [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) { dHdq = q, dHdp = p; });
+  const auto f = [](const auto& q, const auto&) { return 1 + 1e-10 * q[0]; };
+  const PhasePoint<double, 1> z0(1, 0);
+  for (const bool absolute : {true, false}) {
+    const auto cost =
+        cost_of_accuracy(oscillator, z0, 500, {.observable = f, .targets = {1e-12}, .absolute = absolute});
+    CHECK_FALSE(cost.invariant);
+    const auto advice = cost.cheapest(1e-12);
+    REQUIRE(advice);
+    auto z = z0;
+    double worst = 0;
+    cost.run(z, *advice, [&](double t, const auto& now) {
+      worst = std::max(worst, std::abs(f(now.q(), now.p()) - 1 - 1e-10 * std::cos(t)));
+    });
+    CHECK(worst <= 3e-12);
+  }
+}
+
 }  // namespace test_long_advice

@@ -58,7 +58,9 @@ class Reference {
     double range = 0;
     for (const Value& value : values_)
       range = std::max(range, static_cast<double>(norm(value - values_.front())) / problem.table.unit);
-    return range <= std::max(10 * error(), 1e-9);
+    const double rounding =
+        50 * static_cast<double>(Eigen::NumTraits<typename Any::Scalar>::epsilon()) * problem.judged.terms;
+    return range <= std::max(10 * error(), rounding);
   }
 
   /// Runs a setting as far as `part` of the length; the largest errors in both halves go to the probe.
@@ -100,7 +102,7 @@ class Reference {
       if (times_[i] < times_.back() / 2) half = std::max(half, size);
     }
     if (whole > 1.6 * half) whole *= std::max(1.0, problem.table.time / times_.back());
-    problem.table.unit = problem.judged.unit = whole > 0 ? whole : 1;
+    problem.measure_in(whole > 0 ? whole : 1);
     problem.table.relative = whole > 0;
     return problem.table.unit;
   }

@@ -77,6 +77,41 @@ TEST_CASE(
   check(0.6, 1e4, 1e-5, angle);
 }
 
+TEST_CASE("a start in a hard place gives right advice, or none with the reason: a planet at its periapsis") {
+  const auto position = [](const auto& q, const auto&) { return Eigen::Vector2d(q); };
+  const auto distance = [](const auto& q, const auto&) { return Eigen::Vector2d(q.norm(), 0); };
+  const auto check = [](double e, double T, double target, const auto& f) {
+    CAPTURE(e, T, target);
+    const PhasePoint<double, 2> z0 = at_periapsis(e);
+    const auto exact = [&](double t) {
+      double angle = t;  // Kepler's equation by Newton's method
+      for (int i = 0; i < 60; ++i) angle -= (angle - e * std::sin(angle) - t) / (1 - e * std::cos(angle));
+      return f(Eigen::Vector2d(std::cos(angle) - e, std::sqrt(1 - e * e) * std::sin(angle)), 0);
+    };
+    const auto cost = cost_of_accuracy(Kepler(), z0, T, {.observable = f, .targets = {target}});
+    INFO(cost.why(target));
+    const auto advice = cost.cheapest(target);
+    if (!advice) {
+      CHECK(cost.reach(target) == Reach::budget);
+      return false;
+    }
+    CHECK(cost.reference_time > 2 * std::acos(-1));
+    CHECK(reached(cost, *advice, z0, f, exact) <= 3 * target);
+    return true;
+  };
+  CHECK(check(0.8, 100, 1e-4, position));
+  CHECK(check(0.9, 100, 1e-4, position));
+  CHECK(check(0.9, 300, 1e-5, distance));
+  CHECK(check(0.97, 100, 1e-4, position));
+  check(0.97, 100, 1e-2, distance);
+  // A revolution is too dear for a trial.
+  const auto cost = cost_of_accuracy(Kepler(), at_periapsis(0.99), 100,
+                                     {.observable = observables::Positions{}, .targets = {1e-4}});
+  CHECK_FALSE(cost.cheapest(1e-4));
+  CHECK(cost.cycles_unseen());
+  CHECK(cost.why(1e-4).find("before the motion came back") != std::string::npos);
+}
+
 TEST_CASE("an energy that rounding hides beside its terms does not end the orbit: an inverted oscillator") {
   const auto inverted = make_hamiltonian<double, 1>(
       [](const auto& q, const auto& p) { return (p[0] * p[0] - q[0] * q[0]) / 2; },

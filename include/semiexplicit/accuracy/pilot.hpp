@@ -27,6 +27,7 @@ class Pilot {
 
   HardPlaces<State> places{};
   double rate = 0;          ///< gradient calls a unit of time
+  double rate_time = 0;     ///< how far from z0 on that was seen
   double segment_time = 0;  ///< length of a stretch
   double hopeless = 1;      ///< an error that a trial is given up at
 
@@ -44,7 +45,7 @@ class Pilot {
       cut = seen.cut;
       if (cut) break;
       const bool better = seen.works() && (rate == 0 || seen.rate < rate);
-      if (better) rate = seen.rate, best_step_ = dt;
+      if (better) rate = seen.rate, best_step_ = dt, rate_time = std::min(table_.time, 20 * dt);
       // A first step that works leaves room for larger ones; then on to smaller ones, as large ones take many evaluations.
       if (attempt == 0 && seen.works()) climbing = true;
       if (rate > 0 && !better) {

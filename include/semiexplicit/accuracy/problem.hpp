@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <limits>
 #include <stdexcept>
 #include <vector>
 
@@ -86,6 +87,16 @@ class Problem {
         last > 2 * first ? last * std::max(1.0, table.time / t) / std::sqrt(3.0) : std::max(first, last);
     if (later > judged.terms && std::isfinite(later)) judged.terms = later;
     table.rounding = std::max(table.rounding, rounding(table.time_scale));
+  }
+
+  /// ‖X‖/‖dX/dt‖ at z, for two gradient calls: what it is in an Euler step of `h`.
+  SEMIEXPLICIT_COLD double time_scale_at(const State& z, double h) {
+    const State velocity = velocity_at(z);
+    State moved = z;
+    moved.vector() += Scalar(h) * velocity.vector();
+    const double change = static_cast<double>(norm(velocity_at(moved).vector() - velocity.vector()));
+    return change > 0 ? h * (static_cast<double>(norm(velocity.vector())) / change)
+                      : std::numeric_limits<double>::infinity();
   }
 
   /// One more gradient call, or several.

@@ -159,27 +159,27 @@ SEMIEXPLICIT_COLD Probe try_on_windows(Problem<Any>& problem, const Setting& set
   return result;
 }
 
-/// The observable along a run with a setting from z0, at the given rising times. Between the steps' ends it is found by
-/// shorter steps of the same method, which leave the run alone. Fewer values than times: a step failed.
-template <class Any>
+/// The observable at the given rising times of a run from z0. advance(z) makes a step and returns the time after it, or the same
+/// as before where it failed. Between the steps' ends it is found by shorter steps of `method`, which leave the run alone. Fewer
+/// values than times: a step failed.
+template <class Any, class Advance>
 SEMIEXPLICIT_COLD std::vector<typename Problem<Any>::Value> values_along(Problem<Any>& problem,
-                                                                         const Setting& setting,
                                                                          const std::vector<double>& times,
-                                                                         Probe& probe) {
+                                                                         const Setting& method, Probe& probe,
+                                                                         const Advance& advance) {
   std::vector<typename Problem<Any>::Value> values;
-  Walker<Any> walker(problem, setting), between(problem, setting);
-  auto z = problem.z0;
-  for (std::int64_t n = 0; values.size() < times.size(); ++n) {
-    const double t = static_cast<double>(n) * setting.dt;
-    while (values.size() < times.size() && times[values.size()] <= t + setting.dt) {
-      const double part = times[values.size()] - t;
-      auto at = z;
-      if (part > 0 && !between.step(at, part, probe, false)) return values;
-      values.push_back(problem.measured(at));
+  Walker<Any> between(problem, method);
+  auto z = problem.z0, last = z, at = z;
+  for (double t = 0, end = 0; values.size() < times.size(); t = end) {
+    last.vector() = z.vector();
+    end = advance(z);
+    if (!(end > t)) break;
+    for (; values.size() < times.size() && times[values.size()] <= end;
+         values.push_back(problem.measured(at))) {
+      at.vector() = last.vector();
+      if (!between.step(at, times[values.size()] - t, probe, false)) return values;
     }
-    if (values.size() < times.size() && !walker.step(z, setting.dt, probe, n > 0)) return values;
   }
-  walker.finish(probe);
   return values;
 }
 

@@ -14,6 +14,7 @@ declare -A purpose=(
   [catch2]="Catch2 2 or 3, the test framework"
   [pkg-config]="asks for the flags that an installed library wants; its file is tested"
   [libboost-dev]="Boost headers: numbers and reference functions of the tests, integrators of the benchmark"
+  [libsundials-dev]="SUNDIALS, whose integrators the benchmark compares with"
   [libgsl-dev]="the GNU Scientific Library, whose integrators the benchmark compares with"
   [libopenmpi-dev]="Open MPI, for the example that runs on many machines"
   [openmpi-bin]="its mpirun"
@@ -45,11 +46,11 @@ for task in "$@"; do
     test)
       packages+=(g++ clang cmake ninja-build libeigen3-dev libcli11-dev catch2 libboost-dev libomp-dev libopenmpi-dev openmpi-bin libhdf5-dev)
       ;;
-    benchmark) packages+=(g++ cmake ninja-build libeigen3-dev libcli11-dev gnuplot-nox libboost-dev libgsl-dev) ;;
+    benchmark) packages+=(g++ cmake ninja-build libeigen3-dev libcli11-dev gnuplot-nox libboost-dev libgsl-dev libsundials-dev) ;;
     libc++) packages+=(clang libc++-dev libc++abi-dev libeigen3-dev catch2 libboost-dev) ;;
     aarch64) packages+=(g++-aarch64-linux-gnu qemu-user libeigen3-dev catch2 libboost-dev) ;;
     mingw) packages+=(g++-mingw-w64-x86-64 libeigen3-dev libboost-dev) ;;
-    check) packages+=(clang libclang-rt-14-dev libgsl-dev pkg-config clang-format) ;;
+    check) packages+=(clang libclang-rt-14-dev libgsl-dev libsundials-dev pkg-config clang-format) ;;
     docs) packages+=(g++ cmake ninja-build libeigen3-dev doxygen doxygen-awesome-css libjs-mathjax) ;;
     *)
       echo "install-dependencies.sh: unknown task '$task'; give run, test, check, docs, benchmark, libc++, aarch64 or mingw" >&2

@@ -19,7 +19,7 @@ using State = PhasePoint<double, 3>;
 
 State at(const Choice& c, const Eigen::Vector3d& q, const Eigen::Vector3d& v) {
   const FieldSum fields = fields_before(c, "");
-  if (fields.fields.empty() && !c.on("kinetic"))
+  if (fields.empty() && !c.on("kinetic"))
     throw std::invalid_argument("--effects: nothing moves without kinetic or a magnetic field; add one");
   return {q, c["mass"] * v + c["charge"] * fields.potential(q)};
 }

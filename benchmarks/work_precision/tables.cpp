@@ -21,6 +21,17 @@ std::vector<std::string> family_names(bool ours) {
   return names;
 }
 
+/// The families of the library: ours, and its Gauss methods, which count as rivals of the semiexplicit ones above.
+bool in_library(const Family& family) {
+  return family.ours || family.name == family::gauss || family.name == family::gauss_lanes;
+}
+std::vector<std::string> families_in_library(bool inside) {
+  std::vector<std::string> names;
+  for (const Family& family : families())
+    if (in_library(family) == inside) names.push_back(family.name);
+  return names;
+}
+
 std::vector<std::string> rivals_without(const std::string& left_out) {
   std::vector<std::string> names = family_names(false);
   std::erase(names, left_out);
@@ -45,8 +56,9 @@ std::string setting(const Row& row) {
 /// How many times cheaper ours is than the best rival: above 1 ours is first. Where only one side reaches the target it is
 /// infinite or zero, where none does NaN.
 double advantage(const std::vector<Row>& rows, Cost cost, double target,
-                 const std::vector<std::string>& rivals) {
-  const Row* own = cheapest(rows, family_names(true), cost, target);
+                 const std::vector<std::string>& rivals,
+                 const std::vector<std::string>& of_us = family_names(true)) {
+  const Row* own = cheapest(rows, of_us, cost, target);
   const Row* rival = cheapest(rows, rivals, cost, target);
   if (own == nullptr) return rival == nullptr ? nan : 0;
   return rival == nullptr ? INFINITY : cost_of(*rival, cost) / cost_of(*own, cost);
@@ -171,6 +183,28 @@ void write_goals(std::ostream& out, const std::vector<Result>& results) {
     }
 }
 
+/// A line a problem: the cheapest of these and of those at some targets.
+void write_fronts(std::ostream& out, const std::vector<Result>& results,
+                  const std::vector<std::string>& of_us, const std::vector<std::string>& rivals) {
+  const std::vector<double> levels{1e-4, 1e-6, 1e-8, 1e-10, 1e-12};
+  out << "| problem |";
+  for (const double level : levels) out << formatted(" %.0e |", level);
+  out << "\n|--|--|--|--|--|--|\n";
+  for (const Result& result : results) {
+    out << "| " << result.title << " |";
+    for (const double level : levels) {
+      const Row* own = cheapest(result.rows, of_us, Cost::seconds, level);
+      const Row* rival = cheapest(result.rows, rivals, Cost::seconds, level);
+      const double factor = advantage(result.rows, Cost::seconds, level, rivals, of_us);
+      const auto who = [](const Row* row) { return row == nullptr ? "" : " " + row->method.family; };
+      out << ' ' << cost_text(own, Cost::seconds) << who(own) << " / " << cost_text(rival, Cost::seconds)
+          << who(rival) << ": " << (factor >= 1 ? "**" : "") << factor_text(factor)
+          << (factor >= 1 ? "**" : "") << " |";
+    }
+    out << '\n';
+  }
+}
+
 }  // namespace
 
 std::string processor_name() {
@@ -198,23 +232,13 @@ void write_tables(const std::filesystem::path& folder, const Result& result) {
 void write_summary(const std::filesystem::path& folder, const std::vector<Result>& results) {
   examples::write_whole(folder / "summary.md", [&](std::ostream& out) {
     out << "Processor: " << processor_name()
-        << ", one core. CPU time in milliseconds, ours / best rival: who that is, and (time of the best\n"
-           "rival) / (ours).\n\n| problem |";
-    const std::vector<double> levels{1e-4, 1e-6, 1e-8, 1e-10, 1e-12};
-    for (const double level : levels) out << formatted(" %.0e |", level);
-    out << "\n|--|--|--|--|--|--|\n";
-    for (const Result& result : results) {
-      out << "| " << result.title << " |";
-      for (const double level : levels) {
-        const Row* own = cheapest(result.rows, family_names(true), Cost::seconds, level);
-        const Row* rival = cheapest(result.rows, family_names(false), Cost::seconds, level);
-        const double factor = advantage(result.rows, Cost::seconds, level, family_names(false));
-        out << ' ' << cost_text(own, Cost::seconds) << " / " << cost_text(rival, Cost::seconds)
-            << (rival == nullptr ? "" : " " + rival->method.family) << ": " << (factor >= 1 ? "**" : "")
-            << factor_text(factor) << (factor >= 1 ? "**" : "") << " |";
-      }
-      out << '\n';
-    }
+        << ", one core. CPU time in milliseconds, cheapest of the library / cheapest outside it, who these "
+           "are,\n"
+           "and (time outside) / (time of the library). The Gauss methods are the library's, too.\n\n";
+    write_fronts(out, results, families_in_library(true), families_in_library(false));
+    out << "\nThe semiexplicit methods alone: ours / best rival, the library's Gauss methods among "
+           "these.\n\n";
+    write_fronts(out, results, family_names(true), family_names(false));
     out << "\nGoals, as factors best rival / ours, with the wanted ones in brackets; bold: missed.\n\n";
     write_goals(out, results);
   });

@@ -22,6 +22,8 @@ inline constexpr const char* bulirsch_stoer = "odeint Bulirsch-Stoer";
 inline constexpr const char* rk8pd = "GSL rk8pd";
 inline constexpr const char* rk4imp = "GSL rk4imp";
 inline constexpr const char* msadams = "GSL msadams";
+inline constexpr const char* erkstep = "SUNDIALS ERKStep";
+inline constexpr const char* cvode = "SUNDIALS CVODE";
 }  // namespace family
 
 struct Family {
@@ -45,6 +47,8 @@ inline const std::vector<Family>& families() {
       {family::rk8pd, false, "#B8860B"},
       {family::rk4imp, false, "#A6761D"},
       {family::msadams, false, "#C0B000"},
+      {family::erkstep, false, "#7A5195"},
+      {family::cvode, false, "#4B3F72"},
   };
   return list;
 }

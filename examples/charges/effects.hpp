@@ -19,9 +19,9 @@ inline FieldSum fields_before(const Choice& c, const std::string& end) {
   for (const std::string& name : field_names) {
     if (name == end) break;
     if (!c.on(name)) continue;
-    if (name == "uniform_field") sum.fields.emplace_back(charges::UniformField(c["b"]));
-    if (name == "dipole_field") sum.fields.emplace_back(charges::DipoleField(c["moment"]));
-    if (name == "magnetic_bottle") sum.fields.emplace_back(charges::BottleField(c["b0"], c["length"]));
+    if (name == "uniform_field") sum.add(charges::UniformField(c["b"]));
+    if (name == "dipole_field") sum.add(charges::DipoleField(c["moment"]));
+    if (name == "magnetic_bottle") sum.add(charges::BottleField(c["b0"], c["length"]));
   }
   return sum;
 }
@@ -29,8 +29,7 @@ inline FieldSum fields_before(const Choice& c, const std::string& end) {
 template <class Field>
 auto field_effect(const Choice& c, const std::string& name, const Field& field) {
   const FieldSum others = fields_before(c, name);
-  return FieldEffect<Field>(name, c["charge"], c["mass"], field, others,
-                            !c.on("kinetic") && others.fields.empty());
+  return FieldEffect<Field>(name, c["charge"], c["mass"], field, others, !c.on("kinetic") && others.empty());
 }
 
 /// Not a charge's own, but of the same form as Coulomb's.

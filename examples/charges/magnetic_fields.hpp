@@ -2,8 +2,6 @@
 
 #include <string>
 #include <utility>
-#include <variant>
-#include <vector>
 
 #include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
@@ -13,23 +11,7 @@ namespace examples {
 using namespace semiexplicit;
 using namespace semiexplicit::effects;
 
-/// Magnetic fields chosen at run time, as one: A is the sum of theirs.
-struct FieldSum {
-  std::vector<std::variant<charges::UniformField<>, charges::DipoleField<>, charges::BottleField<>>> fields{};
-
-  void add_potential(const auto& x, auto& a) const {
-    for (const auto& any : fields) std::visit([&](const auto& field) { field.add_potential(x, a); }, any);
-  }
-  void add_gradient(const auto& x, const auto& v, double factor, auto& out) const {
-    for (const auto& any : fields)
-      std::visit([&](const auto& field) { field.add_gradient(x, v, factor, out); }, any);
-  }
-  Vector<double, 3> potential(const auto& x) const {
-    Vector<double, 3> a(0, 0, 0);
-    add_potential(x, a);
-    return a;
-  }
-};
+using charges::FieldSum;
 
 /// What one magnetic field B adds to the motion in others, A: |p - e(A + B)|²/(2m) - |p - eA|²/(2m). So each field is an
 /// effect of its own, which charges::MagneticKinetic, all of them together, is not. `moves` adds the motion p²/(2m) itself,

@@ -88,7 +88,8 @@ struct EffectEntry {
         make(maker),
         name(std::move(called)),
         about(std::move(does)),
-        acts(CoupledEffect<E>    ? "couples q and p"
+        acts(MotionEffect<E>     ? "adds a force of its own: not symplectic"
+             : CoupledEffect<E>  ? "couples q and p"
              : PositionEffect<E> ? "acts on q"
              : MomentumEffect<E> ? "acts on p"
                                  : "acts on q and on p") {}

@@ -185,7 +185,8 @@ class ViewCsv {
 /// gnuplot's lines of the view above, the errors of the invariants below.
 inline std::string scene_script(const std::filesystem::path& png, const std::string& view,
                                 const std::filesystem::path& csv, const Run& run, const std::string& headline,
-                                double time, const std::string& time_unit) {
+                                double time, const std::string& time_unit,
+                                const std::string& label = "relative error") {
   std::string title = quoted(headline);
   if (const auto end = headline.find('\n'); end != std::string::npos)  // gnuplot breaks lines in "" only
     title = quoted(headline.substr(0, end)) + ".\"\\n\"." + quoted(headline.substr(end + 1));
@@ -206,7 +207,7 @@ inline std::string scene_script(const std::filesystem::path& png, const std::str
       << "set key on at screen 0.53,0.295 center center horizontal maxrows 1 samplen 3 width 2 noenhanced\n"
       << "set autoscale xy\nset logscale y\nset format x '%g'\nset format y '10^{%T}'\nset xlabel "
       << quoted(in("time", time_unit)) << "\nset xrange [0:" << time << "]\n"
-      << panel(csv, "relative error", curves) << "unset multiplot\n";
+      << panel(csv, label, curves) << "unset multiplot\n";
   return out.str();
 }
 

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <filesystem>
 #include <iostream>
+#include <memory>
+#include <ostream>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -86,6 +88,30 @@ void settle_method(const RuntimeScene<double, Dof>& scene, Method& method) {
                 : method.name == "splitting" ? "separable: plain explicit splitting, no doubling"
                                              : "separable, and taken as any other by " + method.name)
             << '\n';
+  std::string forces;
+  for (const auto& effect : scene.effects())
+    if (effect.motion()) forces += (forces.empty() ? "" : ", ") + effect.name();
+  if (!forces.empty())
+    std::cout << "not symplectic, by " << forces
+              << ": the energy changes by the work of these forces, see the books at the end\n";
+}
+
+/// A measurement, and the books of a scene with forces of their own.
+template <int Dof>
+Measurement<Dof> with_books(const RuntimeScene<double, Dof>& scene, const Measurement<Dof>& measurement) {
+  const auto books = std::make_shared<Books<double, Dof>>(scene);
+  return {[=](double t, const In<double, Dof>& q, const In<double, Dof>& p) {
+            (*books)(t, PhasePoint<double, Dof>(q, p));
+            if (measurement.observe) measurement.observe(t, q, p);
+          },
+          [=](std::ostream& out, const Run& run) {
+            out << *books;
+            if (measurement.report) measurement.report(out, run);
+          },
+          [=](CheckpointMemory& visit) {
+            books->visit_memory(visit);
+            if (measurement.memory) measurement.memory(visit);
+          }};
 }
 
 /// No Hamiltonian of a program's own.
@@ -168,6 +194,7 @@ int run_scene_program(const SceneProgram<Dof>& program, int argc, char** argv, c
     auto some_of_path = every(stride(steps, settings.samples), path);
     Measurement<Dof> measurement;
     if (preset.measure) measurement = preset.measure(choice);
+    if (!scene.is_symplectic()) measurement = with_books(scene, measurement);
     checkpoint.run << program.name << ' ' << preset.name << ": " << joined(scene.names());
     checkpoint.run.precision(17);
     for (const auto& [parameter, value] : choice.values) checkpoint.run << ", " << parameter << ' ' << value;
@@ -176,9 +203,10 @@ int run_scene_program(const SceneProgram<Dof>& program, int argc, char** argv, c
       return run_method(method, hamiltonian, z0, invariants, settings.dt,
                         evenly_spaced(steps, settings.samples), steps, checkpoint, some_of_path, measurement);
     };
-    const Run run =
+    Run run =
         method.name == "splitting" ? go(SeparableRuntimeScene<double, Dof>(scene)) : with_hamiltonian(go);
 
+    if (!scene.is_symplectic()) run.doubt.clear();  // the energy is meant to change
     print_table(std::cout, {run}, settings.dt);
     cost.compare_with(run);
     measurement.print(std::cout, run);
@@ -191,8 +219,9 @@ int run_scene_program(const SceneProgram<Dof>& program, int argc, char** argv, c
                                  "), dt = " + formatted("%.4g", settings.dt) +
                                  "; units: " + preset.units.about + (run.is_result() ? "" : "; NO RESULT");
     if (!settings.no_plot)
-      draw(png, scene_script(png, view.plot(path_csv, path.paths()), csv, run, headline, settings.time,
-                             preset.units.name(1)));
+      draw(png,
+           scene_script(png, view.plot(path_csv, path.paths()), csv, run, headline, settings.time,
+                        preset.units.name(1), scene.is_symplectic() ? "relative error" : "relative change"));
     return run.tell_failure() ? 1 : 0;
   });
 }

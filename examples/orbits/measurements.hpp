@@ -128,6 +128,7 @@ inline Measurement<3> turning_orbit(const Choice& c, const std::string& unit, do
     const std::string first = about_the_node ? "node" : "perihelion advance";
     if (!c.on("kinetic") || !c.on("attraction") || c.on("two_centres") || c.on("rotating_frame"))
       return print_none(out, first, "that is for kinetic, attraction, j2, 1pn, 2pn and spin_orbit only");
+    if (c.on("drag")) return print_none(out, first, "drag turns it, too");
     if (seen->step > pi / 6)
       return print_none(out, first,
                         formatted("a step goes through %.0f degrees of the orbit; ", seen->step * 180 / pi) +

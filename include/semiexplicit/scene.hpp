@@ -5,6 +5,7 @@
 #include <semiexplicit/scene/any_effect.hpp>
 #include <semiexplicit/scene/audit.hpp>
 #include <semiexplicit/scene/audit_report.hpp>
+#include <semiexplicit/scene/books.hpp>
 #include <semiexplicit/scene/effect.hpp>
 #include <semiexplicit/scene/exact_flow.hpp>
 #include <semiexplicit/scene/explain.hpp>

@@ -320,6 +320,37 @@ TEST_CASE("What an observer within at_times() or a section remembers is resumed,
   CHECK(lines == 10);
 }
 
+TEST_CASE(
+    "A run saved before the first of its at_times() is resumed, and one that does not name it is refused",
+    "[checkpoint]") {
+  for (const bool named : {true, false}) {
+    const Folder folder;
+    const auto run = [&](std::int64_t stop_at) {
+      auto stepper = usual();
+      Point z(-3, 0);
+      Record<double, 1> record;
+      auto late = at_times(h, {6., 8.}, record);
+      IntegrationOptions<double> options{.dt = 0.1, .steps = 100};
+      const auto go = [&](auto&&... saved) {
+        Checkpoints checkpoints(folder.path / "run.checkpoint", {.every = 25}, stepper, options, saved...);
+        options.done = checkpoints.resume(z);
+        options.steps = stop_at;
+        integrate(stepper, z, options, late, checkpoints);
+      };
+      if (named)
+        go(late);
+      else
+        go();
+      return record.t;
+    };
+    CHECK(run(50).empty());
+    if (named)
+      CHECK(run(100) == std::vector<double>{6., 8.});
+    else
+      CHECK_THROWS_AS(run(100), std::invalid_argument);
+  }
+}
+
 TEST_CASE("every() that is not named keeps its phase in a resumed run", "[checkpoint]") {
   const Folder folder;
   std::vector<double> times;

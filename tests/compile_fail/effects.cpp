@@ -1,6 +1,7 @@
 // case no_mistake: compiles
 // case without_acts: an effect says what it acts on: using Acts = OnPosition<double, 2>;
 // case without_gradient: an effect on one half needs energy(x) const and add_gradient(x, dHdx) const
+// case without_force: an effect OnMotion needs add_force(q, p, force) const
 // case disagree: must agree on the degrees of freedom
 #include <semiexplicit/scene/scene.hpp>
 #include <semiexplicit/systems/orbits.hpp>
@@ -18,10 +19,18 @@ struct Mine {
 #endif
 };
 
+struct Wind {
+  using Acts = OnMotion<double, 2>;
+  static constexpr const char* name = "wind";
+#ifndef without_force
+  void add_force(const auto&, const auto&, auto& force) const { force[0] += 1; }
+#endif
+};
+
 int main() {
 #ifdef disagree
   Scene scene(effects::orbits::Kinetic<double, 2>{}, effects::orbits::Attraction<double, 3>{});
 #else
-  Scene scene(Mine{}, effects::orbits::Kinetic<double, 2>{});
+  Scene scene(Mine{}, effects::orbits::Kinetic<double, 2>{}, Wind{});
 #endif
 }

@@ -67,3 +67,10 @@ endforeach()
 refuses(nls "an option and its value" "--dtt 0.1" "there is no option --dtt; did you mean --dt")
 refuses(nls "a checkpoint in a folder that is not there" "--checkpoint nowhere/x" "--checkpoint: the folder nowhere is not there; make it first")
 refuses(orbits "a checkpoint that is a folder" "--checkpoint ." "--checkpoint: '.' is a folder")
+
+# Weisberg and Taylor (2005): 4.226595 degrees a year, and -2.40242e-12 for the loss by gravitational waves.
+prints(orbits "follows the pulsar of Hulse and Taylor" "--preset hulse_taylor --time \"0.2 year\""
+  "not symplectic, by 2.5pn.*work of 2.5pn.*perihelion advance: 4.22[67][0-9] degrees a year.*period derivative: -2.402[0-9]e-12")
+prints(orbits "keeps books of a satellite in air" "--preset gps --a \"6700 km\" --e 0.001 --effects kinetic,attraction,drag --drag \"1e-13 1/m\" --air-height \"50 km\" --dt 1min --time 1day"
+  "work of drag +-[0-9.]+e-06.*node: not measured, drag turns it, too")
+refuses(orbits "air of no height" "--preset gps --effects kinetic,attraction,drag --air-height 0" "--air-height: '0' is not a positive number")

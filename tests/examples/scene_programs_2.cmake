@@ -65,3 +65,17 @@ refuses(vortices "strain in a disk" "--effects pairs,strain,disk" "strain flows 
 refuses(vortices "rotation at a straight wall" "--preset wall --effects pairs,rotation,half_plane --rotation_rate 1" "only strain with --strain_angle 0")
 refuses(vortices "a disk without a radius" "--input ${CMAKE_CURRENT_SOURCE_DIR}/pair.csv --effects pairs,disk" "no value for --radius; give one")
 refuses(vortices "a file and a preset" "--input pair.csv --preset disk" "excludes")
+
+# Charges at nearly the speed of light, beside the formulas that the program prints.
+check(fast_charges "lists its effects" "--list-effects" ABSENT out)
+check(fast_charges "lists its presets" "--list-presets" ABSENT out)
+check(fast_charges "gyrates at eB/gm" "--no-plot" FILE out/fast_charges.csv HEADER "t,energy_error,defect"
+  PRINTS "gyrofrequency.*difference [0-9.]+e-1[0-9].*gyroradius.*difference [0-9.]+e-1[0-9]")
+check(fast_charges "wiggles in an undulator" "--preset undulator --no-plot" FILE out/fast_charges_trajectory.csv HEADER "t,x,y,z,px,py,pz"
+  PRINTS "wiggle.*difference [0-9.]+e-04.*slippage.*difference [0-9.]+e-04")
+check(fast_charges "is turned by a solenoid" "--preset solenoid --no-plot" PRINTS "Larmor.*difference [0-9.]+e-0[67]")
+check(fast_charges "is focused by a quadrupole" "--preset quadrupole --no-plot" PRINTS "x at the end.*e-0[67].\n.*y at the end.*e-0[67].\n")
+check(fast_charges "stays out of Stoermer's region" "--preset cosmic_ray --no-plot" PRINTS "way: 0[.]99[0-9]+; forbidden: above 1")
+check(fast_charges "audits its effects" "--audit --preset solenoid" ABSENT out PRINTS "called for at 1e-04: kinetic, solenoid")
+refuses(fast_charges "a charge that cannot move" "--effects electric" "nothing moves without kinetic or a magnetic field")
+refuses(fast_charges "a gamma below one" "--gamma 0.5" "--gamma: '0.5' is not a number above 1")

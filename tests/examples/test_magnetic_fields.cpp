@@ -39,8 +39,8 @@ void check_equal(const A& a, const B& b) {
 TEST_CASE("Magnetic fields that are effects of their own add up to the motion in all of them", "[examples]") {
   const Chosen all{charges::MagneticKinetic(charge, mass, uniform, dipole, bottle)};
   const Chosen apart{charges::Kinetic<>{.mass = mass}, effect("uniform", uniform, {}, false),
-                     effect("dipole", dipole, {{uniform}}, false),
-                     effect("bottle", bottle, {{uniform, dipole}}, false)};
+                     effect("dipole", dipole, FieldSum().add(uniform), false),
+                     effect("bottle", bottle, FieldSum().add(uniform).add(dipole), false)};
   check_equal(all, apart);
   // Without the last one it is the motion in the others.
   check_equal(Chosen{charges::MagneticKinetic(charge, mass, uniform, dipole)}, apart.without("bottle"));

@@ -171,6 +171,31 @@ TEST_CASE("Nor does a step of a scene, doubled or not, chosen at compile time or
   uses_none(stepper_for(lattice), wave);
   uses_none(stepper_for(SeparableRuntimeScene(RuntimeScene(lattice))), wave);
   uses_none(stepper_for(Scene(lattice::Hopping<>{.sites = 30}, lattice::OnSite<>{.sites = 30})), wave);
+
+  const nbody::Bodies<double> bodies({39, 1e-3, 3e-2, 1e-3});
+  const Scene planets(nbody::Kinetic<double>{bodies}, nbody::Attraction<double>{bodies},
+                      nbody::Interaction<double>{bodies}, nbody::Oblateness<double>{bodies, 1e-3, 0.1},
+                      nbody::PostNewtonian1<double>{bodies, 1e3},
+                      nbody::EinsteinInfeldHoffmann<double>(bodies, 1e3));
+  const auto system = bodies.jacobi({{0, 0, 0}, {1, 0, 0}, {0, 3, 0}, {-6, 0, 0}},
+                                    {{0, 0, 0}, {0, 6, 0}, {-3.5, 0, 0.1}, {0, -2.5, 0}});
+  uses_none(stepper_for(planets, exactly<nbody::Kinetic<double>, nbody::Attraction<double>>()), system);
+  uses_none(stepper_for(planets), system);
+}
+
+TEST_CASE("Nor do forces of their own, and the books of their work", "[heap]") {
+  const Scene scene(orbits::Kinetic<double, 2>{}, orbits::Attraction<double, 2>{},
+                    orbits::Drag<double, 2>{.linear = 0.1}, orbits::RadiationReaction<double, 2>{.c = 10});
+  auto stepper = stepper_for(scene);
+  PhasePoint<double, 2> z({1, 0}, {0, 1});
+  Books books(scene);
+  CHECK(allocations_of([&] {
+          for (int i = 0; i < 12; ++i) {
+            books(0.01 * i, z);
+            stepper.step(z, 0.01);
+          }
+        }) == 0);
+  CHECK(std::abs(books.difference()) < 1e-12);
 }
 
 TEST_CASE("Nor do automatic derivatives, of fixed or dynamic size", "[heap]") {

@@ -23,7 +23,8 @@ enum class Status {
   invalid_step,    ///< dt is zero, NaN or Inf
   invalid_stepper,  ///< the stepper was moved from
   stopped,          ///< a run only: an observer returned false
-  gradient_threw    ///< a member of an Ensemble only: its gradient threw an exception
+  gradient_threw,   ///< a member of an Ensemble only: its gradient threw an exception
+  close_encounter   ///< an exact flow only: bodies came closer than the limit of its scene
 };
 
 /// What happened, in words, with the remedy.
@@ -50,6 +51,11 @@ SEMIEXPLICIT_COLD inline std::string describe(Status status) {
       return "stopped by an observer";
     case Status::gradient_threw:
       return "the gradient threw an exception";
+    case Status::close_encounter:
+      return "two bodies come closer than the limit of the scene, below which their interaction is not small "
+             "and a step of an exact flow does not resolve it; integrate the scene without exactly<...>() "
+             "and "
+             "with a step that resolves the encounter, or lower the limit (Attraction::hill_radii)";
   }
   return "unknown status";
 }

@@ -281,8 +281,9 @@ class AtTimes {
   /// How many of the times were served.
   std::size_t served() const { return next_; }
 
-  /// Whether it has seen nothing yet: a resumed run would miss the times before.
-  bool fresh() const { return intervals_.fresh() || detail::is_fresh(observer_); }
+  /// Whether it has seen nothing yet: a resumed run would miss the times before. The observer sees nothing until the first of
+  /// the times.
+  bool fresh() const { return intervals_.fresh() || (next_ > 0 && detail::is_fresh(observer_)); }
 
   /// See Describable.
   template <class List>

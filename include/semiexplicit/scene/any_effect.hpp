@@ -26,7 +26,8 @@ class AnyEffect {
         about_(detail::effect_about(effect)),
         on_position_(!MomentumEffect<E>),
         on_momentum_(!PositionEffect<E>),
-        coupled_(CoupledEffect<E>),
+        coupled_(detail::couples<E>),
+        motion_(MotionEffect<E>),
         effect_(std::make_shared<Model<E>>(std::move(effect))) {}
 
   const std::string& name() const { return name_; }
@@ -35,6 +36,8 @@ class AnyEffect {
   bool on_position() const { return on_position_; }
   bool on_momentum() const { return on_momentum_; }
   bool coupled() const { return coupled_; }
+  /// Whether it adds a force of its own; see OnMotion.
+  bool motion() const { return motion_; }
   Eigen::Index dof() const { return effect_->dof(); }
 
   Scalar energy(const Read& q, const Read& p) const { return effect_->energy(q, p); }
@@ -45,6 +48,9 @@ class AnyEffect {
   /// Adds one half of the gradient of an effect that is not coupled; nothing where it does not depend on that half.
   void add_position_gradient(const Read& q, Write& dHdq) const { effect_->add_position_gradient(q, dHdq); }
   void add_momentum_gradient(const Read& p, Write& dHdp) const { effect_->add_momentum_gradient(p, dHdp); }
+
+  /// Adds the force of an effect OnMotion; nothing for others.
+  void add_force(const Read& q, const Read& p, Write& force) const { effect_->add_force(q, p, force); }
 
   /// The sum of its gradients at all of the points, added up inside the effect: its cost without the virtual calls.
   void add_gradients(const std::vector<PhasePoint<Scalar, Dof>>& points, Write& dHdq, Write& dHdp) const {
@@ -59,6 +65,7 @@ class AnyEffect {
     virtual void add_gradient(const Read& q, const Read& p, Write& dHdq, Write& dHdp) const = 0;
     virtual void add_position_gradient(const Read& q, Write& dHdq) const = 0;
     virtual void add_momentum_gradient(const Read& p, Write& dHdp) const = 0;
+    virtual void add_force(const Read& q, const Read& p, Write& force) const = 0;
     virtual void add_gradients(const std::vector<PhasePoint<Scalar, Dof>>& points, Write& dHdq,
                                Write& dHdp) const = 0;
   };
@@ -82,6 +89,10 @@ class AnyEffect {
     void add_momentum_gradient([[maybe_unused]] const Read& p, [[maybe_unused]] Write& dHdp) const override {
       if constexpr (MomentumEffect<E> || EachEffect<E>) effect.add_gradient(p, dHdp);
     }
+    void add_force([[maybe_unused]] const Read& q, [[maybe_unused]] const Read& p,
+                   [[maybe_unused]] Write& force) const override {
+      if constexpr (MotionEffect<E>) effect.add_force(q, p, force);
+    }
     void add_gradients(const std::vector<PhasePoint<Scalar, Dof>>& points, Write& dHdq,
                        Write& dHdp) const override {
       for (const auto& z : points) detail::add_effect(effect, Read(z.q()), Read(z.p()), dHdq, dHdp);
@@ -90,7 +101,7 @@ class AnyEffect {
   };
 
   std::string name_, about_;
-  bool on_position_, on_momentum_, coupled_;
+  bool on_position_, on_momentum_, coupled_, motion_;
   std::shared_ptr<const Interface> effect_;
 };
 

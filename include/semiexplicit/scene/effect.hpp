@@ -14,8 +14,11 @@ namespace semiexplicit {
 ///     OnMomentum   energy(p)      add_gradient(p, dHdp)            a kinetic energy T(p)
 ///     OnEach       energy(x)      add_gradient(x, dHdx)            e(q) + e(p), the same function of both
 ///     OnBoth       energy(q, p)   add_gradient(q, p, dHdq, dHdp)   what couples them
+///     OnMotion     no energy      add_force(q, p, force)           a force of its own, dp/dt = -∂H/∂q + F(q, p)
 ///
-/// Only OnBoth makes a scene non-separable. A whole effect, with the name by which programs and audits call it:
+/// Only OnBoth and OnMotion make a scene non-separable. OnMotion is what is not a Hamiltonian (drag, radiation reaction): the
+/// same steppers integrate it, to their order, but the motion is not symplectic then, and the energy changes by the work of
+/// these forces, of which Books keeps account. A whole effect, with the name by which programs and audits call it:
 ///
 ///     struct Trap {  // k|q|²/2
 ///       using Acts = OnPosition<double, 2>;
@@ -46,10 +49,13 @@ struct OnEach : OnPosition<ScalarType, DofValue> {};
 /// See OnPosition.
 template <class ScalarType, int DofValue>
 struct OnBoth : OnPosition<ScalarType, DofValue> {};
+/// See OnPosition.
+template <class ScalarType, int DofValue>
+struct OnMotion : OnPosition<ScalarType, DofValue> {};
 
 namespace detail {
 
-/// E says what it acts on: `using Acts = OnPosition<double, 2>;` or OnMomentum, OnEach, OnBoth.
+/// E says what it acts on: `using Acts = OnPosition<double, 2>;` or OnMomentum, OnEach, OnBoth, OnMotion.
 template <class E>
 concept HasActs = requires {
   typename E::Acts::Scalar;
@@ -81,9 +87,16 @@ concept HasCoupledMembers = requires(const E& effect, const EffectIn<E>& q, cons
   effect.add_gradient(q, p, dHdq, dHdp);
 };
 
+/// The member of an effect that adds a force.
+template <class E>
+concept HasForce = requires(const E& effect, const EffectIn<E>& q, const EffectIn<E>& p,
+                            EffectOut<E>& force) {
+  effect.add_force(q, p, force);
+};
+
 }  // namespace detail
 
-/// An effect that acts OnPosition, OnMomentum, OnEach or OnBoth, with the members that belong to it.
+/// An effect that acts OnPosition, OnMomentum, OnEach, OnBoth or OnMotion, with the members that belong to it.
 template <class E>
 concept PositionEffect = detail::ActsAs<E, OnPosition> && detail::HasHalfMembers<E>;
 template <class E>
@@ -93,11 +106,19 @@ concept EachEffect = detail::ActsAs<E, OnEach> && detail::HasHalfMembers<E>;
 template <class E>
 concept CoupledEffect = detail::ActsAs<E, OnBoth> && detail::HasCoupledMembers<E>;
 
-/// An effect of any of the four kinds.
 template <class E>
-concept Effect = PositionEffect<E> || MomentumEffect<E> || EachEffect<E> || CoupledEffect<E>;
+concept MotionEffect = detail::ActsAs<E, OnMotion> && detail::HasForce<E>;
+
+/// An effect of any of the five kinds.
+template <class E>
+concept Effect =
+    PositionEffect<E> || MomentumEffect<E> || EachEffect<E> || CoupledEffect<E> || MotionEffect<E>;
 
 namespace detail {
+
+/// Whether it depends on q and p in a way that no sum of functions of one does.
+template <class E>
+inline constexpr bool couples = CoupledEffect<E> || MotionEffect<E>;
 
 /// The name of an effect: `static constexpr const char* name`, or a member function `name()`.
 template <class E>
@@ -130,13 +151,15 @@ struct ActsOf<E> {
 /// Compiles for an effect; for what is none the compiler says what is missing, and only that.
 template <class E>
 consteval bool is_effect() {
-  static_assert(
-      HasActs<E>,
-      "an effect says what it acts on: using Acts = OnPosition<double, 2>; or OnMomentum, OnEach, OnBoth");
+  static_assert(HasActs<E>,
+                "an effect says what it acts on: using Acts = OnPosition<double, 2>; or OnMomentum, OnEach, "
+                "OnBoth, OnMotion");
   if constexpr (HasActs<E>) {
     if constexpr (ActsAs<E, OnBoth>)
       static_assert(HasCoupledMembers<E>,
                     "an effect OnBoth needs energy(q, p) const and add_gradient(q, p, dHdq, dHdp) const");
+    else if constexpr (ActsAs<E, OnMotion>)
+      static_assert(HasForce<E>, "an effect OnMotion needs add_force(q, p, force) const");
     else
       static_assert(HasHalfMembers<E>,
                     "an effect on one half needs energy(x) const and add_gradient(x, dHdx) const");
@@ -144,11 +167,15 @@ consteval bool is_effect() {
   return true;
 }
 
-// What an effect adds to each half of a gradient.
+// What an effect adds to each half of a gradient; a force of its own counts as -∂H/∂q.
 template <class E, class Q, class P, class OutQ, class OutP>
 void add_effect(const E& effect, const Q& q, const P& p, OutQ& dHdq, OutP& dHdp) {
   if constexpr (CoupledEffect<E>) {
     effect.add_gradient(q, p, dHdq, dHdp);
+  } else if constexpr (MotionEffect<E>) {
+    for (Eigen::Index i = 0; i < dHdq.size(); ++i) dHdq[i] = -dHdq[i];
+    effect.add_force(q, p, dHdq);
+    for (Eigen::Index i = 0; i < dHdq.size(); ++i) dHdq[i] = -dHdq[i];
   } else {
     if constexpr (!MomentumEffect<E>) effect.add_gradient(q, dHdq);
     if constexpr (!PositionEffect<E>) effect.add_gradient(p, dHdp);
@@ -156,9 +183,12 @@ void add_effect(const E& effect, const Q& q, const P& p, OutQ& dHdq, OutP& dHdp)
 }
 
 template <class E, class Q, class P>
-auto effect_energy(const E& effect, const Q& q, const P& p) {
+auto effect_energy([[maybe_unused]] const E& effect, [[maybe_unused]] const Q& q,
+                   [[maybe_unused]] const P& p) {
   if constexpr (CoupledEffect<E>)
     return effect.energy(q, p);
+  else if constexpr (MotionEffect<E>)
+    return EffectScalar<E>(0);
   else if constexpr (PositionEffect<E>)
     return effect.energy(q);
   else if constexpr (MomentumEffect<E>)

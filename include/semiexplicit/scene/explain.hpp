@@ -49,6 +49,22 @@ class EffectWords {
   std::string text_;
 };
 
+/// "; not symplectic: drag adds a force of its own", or nothing.
+template <class S>
+std::string motion_in_words(const S& scene) {
+  std::string names;
+  int count = 0;
+  scene.for_each([&]<class E>(const E& effect) {
+    if constexpr (MotionEffect<E>) {
+      names += (names.empty() ? "" : " + ") + effect_name(effect);
+      ++count;
+    }
+  });
+  if (count == 0) return "";
+  return "; not symplectic: " + names +
+         (count == 1 ? " adds a force of its own" : " add forces of their own");
+}
+
 inline std::string calls_in_words(std::int64_t n) {
   return std::to_string(n) + " gradient call" + (n == 1 ? "" : "s");
 }
@@ -63,7 +79,7 @@ SEMIEXPLICIT_COLD std::string explained(const FlowSplitting<H, Solver>& stepper,
     EffectWords<typename H::Whole, typename Stepper::State> kicked(split.scene(), z),
         doubled(split.scene(), z);
     split.for_each_of_rest([&]<class E>(const E& effect) {
-      if constexpr (CoupledEffect<E>)
+      if constexpr (couples<E>)
         doubled.add(effect);
       else
         kicked.add(effect);
@@ -82,6 +98,7 @@ SEMIEXPLICIT_COLD std::string explained(const FlowSplitting<H, Solver>& stepper,
     else
       text += ", " + calls_in_words(stepper.max_gradients()) + " a step";
   }
+  if constexpr (requires { split.scene(); }) text += motion_in_words(split.scene());
   return text;
 }
 
@@ -109,14 +126,15 @@ SEMIEXPLICIT_COLD std::string explain(const Semiexplicit<Scene<Effects...>, Solv
   detail::EffectWords<Scene<Effects...>, State> all(stepper.hamiltonian(), nullptr), why = all;
   stepper.hamiltonian().for_each([&]<class E>(const E& effect) {
     all.add(effect);
-    if constexpr (CoupledEffect<E>) why.add(effect);
+    if constexpr (detail::couples<E>) why.add(effect);
   });
-  constexpr int coupled = (int(CoupledEffect<Effects>) + ...);
+  constexpr int coupled = (int(detail::couples<Effects>) + ...);
   const std::string verb = coupled == 1 ? " couples q and p" : " couple q and p";
   return "doubled: " + all.text() +
          (coupled == 0 ? ", though nothing couples q and p" : ", because " + why.text() + verb) + "; " +
          stepper.scheme().name + " of order " + std::to_string(stepper.scheme().order) + ", " +
-         detail::calls_in_words(static_cast<std::int64_t>(stepper.scheme().kicks())) + " an evaluation";
+         detail::calls_in_words(static_cast<std::int64_t>(stepper.scheme().kicks())) + " an evaluation" +
+         detail::motion_in_words(stepper.hamiltonian());
 }
 template <class... Effects>
 SEMIEXPLICIT_COLD std::string explain(const ExplicitSplitting<Scene<Effects...>>& stepper) {

@@ -80,6 +80,11 @@ class RuntimeScene {
     return std::none_of(effects_.begin(), effects_.end(), [](const Any& e) { return e.coupled(); });
   }
 
+  /// Whether it is a Hamiltonian at all: no effect that is on adds a force of its own; see Scene::symplectic.
+  bool is_symplectic() const {
+    return std::none_of(effects_.begin(), effects_.end(), [](const Any& e) { return e.motion(); });
+  }
+
   Scalar energy(const Read& q, const Read& p) const {
     Scalar sum(0);
     for (const Any& effect : effects_) sum += effect.energy(q, p);

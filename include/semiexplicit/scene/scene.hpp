@@ -35,7 +35,10 @@ class Scene {
                 "the effects of a Scene must agree on the degrees of freedom, Acts::Dof");
 
   /// Whether H(q, p) = V(q) + T(p): no effect is coupled.
-  static constexpr bool separable = (!CoupledEffect<Effects> && ...);
+  static constexpr bool separable = (!detail::couples<Effects> && ...);
+  /// Whether it is a Hamiltonian at all: no effect adds a force of its own (OnMotion), which energy() would not know of and
+  /// which gradient() counts as part of -∂H/∂q.
+  static constexpr bool symplectic = (!MotionEffect<Effects> && ...);
   using SeparableGradientOf = Scene;
 
   /// Throws std::invalid_argument where effects of dynamic size have different sizes, or none.

@@ -74,9 +74,9 @@ class SplitScene<Scene<Effects...>, Group...> {
   template <class E>
   static constexpr bool is_rest = count_of<E, Group...> == 0;
   template <class E>
-  static constexpr bool is_coupled = is_rest<E>&& CoupledEffect<E>;
+  static constexpr bool is_coupled = is_rest<E>&& couples<E>;
   template <class E>
-  static constexpr bool is_kicked = is_rest<E> && !CoupledEffect<E>;
+  static constexpr bool is_kicked = is_rest<E> && !couples<E>;
 
  public:
   using Whole = Scene<Effects...>;

@@ -33,7 +33,22 @@ concept HasMomentumRest = requires(const H& h, const InColumn<H>& p, OutColumn<H
 };
 template <class H>
 concept HasCoupledRest = requires(const H& h) {
+  requires std::is_lvalue_reference_v<decltype(h.coupled_rest())>;
   requires Hamiltonian<std::remove_cvref_t<decltype(h.coupled_rest())>>;
+};
+
+// A part that takes other arguments than those of its concept, or wants an H that is not const, would be taken for absent.
+template <class H>
+concept NamesPositionRest = requires {
+  &H::rest_position_gradient;
+};
+template <class H>
+concept NamesMomentumRest = requires {
+  &H::rest_momentum_gradient;
+};
+template <class H>
+concept NamesCoupledRest = requires {
+  &H::coupled_rest;
 };
 template <class H>
 concept HasPreparedFlow = requires(const H& h, const typename H::Scalar& t) {
@@ -100,6 +115,18 @@ class FlowSplitting {
   static_assert(SplitHamiltonian<H>,
                 "FlowSplitting needs a Hamiltonian with an exact flow of a part: take stepper_for(scene, "
                 "exactly<...>()), or see SplitHamiltonian");
+  static_assert(
+      detail::HasPositionRest<H> || !detail::NamesPositionRest<H>,
+      "rest_position_gradient of this Hamiltonian cannot be called: write `void rest_position_gradient("
+      "In<Scalar, Dof> q, Out<Scalar, Dof> dHdq) const`");
+  static_assert(
+      detail::HasMomentumRest<H> || !detail::NamesMomentumRest<H>,
+      "rest_momentum_gradient of this Hamiltonian cannot be called: write `void rest_momentum_gradient("
+      "In<Scalar, Dof> p, Out<Scalar, Dof> dHdp) const`");
+  static_assert(
+      detail::HasCoupledRest<H> || !detail::NamesCoupledRest<H>,
+      "coupled_rest of this Hamiltonian cannot be called: write `const C& coupled_rest() const`, with a "
+      "Hamiltonian C that this one keeps");
   using State = PhasePoint<Scalar, Dof>;
   static constexpr const char* name = "FlowSplitting";
   static constexpr bool has_position = detail::HasPositionRest<H>, has_momentum = detail::HasMomentumRest<H>,

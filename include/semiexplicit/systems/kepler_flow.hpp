@@ -25,11 +25,30 @@ Scalar two_pi() {
   }
 }
 
+/// |q × p|², in any number of dimensions.
+template <int Dim>
+auto square_of_momentum(const auto& q, const auto& p) {
+  std::decay_t<decltype(q[0] * p[0])> sum(0);
+  for (int i = 0; i < Dim; ++i)
+    for (int j = 0; j < i; ++j) {
+      const auto l = q[i] * p[j] - q[j] * p[i];
+      sum += l * l;
+    }
+  return sum;
+}
+
 /// Kepler's problem in universal variables. With r₀ = |q|, η₀ = q·p, β = 2GM/r₀ - p² and the functions
 ///
 ///     G₁ = sin(√β s)/√β,   G₂ = (1 - cos(√β s))/β,   G₃ = (s - G₁)/β      (β < 0: sinh and cosh),
 ///
 /// the time t and the fictitious time s, ds = dt/r, belong together by t = r₀G₁ + η₀G₂ + GM G₃, which grows with s.
+///
+/// A body that falls in fast and flies past leaves next to nothing of r₀ + η₀/√-β, on which its way out depends. There r and t
+/// come from their growing and falling exponentials,
+///
+///     r = P eˣ + Q e⁻ˣ + GM/β,   x = √-β s,   4PQ = (L² - GM²/β)/-β,   2Q = r₀ - η₀/√-β - GM/β,
+///
+/// with P from the product, where nothing cancels.
 ///
 /// G₁ and G₂ come from the sine and cosine of the half angle, so that their identities hold to a rounding that has no
 /// preferred sign. (From a series in double precision the energy drifts linearly, by 1e-16 a call.) G₃ only enters the
@@ -37,9 +56,10 @@ Scalar two_pi() {
 template <class Scalar>
 class UniversalKepler {
  public:
-  /// `root` is the square root of |beta|, `inverse` 1/r0.
+  /// `root` is the square root of |beta|, `inverse` 1/r0, `l2` the square of the angular momentum, which only counts where beta
+  /// and eta0 are negative.
   UniversalKepler(const Scalar& gm, const Scalar& r0, const Scalar& inverse, const Scalar& eta0,
-                  const Scalar& beta, const Scalar& root)
+                  const Scalar& beta, const Scalar& root, const Scalar& l2)
       : gm_(gm),
         r0_(r0),
         inverse_(inverse),
@@ -50,9 +70,15 @@ class UniversalKepler {
         per_root_(1 / root) {
     if constexpr (std::is_floating_point_v<Scalar>)
       excess_ = std::fma(root, root, beta < 0 ? beta : -beta) * (per_root_ * per_root_ / 2);
+    if (beta < 0 && eta0 < 0) {
+      falling_ = (r0 - eta0 * per_root_ - gm / beta) / 2;
+      growing_ = (l2 - gm * gm / beta) / (-4 * beta * falling_);
+      inward_ = 64 * growing_ < falling_;
+    }
   }
 
-  /// Finds s, and the functions of it, for a time t > 0 (of an ellipse: up to half a period). False: not found.
+  /// Finds s, and the functions of it, for a time t > 0 (of an ellipse: up to half a period). False: not found, or of no digit
+  /// after a flyby so close that q does not hold its distance.
   bool solve(const Scalar& t) {
     using std::sqrt;
     const Scalar close = sqrt(epsilon()) / 4;  // a step so small, squared, leaves an error to the fourth
@@ -65,9 +91,11 @@ class UniversalKepler {
     }
     for (int i = 0; i < 200; ++i) {
       evaluate(s);
-      const Scalar f = (r0_ * g1_ + eta0_ * g2_ + gm_ * g3_) - t;
+      const Scalar f = time(s) - t;
       const Scalar slope = distance();
-      const Scalar bend = eta0_ * g0_ + zeta_ * g1_, turn = gm_ - beta_ * slope;
+      const Scalar bend = passing_ ? Scalar(root_ * (growing_ * power_ - falling_ / power_))
+                                   : Scalar(eta0_ * g0_ + zeta_ * g1_);
+      const Scalar turn = gm_ - beta_ * slope;
       // A step of fourth order; where it is not small, Laguerre's, which converges from far away.
       Scalar step = reverted(f, slope, bend, turn);
       const Scalar size =
@@ -75,7 +103,10 @@ class UniversalKepler {
           (bend * bend + slope * ((turn < 0 ? -turn : turn) + slope * (beta_ < 0 ? -beta_ : beta_)));
       if (size <= close * slope * slope) {
         shift(step);
-        return true;
+        if (!passing_) return true;
+        g3_ = (s + step - g1_) / beta_;
+        const Scalar magnified = gm_ * g2_;  // by which the rounding errors of q grow, in new distances
+        return (magnified < 0 ? -magnified : magnified) * epsilon() * 16 < distance();
       }
       if (f < 0)
         low = s;
@@ -100,12 +131,20 @@ class UniversalKepler {
     return false;
   }
 
-  /// G₁, G₂ and the new distance.
+  /// G₁, G₂, r₀G₁ + η₀G₂ and the new distance, once solve(t) has found them.
   const Scalar& g1() const { return g1_; }
   const Scalar& g2() const { return g2_; }
-  Scalar distance() const { return r0_ * g0_ + eta0_ * g1_ + gm_ * g2_; }
+  Scalar g(const Scalar& t) const { return passing_ ? Scalar(t - gm_ * g3_) : r0_ * g1_ + eta0_ * g2_; }
+  Scalar distance() const {
+    return passing_ ? Scalar(growing_ * power_ + falling_ / power_ + gm_ / beta_)
+                    : r0_ * g0_ + eta0_ * g1_ + gm_ * g2_;
+  }
 
  private:
+  Scalar time(const Scalar& s) const {
+    if (!passing_) return r0_ * g1_ + eta0_ * g2_ + gm_ * g3_;
+    return (growing_ * (power_ - 1) + falling_ * (1 - 1 / power_)) * per_root_ + gm_ / beta_ * s;
+  }
   static Scalar epsilon() { return Eigen::NumTraits<Scalar>::epsilon(); }
   /// The root of f + slope x + bend x²/2 + turn x³/6 by the reverted series.
   static SEMIEXPLICIT_INLINE Scalar reverted(const Scalar& f, const Scalar& slope, const Scalar& bend,
@@ -173,19 +212,12 @@ class UniversalKepler {
     return s;
   }
 
-  /// The growing exponential alone: t = (A + B)/2 e^x - B - Cx with x = √-β s. A + B is e times an exponential, which
-  /// its product with A - B gives where the sum itself would cancel.
+  /// The growing exponential alone: t = (A + B)/2 e^x - B - Cx with x = √-β s; (A + B)/2 is P/√-β.
   SEMIEXPLICIT_NOINLINE Scalar hyperbolic_start(const Scalar& t, const Scalar& otherwise) const {
     using std::log;
     const Scalar k2 = -beta_, k3 = k2 * root_;
     const Scalar a = (r0_ * k2 + gm_) / k3, b = eta0_ / k2, c = gm_ / k3;
-    Scalar sum = a + b;
-    if (b < 0) {
-      const Scalar p2 = 2 * gm_ / r0_ - beta_;
-      Scalar l2 = r0_ * r0_ * p2 - eta0_ * eta0_;
-      if (!(l2 > 0)) l2 = 0;
-      sum = (gm_ * gm_ / k2 + l2) / (k2 * k2 * (a - b));
-    }
+    const Scalar sum = b < 0 ? Scalar(2 * growing_ * per_root_) : Scalar(a + b);
     Scalar x = 0;
     for (int i = 0; i < 2; ++i) {
       const Scalar power = 2 * (t + b + c * x) / sum;
@@ -216,7 +248,10 @@ class UniversalKepler {
     }
     narrow_ = quarter <= tiny && quarter >= -tiny;
     double_angle(narrow_ ? s1_ : s1_ * per_root_);
-    g3_ = quarter < Scalar(0.25) && quarter > Scalar(-0.25) ? s * s * s * c3(4 * quarter) : (s - g1_) / beta_;
+    const bool small = quarter < Scalar(0.25) && quarter > Scalar(-0.25);
+    g3_ = small ? s * s * s * c3(4 * quarter) : (s - g1_) / beta_;
+    passing_ = inward_ && !small;
+    if (passing_) power_ = (c1_ + s1_) * (c1_ + s1_);
   }
 
   /// sin(√β s/2)/√β. The rounding error of √β would be one of the energy, and the same in every call: it is taken out before the
@@ -267,6 +302,7 @@ class UniversalKepler {
     c1_ -= sign * s1_ * sine + c1_ * less;
     s1_ = s1;
     double_angle(half_function());
+    if (passing_) power_ = (c1_ + s1_) * (c1_ + s1_);
   }
 
   Scalar gm_, r0_, inverse_, eta0_, beta_, zeta_, root_, per_root_;
@@ -275,6 +311,9 @@ class UniversalKepler {
       c1_{};  ///< sine and cosine of √β s/2, or sinh and cosh; where that is tiny s/2 and 1 to second order
   bool narrow_ = false;
   Scalar g0_{}, g1_{}, g2_{}, g3_{};
+  Scalar growing_{}, falling_{}, power_{};  ///< P, Q and eˣ
+  bool inward_ = false;                     ///< P is what is left of a difference
+  bool passing_ = false;                    ///< and s so large that it counts
 };
 
 }  // namespace detail
@@ -310,10 +349,12 @@ struct KeplerFlow {
     const Scalar unbounded = rest + inverse + beta + eta0;
     if (!(unbounded - unbounded == 0)) return Status::not_finite;
     const bool back = rest < 0;
-    detail::UniversalKepler<Scalar> kepler(gm, r0, inverse, back ? Scalar(-eta0) : eta0, beta, root);
-    if (!kepler.solve(back ? Scalar(-rest) : rest)) return Status::no_convergence;
+    const Scalar eta = back ? Scalar(-eta0) : eta0, ahead = back ? Scalar(-rest) : rest;
+    const Scalar l2 = beta < 0 && eta < 0 ? detail::square_of_momentum<Dim>(q, p) : Scalar(0);
+    detail::UniversalKepler<Scalar> kepler(gm, r0, inverse, eta, beta, root, l2);
+    if (!kepler.solve(ahead)) return Status::no_convergence;
     const Scalar g1 = back ? Scalar(-kepler.g1()) : kepler.g1(), g2 = kepler.g2();
-    const Scalar f = -gm * g2 * inverse, g = r0 * g1 + eta0 * g2;
+    const Scalar f = -gm * g2 * inverse, g = back ? Scalar(-kepler.g(ahead)) : kepler.g(ahead);
     const Scalar per_r = 1 / kepler.distance();
     const Scalar f_dot = -gm * g1 * inverse * per_r, g_dot = -gm * g2 * per_r;
     const Scalar landed = per_r + f + g + f_dot;

@@ -1,0 +1,221 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <ostream>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <semiexplicit/core/phase_point.hpp>
+#include <semiexplicit/core/words.hpp>
+#include <semiexplicit/scene/nearest_names.hpp>
+#include <semiexplicit/scene/runtime_scene.hpp>
+#include <semiexplicit/scene/scene.hpp>
+
+namespace semiexplicit {
+
+namespace detail {
+
+/// ∫ f dt of a function that is seen at one time after the other: by the polynomial through the eight last values over the interval
+/// in their middle, of order 8. Times may be spaced in any way, and run backwards.
+template <class Scalar>
+class RunningIntegral {
+ public:
+  void see(const Scalar& t, const Scalar& value) {
+    if (count_ > 0 && t == times_[last()]) {  // a run that goes on tells of its start again
+      values_[last()] = value;
+      return;
+    }
+    if (count_ == nodes) {
+      for (std::size_t i = 1; i < nodes; ++i) {
+        times_[i - 1] = times_[i];
+        values_[i - 1] = values_[i];
+      }
+      --count_;
+    }
+    times_[static_cast<std::size_t>(count_)] = t;
+    values_[static_cast<std::size_t>(count_)] = value;
+    ++count_;
+    if (count_ < nodes) return;
+    if (!full_) add(integral(0, 3));  // the first time also what lies before the middle
+    full_ = true;
+    add(integral(3, 4));
+  }
+  /// Up to the last value.
+  Scalar value() const {
+    if (count_ < 2) return Scalar(0);
+    return sum_ + (carry_ + integral(full_ ? 4 : 0, last()));
+  }
+
+  template <class Visitor>
+  void visit_memory(Visitor&& visit) {
+    for (Scalar& number : times_) visit(number);
+    for (Scalar& number : values_) visit(number);
+    visit(sum_);
+    visit(carry_);
+    visit(count_);
+    visit(full_);
+  }
+
+ private:
+  static constexpr std::int64_t nodes = 8;
+  std::size_t last() const { return static_cast<std::size_t>(count_ - 1); }
+
+  void add(const Scalar& part) {  // with the rounding errors kept
+    const Scalar term = part + carry_, sum = sum_ + term;
+    carry_ = term - (sum - sum_);
+    sum_ = sum;
+  }
+
+  /// Between two of the nodes, of the polynomial through all, by Gauss's rule of four points, which is exact for it.
+  Scalar integral(std::size_t from, std::size_t to) const {
+    static constexpr double points[] = {0.33998104358485626, 0.86113631159405258},
+                            weights[] = {0.65214515486254614, 0.34785484513745386};
+    Scalar sum(0);
+    for (std::size_t k = from; k < to; ++k) {
+      const Scalar half = (times_[k + 1] - times_[k]) / 2, middle = times_[k] + half;
+      for (std::size_t i = 0; i < 2; ++i)
+        for (const int sign : {-1, 1})
+          sum += half * Scalar(weights[i]) * interpolated(middle + sign * half * Scalar(points[i]));
+    }
+    return sum;
+  }
+  /// Neville's scheme.
+  Scalar interpolated(const Scalar& t) const {
+    std::array<Scalar, static_cast<std::size_t>(nodes)> f = values_;
+    const auto n = static_cast<std::size_t>(count_);
+    for (std::size_t width = 1; width < n; ++width)
+      for (std::size_t i = 0; i + width < n; ++i)
+        f[i] += (t - times_[i]) / (times_[i + width] - times_[i]) * (f[i + 1] - f[i]);
+    return f[0];
+  }
+
+  std::array<Scalar, static_cast<std::size_t>(nodes)> times_{}, values_{};
+  Scalar sum_ = Scalar(0), carry_ = Scalar(0);
+  std::int64_t count_ = 0;
+  bool full_ = false;
+};
+
+}  // namespace detail
+
+/// An observer that keeps account of the energy where a scene has effects with forces of their own (OnMotion): the energy at the
+/// start and now, the work ∫ F·∂H/∂p dt of each of them, and the difference, which is what the method, and the integral over
+/// the steps, get wrong. That integral is of order 8 in the time between calls, so the books close as well as the method is
+/// accurate where steps resolve the motion.
+///
+///     const Scene scene(orbits::Kinetic<double, 2>{}, orbits::Attraction<double, 2>{}, orbits::Drag<double, 2>{.linear = 0.01});
+///     auto stepper = stepper_for(scene);
+///     Books books(scene);
+///     integrate(stepper, z, {.dt = 0.01, .steps = 1000}, books);
+///     std::cout << books;                    // a table
+///     books.difference();
+///
+/// Asks for one gradient and each force a step. Has to see every step; takes part in checkpoints.
+template <class ScalarType, int DofValue>
+class Books {
+ public:
+  static constexpr const char* name = "Books";
+  using Scalar = ScalarType;
+  static constexpr int Dof = DofValue;
+
+  explicit Books(RuntimeScene<Scalar, Dof> scene)
+      : scene_(std::move(scene)), gradient_(scene_.dof()), force_(gradient_.q()) {
+    for (const auto& effect : scene_.effects())
+      if (effect.motion()) accounts_.push_back({effect, {}});
+  }
+  template <class... Effects>
+  explicit Books(const Scene<Effects...>& scene) : Books(RuntimeScene<Scalar, Dof>(scene)) {}
+
+  template <class State>
+  void operator()(const Scalar& t, const State& state) {
+    const In<Scalar, Dof> q = state.q(), p = state.p();
+    energy_ = scene_.energy(q, p);
+    if (!started_) start_ = energy_;
+    started_ = true;
+    if (accounts_.empty()) return;
+    scene_.gradient(q, p, gradient_.q(), gradient_.p());
+    for (Account& account : accounts_) {
+      force_.setZero();
+      Out<Scalar, Dof> force(force_);
+      account.effect.add_force(q, p, force);
+      account.work.see(t, detail::dot(force_, gradient_.p()));
+    }
+  }
+
+  Scalar energy_at_start() const { return start_; }
+  Scalar energy_now() const { return energy_; }
+  /// The names of the effects whose work is counted.
+  std::vector<std::string> names() const {
+    std::vector<std::string> list;
+    for (const Account& account : accounts_) list.push_back(account.effect.name());
+    return list;
+  }
+  /// What an effect has done so far. Throws std::invalid_argument, with the nearest valid names, for one that has no account.
+  Scalar work(const std::string& effect) const {
+    for (const Account& account : accounts_)
+      if (account.effect.name() == effect) return account.work.value();
+    throw std::invalid_argument(unknown_name("effect", effect, names()));
+  }
+  Scalar work() const {
+    Scalar sum(0);
+    for (const Account& account : accounts_) sum += account.work.value();
+    return sum;
+  }
+  /// Energy now, less that at the start, less all work: zero but for errors.
+  Scalar difference() const { return (energy_ - start_) - work(); }
+
+  /// Whether it has seen nothing yet.
+  bool fresh() const { return !started_; }
+  /// See Describable.
+  template <class List>
+  void describe(List& list) const {
+    for (const std::string& effect : names()) list("account", effect);
+  }
+  /// See CheckpointMemory.
+  template <class Visitor>
+  void visit_memory(Visitor&& visit) {
+    visit(start_);
+    visit(energy_);
+    visit(started_);
+    for (Account& account : accounts_) account.work.visit_memory(visit);
+  }
+
+ private:
+  struct Account {
+    AnyEffect<Scalar, Dof> effect;
+    detail::RunningIntegral<Scalar> work;
+  };
+
+  RuntimeScene<Scalar, Dof> scene_;
+  PhasePoint<Scalar, Dof> gradient_;
+  Vector<Scalar, Dof> force_;
+  std::vector<Account> accounts_{};
+  Scalar start_ = Scalar(0), energy_ = Scalar(0);
+  bool started_ = false;
+};
+
+template <class Scalar, int Dof>
+Books(const RuntimeScene<Scalar, Dof>&) -> Books<Scalar, Dof>;
+template <class... Effects>
+Books(const Scene<Effects...>&) -> Books<typename Scene<Effects...>::Scalar, Scene<Effects...>::Dof>;
+
+/// The books as a table, a line an entry.
+template <class Scalar, int Dof>
+std::ostream& operator<<(std::ostream& out, const Books<Scalar, Dof>& books) {
+  std::vector<std::pair<std::string, Scalar>> lines{{"energy at the start", books.energy_at_start()}};
+  for (const std::string& effect : books.names()) lines.emplace_back("work of " + effect, books.work(effect));
+  lines.emplace_back("energy now", books.energy_now());
+  lines.emplace_back("difference", books.difference());
+  std::size_t width = 0;
+  for (const auto& [what, value] : lines) width = std::max(width, what.size());
+  for (const auto& [what, value] : lines)
+    out << what << std::string(width + 2 - what.size(), ' ')
+        << detail::in_words(static_cast<double>(value), what == "difference" ? 2 : 15) << '\n';
+  return out;
+}
+
+}  // namespace semiexplicit

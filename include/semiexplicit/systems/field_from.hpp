@@ -1,0 +1,127 @@
+#pragma once
+
+#include <concepts>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include <semiexplicit/core/vector.hpp>
+#include <semiexplicit/derivatives/dual.hpp>
+
+namespace semiexplicit::effects::charges {
+
+/// A magnetic field from its vector potential alone, by automatic differentiation: potential(x), or potential(t, x) for one that
+/// depends on the time, gives the three components of A for numbers of any type.
+///
+///     const FieldFrom wave([=](const auto& t, const auto& x) {
+///       using std::cos;
+///       return std::array{0 * t, a0 * cos(k * x[2] - omega * t), 0 * t};
+///     });
+///
+/// One that depends on the time also makes an electric field, -∂A/∂t; it is for RelativisticCharge.
+template <class Potential>
+class FieldFrom {
+  using Dual = semiexplicit::detail::Dual<double, 4>;  // by x, y, z, t
+  struct Place {
+    Dual of[3];
+    const Dual& operator[](int i) const { return of[i]; }
+  };
+  static constexpr bool driven = std::invocable<const Potential&, const Dual&, const Place&>;
+
+ public:
+  explicit FieldFrom(Potential potential) : potential_(std::move(potential)) {}
+
+  /// a += A.
+  void add_potential(const auto& x, auto& a) const requires(!driven) { add(potential_(x), a); }
+  void add_potential(double t, const auto& x, auto& a) const requires driven { add(potential_(t, x), a); }
+  /// out += factor ∂(v·A)/∂x, at fixed v.
+  void add_gradient(const auto& x, const auto& v, double factor, auto& out) const requires(!driven) {
+    gradient(potential_(place(x)), v, factor, out);
+  }
+  void add_gradient(double t, const auto& x, const auto& v, double factor, auto& out) const requires driven {
+    gradient(potential_(Dual(t), place(x)), v, factor, out);
+  }
+  /// a += ∂A/∂t.
+  void add_time_derivative(double t, const auto& x, auto& a) const requires driven {
+    Dual time(t);
+    time.derivative[3] = 1;
+    const auto potential = potential_(time, place(x));
+    for (int i = 0; i < 3; ++i) a[i] += Dual(at(potential, i)).derivative[3];
+  }
+
+ private:
+  static const auto& at(const auto& list, int i) { return list[static_cast<std::size_t>(i)]; }
+  static void add(const auto& potential, auto& a) {
+    for (int i = 0; i < 3; ++i) a[i] += at(potential, i);
+  }
+  static Place place(const auto& x) {
+    Place duals;
+    for (int i = 0; i < 3; ++i) {
+      duals.of[i] = Dual(x[i]);
+      duals.of[i].derivative[i] = 1;
+    }
+    return duals;
+  }
+  static void gradient(const auto& potential, const auto& v, double factor, auto& out) {
+    for (int i = 0; i < 3; ++i)
+      for (int k = 0; k < 3; ++k) out[k] += factor * v[i] * Dual(at(potential, i)).derivative[k];
+  }
+
+  Potential potential_;
+};
+
+/// Magnetic fields chosen at run time, as one: A is the sum of theirs. A field costs a virtual call. Copies share the fields.
+class FieldSum {
+ public:
+  FieldSum() = default;
+
+  /// One more, of this library or with add_potential(x, a) and add_gradient(x, v, factor, out) of its own.
+  template <class Field>
+  FieldSum& add(Field field) {
+    fields_.push_back(std::make_shared<Model<Field>>(std::move(field)));
+    return *this;
+  }
+  bool empty() const { return fields_.empty(); }
+
+  void add_potential(const auto& x, auto& a) const {
+    const Vector<double, 3> at(x[0], x[1], x[2]);
+    Vector<double, 3> sum(0, 0, 0);
+    for (const auto& field : fields_) field->add_potential(at, sum);
+    for (int i = 0; i < 3; ++i) a[i] += sum[i];
+  }
+  void add_gradient(const auto& x, const auto& v, double factor, auto& out) const {
+    const Vector<double, 3> at(x[0], x[1], x[2]), velocity(v[0], v[1], v[2]);
+    Vector<double, 3> sum(0, 0, 0);
+    for (const auto& field : fields_) field->add_gradient(at, velocity, factor, sum);
+    for (int i = 0; i < 3; ++i) out[i] += sum[i];
+  }
+  Vector<double, 3> potential(const auto& x) const {
+    Vector<double, 3> a(0, 0, 0);
+    add_potential(x, a);
+    return a;
+  }
+
+ private:
+  struct Interface {
+    virtual ~Interface() = default;
+    virtual void add_potential(const Vector<double, 3>& x, Vector<double, 3>& a) const = 0;
+    virtual void add_gradient(const Vector<double, 3>& x, const Vector<double, 3>& v, double factor,
+                              Vector<double, 3>& out) const = 0;
+  };
+  template <class Field>
+  struct Model final : Interface {
+    explicit Model(Field wrapped) : field(std::move(wrapped)) {}
+    void add_potential(const Vector<double, 3>& x, Vector<double, 3>& a) const override {
+      field.add_potential(x, a);
+    }
+    void add_gradient(const Vector<double, 3>& x, const Vector<double, 3>& v, double factor,
+                      Vector<double, 3>& out) const override {
+      field.add_gradient(x, v, factor, out);
+    }
+    Field field;
+  };
+
+  std::vector<std::shared_ptr<const Interface>> fields_{};
+};
+
+}  // namespace semiexplicit::effects::charges

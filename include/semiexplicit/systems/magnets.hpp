@@ -1,0 +1,105 @@
+#pragma once
+
+#include <cmath>
+#include <type_traits>
+
+#include <semiexplicit/systems/charges.hpp>
+
+/// Magnetic fields of accelerators, for MagneticKinetic and RelativisticKinetic; see charges.hpp for units.
+namespace semiexplicit::effects::charges {
+
+/// A solenoid about the third axis with its middle at the origin, a current sheet of a length and a radius R:
+///
+///     B(z) = B/2 (s(z + L/2) - s(z - L/2)),  s(u) = u/√(u² + R²) on the axis,  A = (B(z)/2 - ρ² B''(z)/16) (-y, x, 0),
+///
+/// to the third power of the distance ρ from it, which is for ρ much smaller than R. The orbital plane of a charge on its way
+/// along the axis turns by Larmor's angle, -e ∫B dz/(2p), where ∫B dz = BL.
+///
+/// Source: Jackson, Classical Electrodynamics, 3rd ed., problems 5.3 and 5.4.
+template <class Scalar = double>
+struct SolenoidField : detail::AxialPotential<SolenoidField<Scalar>> {
+  /// `strength` is B in the middle of a long one.
+  SolenoidField(Scalar strength, Scalar of_length, Scalar of_radius)
+      : b(strength), length(of_length), radius(of_radius) {}
+  Scalar b, length, radius;
+
+  /// ∫B dz on the axis.
+  Scalar integral(const Scalar& from, const Scalar& to) const {
+    using std::sqrt;
+    const auto primitive = [&](const Scalar& z) {
+      const Scalar u = z + length / 2, v = z - length / 2, r2 = radius * radius;
+      return b / 2 * (sqrt(u * u + r2) - sqrt(v * v + r2));
+    };
+    return primitive(to) - primitive(from);
+  }
+
+  auto slopes(const auto& x) const {
+    const auto begin = edge(x[2] + length / 2), end = edge(x[2] - length / 2);
+    const auto rho2 = x[0] * x[0] + x[1] * x[1], f2 = begin.second - end.second;
+    const auto by = -b / 8 * f2;
+    using Number = std::remove_cvref_t<decltype(rho2 * f2)>;
+    return detail::Slopes<Number>{b / 4 * (begin.value - end.value - rho2 * f2 / 8), by * x[0] / 2,
+                                  by * x[1] / 2,
+                                  b / 4 * (begin.first - end.first - rho2 * (begin.third - end.third) / 8)};
+  }
+
+ private:
+  /// s(u) and its derivatives.
+  template <class Number>
+  struct Edge {
+    Number value, first, second, third;
+  };
+  template <class Number>
+  Edge<Number> edge(const Number& u) const {
+    using std::sqrt;
+    const Scalar r2 = radius * radius;
+    const Number d2 = 1 / (u * u + r2), d1 = sqrt(d2), d3 = d1 * d2, d5 = d3 * d2;
+    return {u * d1, r2 * d3, -3 * r2 * u * d5, 3 * r2 * (5 * u * u * d2 - 1) * d5};
+  }
+};
+
+/// A planar undulator along the third axis, with the field up and down along the second one:
+///
+///     A = (B/k) cosh(ky) sin(kz) (1, 0, 0),   B_y = B cosh(ky) cos(kz),   B_z = -B sinh(ky) sin(kz).
+///
+/// With K = eB/(mck) a charge wiggles by K/(γβk), is slowed to c (1 - (1 + K²/2)/(2γ²)) along the axis, and is focused along y with
+/// the wave number Kk/(√2 γβ).
+///
+/// Source: K. Wille, The Physics of Particle Accelerators (2000), chapter 9; E. Scharlemann, J. Appl. Phys. 58 (1985) 2154.
+template <class Scalar = double>
+struct UndulatorField {
+  UndulatorField(Scalar strength, Scalar wave_number) : b(strength), k(wave_number) {}
+  Scalar b, k;
+
+  void add_potential(const auto& x, auto& a) const {
+    using std::cosh;
+    using std::sin;
+    a[0] += b / k * cosh(k * x[1]) * sin(k * x[2]);
+  }
+  void add_gradient(const auto& x, const auto& v, const auto& factor, auto& out) const {
+    using std::cos;
+    using std::cosh;
+    using std::sin;
+    using std::sinh;
+    const auto by = factor * v[0] * b;
+    out[1] += by * sinh(k * x[1]) * sin(k * x[2]);
+    out[2] += by * cosh(k * x[1]) * cos(k * x[2]);
+  }
+};
+
+/// A magnetic quadrupole along the third axis, without ends: B = G (y, x, 0), A = -G/2 (x² - y²) (0, 0, 1). With κ = eG/p a charge
+/// along the axis is focused along x as cos(√κ z) and driven away along y as cosh(√κ z).
+template <class Scalar = double>
+struct QuadrupoleField {
+  explicit QuadrupoleField(Scalar gradient) : g(gradient) {}
+  Scalar g;  ///< field/length
+
+  void add_potential(const auto& x, auto& a) const { a[2] -= g / 2 * (x[0] * x[0] - x[1] * x[1]); }
+  void add_gradient(const auto& x, const auto& v, const auto& factor, auto& out) const {
+    const auto by = factor * v[2] * g;
+    out[0] -= by * x[0];
+    out[1] += by * x[1];
+  }
+};
+
+}  // namespace semiexplicit::effects::charges

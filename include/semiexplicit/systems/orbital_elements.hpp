@@ -1,0 +1,79 @@
+#pragma once
+
+#include <cmath>
+#include <stdexcept>
+
+#include <Eigen/Geometry>
+#include <semiexplicit/core/phase_point.hpp>
+
+namespace semiexplicit::effects::orbits {
+
+/// Kepler's elements of a bound orbit. Angles in radians: inclination and node to the plane of the first two axes, the
+/// argument of the periapsis from the node, the mean anomaly from the periapsis.
+template <class Scalar = double>
+struct Elements {
+  Scalar a = Scalar(1), e = Scalar(0);  ///< semi-major axis, length; eccentricity, 0 <= e < 1
+  Scalar inclination = Scalar(0), node = Scalar(0), periapsis = Scalar(0), mean_anomaly = Scalar(0);
+};
+
+/// The eccentric anomaly E of E - e sin E = M. Source: J. Danby, Fundamentals of Celestial Mechanics, 2nd ed., section 6.6.
+template <class Scalar>
+Scalar eccentric_anomaly(const Scalar& mean_anomaly, const Scalar& e) {
+  using std::abs;
+  using std::cos;
+  using std::sin;
+  Scalar x = mean_anomaly + (sin(mean_anomaly) < 0 ? -e : e) * Scalar(17) / 20;
+  for (int i = 0; i < 60; ++i) {
+    const Scalar step = (x - e * sin(x) - mean_anomaly) / (1 - e * cos(x));
+    x -= step;
+    if (abs(step) <= 4 * Eigen::NumTraits<Scalar>::epsilon() * (1 + abs(x))) break;
+  }
+  return x;
+}
+
+/// Position and velocity on an orbit about a centre of the given GM. Throws std::invalid_argument unless a and GM are positive
+/// and 0 <= e < 1.
+template <class Scalar>
+PhasePoint<Scalar, 3> state_of(const Elements<Scalar>& orbit, const Scalar& gm) {
+  using std::cos;
+  using std::sin;
+  using std::sqrt;
+  if (!(orbit.a > 0 && orbit.e >= 0 && orbit.e < 1 && gm > 0))
+    throw std::invalid_argument("state_of: a bound orbit has a > 0, 0 <= e < 1 and GM > 0");
+  const Scalar x = eccentric_anomaly(orbit.mean_anomaly, orbit.e);
+  const Scalar minor = sqrt(1 - orbit.e * orbit.e);
+  const Scalar speed = sqrt(gm / orbit.a) / (1 - orbit.e * cos(x));
+  const Scalar along = orbit.a * (cos(x) - orbit.e), across = orbit.a * minor * sin(x);
+  const Scalar v_along = -speed * sin(x), v_across = speed * minor * cos(x);
+  const Scalar co = cos(orbit.node), so = sin(orbit.node), ci = cos(orbit.inclination),
+               si = sin(orbit.inclination), cw = cos(orbit.periapsis), sw = sin(orbit.periapsis);
+  const Vector<Scalar, 3> to_periapsis(co * cw - so * sw * ci, so * cw + co * sw * ci, sw * si),
+      beside(-co * sw - so * cw * ci, -so * sw + co * cw * ci, cw * si);
+  return {along * to_periapsis + across * beside, v_along * to_periapsis + v_across * beside};
+}
+
+/// The elements of the orbit through a position with a velocity. An angle that a circle or an orbit in the plane has not is
+/// counted from the first axis. Throws std::invalid_argument where the orbit is not bound.
+template <class Scalar>
+Elements<Scalar> elements_of(const Vector<Scalar, 3>& q, const Vector<Scalar, 3>& v, const Scalar& gm) {
+  using std::atan2;
+  using std::sqrt;
+  const Scalar r = q.norm(), per_a = 2 / r - v.dot(v) / gm;
+  if (!(per_a > 0)) throw std::invalid_argument("elements_of: the orbit is not bound");
+  const Vector<Scalar, 3> momentum = q.cross(v);
+  const Scalar flat = sqrt(momentum[0] * momentum[0] + momentum[1] * momentum[1]);
+  Elements<Scalar> orbit{.a = 1 / per_a};
+  const Scalar ec = 1 - r * per_a, es = q.dot(v) / sqrt(gm * orbit.a);
+  orbit.e = sqrt(ec * ec + es * es);
+  orbit.inclination = atan2(flat, momentum[2]);
+  if (flat > 0) orbit.node = atan2(momentum[0], -momentum[1]);
+  const Scalar x = orbit.e > 0 ? Scalar(atan2(es, ec)) : Scalar(0);
+  orbit.mean_anomaly = x - es;
+  const Vector<Scalar, 3> to_node(cos(orbit.node), sin(orbit.node), Scalar(0));
+  const Vector<Scalar, 3> beside = momentum.cross(to_node) / momentum.norm();
+  const Scalar anomaly = atan2(sqrt(1 - orbit.e * orbit.e) * sin(x), cos(x) - orbit.e);
+  orbit.periapsis = atan2(q.dot(beside), q.dot(to_node)) - anomaly;
+  return orbit;
+}
+
+}  // namespace semiexplicit::effects::orbits

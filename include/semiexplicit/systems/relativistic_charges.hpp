@@ -1,0 +1,157 @@
+#pragma once
+
+#include <cmath>
+#include <tuple>
+#include <utility>
+
+#include <semiexplicit/core/vector.hpp>
+#include <semiexplicit/scene/effect.hpp>
+
+/// Charges as fast as light. q is the position, p the canonical momentum γmv + eA; units as in charges.hpp, with c.
+///
+/// Source: J. D. Jackson, Classical Electrodynamics, 3rd ed., section 12.1.
+namespace semiexplicit::effects::charges {
+
+namespace detail {
+
+/// What a kinetic momentum π = γmv means.
+template <class Scalar>
+struct Relativity {
+  Scalar mass, c;
+
+  /// √(m²c⁴ + c²π²) - mc², without loss of digits where π is small.
+  auto energy(const auto& momentum) const {
+    const auto square = dot(momentum);
+    return square * c / (root(square) + mass * c);
+  }
+  auto gamma(const auto& momentum) const { return root(dot(momentum)) / (mass * c); }
+  Vector<Scalar, 3> velocity(const auto& momentum) const {
+    const Scalar factor = c / root(dot(momentum));
+    return {factor * momentum[0], factor * momentum[1], factor * momentum[2]};
+  }
+
+ private:
+  static auto dot(const auto& x) { return x[0] * x[0] + x[1] * x[1] + x[2] * x[2]; }
+  auto root(const auto& square) const {
+    using std::sqrt;
+    return sqrt(mass * mass * c * c + square);
+  }
+};
+
+}  // namespace detail
+
+/// √(m²c⁴ + c²|p - eA(q)|²) - mc² in the sum of any number of magnetic fields, or in none: a charge at any speed. Fields as for
+/// MagneticKinetic, your own and FieldFrom too; electric potentials are effects beside it (electrostatics.hpp).
+///
+///     charges::RelativisticKinetic motion(1.0, 1.0, 1.0, charges::UniformField(0.1));   // e, m, c, fields
+template <class Scalar, class... Fields>
+class RelativisticKinetic {
+ public:
+  using Acts = OnBoth<Scalar, 3>;
+  static constexpr const char* name = "relativistic_kinetic";
+  static constexpr const char* about =
+      "motion at any speed in magnetic fields, √(m²c⁴ + c²|p - eA(q)|²) - mc²";
+
+  RelativisticKinetic(Scalar charge, Scalar mass, Scalar c, Fields... fields)
+      : charge_(charge), relativity_{mass, c}, fields_(std::move(fields)...) {}
+
+  Scalar energy(const auto& q, const auto& p) const { return relativity_.energy(kinetic(q, p)); }
+  void add_gradient(const auto& q, const auto& p, auto& dHdq, auto& dHdp) const {
+    const Vector<Scalar, 3> v = velocity(q, p);
+    for (int i = 0; i < 3; ++i) dHdp[i] += v[i];
+    const Scalar factor = -charge_;
+    std::apply([&](const auto&... field) { (field.add_gradient(q, v, factor, dHdq), ...); }, fields_);
+  }
+
+  Scalar gamma(const auto& q, const auto& p) const { return relativity_.gamma(kinetic(q, p)); }
+  Vector<Scalar, 3> velocity(const auto& q, const auto& p) const {
+    return relativity_.velocity(kinetic(q, p));
+  }
+  /// The canonical momentum for a kinetic one, π = γmv, at q.
+  Vector<Scalar, 3> momentum(const auto& q, const auto& of_motion) const {
+    const Vector<Scalar, 3> a = potential(q);
+    return {of_motion[0] + charge_ * a[0], of_motion[1] + charge_ * a[1], of_motion[2] + charge_ * a[2]};
+  }
+
+ private:
+  Vector<Scalar, 3> potential(const auto& q) const {
+    Vector<Scalar, 3> a(-Scalar(0), -Scalar(0), -Scalar(0));
+    std::apply([&](const auto&... field) { (field.add_potential(q, a), ...); }, fields_);
+    return a;
+  }
+  Vector<Scalar, 3> kinetic(const auto& q, const auto& p) const {
+    const Vector<Scalar, 3> a = potential(q);
+    return {p[0] - charge_ * a[0], p[1] - charge_ * a[1], p[2] - charge_ * a[2]};
+  }
+
+  Scalar charge_;
+  detail::Relativity<Scalar> relativity_;
+  std::tuple<Fields...> fields_;
+};
+
+/// The same in fields that depend on the time, or not: a Hamiltonian for Autonomous. A field that does has
+/// `add_potential(t, x, a)`, `add_gradient(t, x, v, factor, out)` and `add_time_derivative(t, x, a)`, a += ∂A/∂t; FieldFrom makes
+/// them of A(t, x).
+///
+///     Autonomous K(charges::RelativisticCharge(1.0, 1.0, 1.0, wave));   // e, m, c, fields
+template <class ScalarType, class... Fields>
+class RelativisticCharge {
+ public:
+  using Scalar = ScalarType;
+  static constexpr int Dof = 3;
+  using Column = Vector<Scalar, 3>;
+
+  RelativisticCharge(Scalar charge, Scalar mass, Scalar c, Fields... fields)
+      : charge_(charge), relativity_{mass, c}, fields_(std::move(fields)...) {}
+
+  Scalar energy(const Scalar& t, const In<Scalar, 3>& q, const In<Scalar, 3>& p) const {
+    return relativity_.energy(kinetic(t, q, p));
+  }
+  void gradient(const Scalar& t, const In<Scalar, 3>& q, const In<Scalar, 3>& p, Out<Scalar, 3> dHdq,
+                Out<Scalar, 3> dHdp) const {
+    const Column v = relativity_.velocity(kinetic(t, q, p));
+    const Scalar factor = -charge_;
+    dHdp = v;
+    dHdq.setZero();
+    for_each([&](const auto& field) {
+      if constexpr (requires(Column & a) { field.add_potential(t, q, a); })
+        field.add_gradient(t, q, v, factor, dHdq);
+      else
+        field.add_gradient(q, v, factor, dHdq);
+    });
+  }
+  Scalar time_derivative(const Scalar& t, const In<Scalar, 3>& q, const In<Scalar, 3>& p) const {
+    const Column v = relativity_.velocity(kinetic(t, q, p));
+    Column by_t(Scalar(0), Scalar(0), Scalar(0));
+    for_each([&](const auto& field) {
+      if constexpr (requires(Column & a) { field.add_potential(t, q, a); })
+        field.add_time_derivative(t, q, by_t);
+    });
+    return -charge_ * (v[0] * by_t[0] + v[1] * by_t[1] + v[2] * by_t[2]);
+  }
+  Scalar gamma(const Scalar& t, const auto& q, const auto& p) const {
+    return relativity_.gamma(kinetic(t, q, p));
+  }
+
+ private:
+  template <class Use>
+  void for_each(const Use& use) const {
+    std::apply([&](const auto&... field) { (use(field), ...); }, fields_);
+  }
+  Column kinetic(const Scalar& t, const auto& q, const auto& p) const {
+    Column a(Scalar(0), Scalar(0), Scalar(0));
+    for_each([&](const auto& field) {
+      if constexpr (requires { field.add_potential(t, q, a); })
+        field.add_potential(t, q, a);
+      else
+        field.add_potential(q, a);
+    });
+    return {p[0] - charge_ * a[0], p[1] - charge_ * a[1], p[2] - charge_ * a[2]};
+  }
+
+  Scalar charge_;
+  detail::Relativity<Scalar> relativity_;
+  std::tuple<Fields...> fields_;
+};
+
+}  // namespace semiexplicit::effects::charges

@@ -1,0 +1,63 @@
+// case no_mistake: compiles
+// case not_const: rest_position_gradient of this Hamiltonian cannot be called: write `void rest_position_gradient(In<Scalar
+// case other_output: rest_position_gradient of this Hamiltonian cannot be called: write `void rest_position_gradient(In<Scalar
+// case momentum_not_const: rest_momentum_gradient of this Hamiltonian cannot be called: write `void rest_momentum_gradient(In<Scalar
+// case by_value: coupled_rest of this Hamiltonian cannot be called: write `const C& coupled_rest() const`
+// case coupled_not_const: coupled_rest of this Hamiltonian cannot be called: write `const C& coupled_rest() const`
+// case no_hamiltonian: coupled_rest of this Hamiltonian cannot be called: write `const C& coupled_rest() const`
+#include <semiexplicit/scene.hpp>
+#include <semiexplicit/semiexplicit.hpp>
+
+using namespace semiexplicit;
+
+using Read = In<double, 1>;
+using Write = Out<double, 1>;
+
+struct Coupling {
+  using Scalar = double;
+  static constexpr int Dof = 1;
+#ifndef no_hamiltonian
+  void gradient(Read q, Read p, Write dHdq, Write dHdp) const {
+    dHdq[0] = q[0] * p[0] * p[0];
+    dHdp[0] = q[0] * q[0] * p[0];
+  }
+#endif
+};
+
+struct Anharmonic {
+  using Scalar = double;
+  static constexpr int Dof = 1;
+  void gradient(Read q, Read p, Write dHdq, Write dHdp) const {
+    dHdq[0] = q[0] + q[0] * q[0] * q[0];
+    dHdp[0] = p[0] + p[0] * p[0] * p[0];
+  }
+  Status flow(double, const auto&, const auto&, auto&, auto&) const { return Status::success; }
+  std::string flow_name() const { return "oscillator"; }
+
+#if defined(not_const)
+  void rest_position_gradient(Read q, Write dHdq) { dHdq[0] = q[0] * q[0] * q[0]; }
+#elif defined(other_output)
+  void rest_position_gradient(Read q, Eigen::VectorXd& dHdq) const { dHdq[0] = q[0] * q[0] * q[0]; }
+#else
+  void rest_position_gradient(Read q, Write dHdq) const { dHdq[0] = q[0] * q[0] * q[0]; }
+#endif
+#if defined(momentum_not_const)
+  void rest_momentum_gradient(Read p, Write dHdp) { dHdp[0] = p[0] * p[0] * p[0]; }
+#else
+  void rest_momentum_gradient(Read p, Write dHdp) const { dHdp[0] = p[0] * p[0] * p[0]; }
+#endif
+#if defined(by_value)
+  Coupling coupled_rest() const { return {}; }
+#elif defined(coupled_not_const)
+  const Coupling& coupled_rest() { return coupling; }
+#else
+  const Coupling& coupled_rest() const { return coupling; }
+#endif
+  Coupling coupling;
+};
+
+int main() {
+  FlowSplitting stepper(Anharmonic{}, schemes::aba82<double>());
+  PhasePoint<double, 1> z(1, 0);
+  (void)stepper.step(z, 0.1);
+}

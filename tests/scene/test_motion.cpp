@@ -1,0 +1,199 @@
+#include "catch.hpp"
+
+#include <cmath>
+#include <numbers>
+#include <sstream>
+#include <string>
+
+#include <semiexplicit/checkpoint.hpp>
+#include <semiexplicit/scene.hpp>
+#include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/systems.hpp>
+
+#include "refusal.hpp"
+
+namespace test_motion {
+
+// Effects with a force of their own, against closed forms.
+
+namespace {
+
+using namespace semiexplicit;
+using namespace semiexplicit::effects;
+using std::numbers::pi;
+
+struct Spring {  // |q|²/2
+  using Acts = OnPosition<double, 2>;
+  static constexpr const char* name = "spring";
+  double energy(const auto& q) const { return (q[0] * q[0] + q[1] * q[1]) / 2; }
+  void add_gradient(const auto& q, auto& dHdq) const {
+    dHdq[0] += q[0];
+    dHdq[1] += q[1];
+  }
+};
+
+struct Weight {  // g y
+  using Acts = OnPosition<double, 2>;
+  static constexpr const char* name = "weight";
+  double g = 9.81;
+  double energy(const auto& q) const { return g * q[1]; }
+  void add_gradient(const auto&, auto& dHdq) const { dHdq[1] += g; }
+};
+
+using Kinetic = orbits::Kinetic<double, 2>;
+using Drag = orbits::Drag<double, 2>;
+
+/// x'' = -x - 2γx' from x = 1 at rest.
+double damped(double gamma, double t) {
+  const double w = std::sqrt(1 - gamma * gamma);
+  return std::exp(-gamma * t) * (std::cos(w * t) + gamma / w * std::sin(w * t));
+}
+
+}  // namespace
+
+TEST_CASE("a damped oscillator is integrated to the full order of the scheme, and the books close") {
+  const double gamma = 0.1;
+  const Scene scene(Kinetic{}, Spring{}, Drag{.linear = 2 * gamma});
+  static_assert(!decltype(scene)::separable && !decltype(scene)::symplectic);
+  for (const auto& scheme : {schemes::low_defect6_s13<double>(), schemes::yoshida6<double>(),
+                             schemes::blanes_moan4<double>(), schemes::strang<double>()}) {
+    CAPTURE(scheme.name);
+    double error[2], open[2];
+    for (int k = 0; k < 2; ++k) {
+      auto stepper = stepper_for(scene, scheme);
+      PhasePoint<double, 2> z({1, 0.5}, {0, 0});
+      Books books(scene);
+      integrate(stepper, z, {.dt = 0.4 / (k + 1), .t_end = 20}, books);
+      error[k] = std::abs(z.q()[0] - damped(gamma, 20)) + std::abs(z.q()[1] - damped(gamma, 20) / 2);
+      open[k] = std::abs(books.difference());
+      CHECK(books.energy_at_start() == 0.625);
+      CHECK(books.energy_now() < 0.02);
+      CHECK(books.work("drag") == Approx(-0.625).epsilon(0.05));
+    }
+    const double order = std::log2(error[0] / error[1]);
+    CHECK(order > scheme.order - 0.4);
+    CHECK(open[1] < 0.5 * open[0]);
+  }
+}
+
+TEST_CASE("a projectile with drag flies as its closed form says") {
+  const double k = 0.3, g = 9.81, t = 2;
+  const Scene linear(Kinetic{}, Weight{g}, Drag{.linear = k});
+  auto stepper = stepper_for(linear);
+  PhasePoint<double, 2> z({0, 0}, {30, 20});
+  Books books(linear);
+  integrate(stepper, z, {.dt = 0.02, .t_end = t}, books);
+  const double left = (1 - std::exp(-k * t)) / k;
+  CHECK(z.q()[0] == Approx(30 * left).epsilon(1e-13));
+  CHECK(z.q()[1] == Approx((20 + g / k) * left - g / k * t).epsilon(1e-12));
+  // The work is -k∫v².
+  const double vx2 = 900 * (1 - std::exp(-2 * k * t)) / (2 * k), c = 20 + g / k,
+               vy2 =
+                   c * c * (1 - std::exp(-2 * k * t)) / (2 * k) - 2 * c * g / k * left + g * g / (k * k) * t;
+  CHECK(books.work("drag") == Approx(-k * (vx2 + vy2)).epsilon(1e-12));
+  CHECK(std::abs(books.difference()) < 1e-10 * books.energy_at_start());
+
+  // Falling from rest with quadratic drag: v = V tanh(g t/V), V² = g/b.
+  const double b = 0.01, fastest = std::sqrt(g / b);
+  const Scene quadratic(Kinetic{}, Weight{g}, Drag{.quadratic = b});
+  auto falling = stepper_for(quadratic);
+  PhasePoint<double, 2> y({0, 0}, {0, -1e-30});
+  integrate(falling, y, {.dt = 0.02, .t_end = 5});
+  CHECK(y.p()[1] == Approx(-fastest * std::tanh(g * 5 / fastest)).epsilon(1e-12));
+  CHECK(y.q()[1] == Approx(-fastest * fastest / g * std::log(std::cosh(g * 5 / fastest))).epsilon(1e-12));
+}
+
+TEST_CASE("a spiral through an atmosphere loses what the drag takes") {
+  // A circle in thin air: da/dt = -2 b ρ a v with v² = GM/a; King-Hele, Theory of Satellite Orbits, section 4.
+  const double b = 1e-6, height = 0.05;
+  const Scene scene(Kinetic{}, orbits::Attraction<double, 2>{},
+                    Drag{.quadratic = b, .height = height, .radius = 1});
+  auto exact = stepper_for(scene, exactly<Kinetic, orbits::Attraction<double, 2>>());
+  CHECK(says(explain(exact), "doubled: drag"));
+  CHECK(says(explain(exact), "not symplectic: drag adds a force of its own"));
+  CHECK(says(explain(stepper_for(scene)), "not symplectic: drag adds a force of its own"));
+  PhasePoint<double, 2> z({1, 0}, {0, 1});
+  Books books(scene);
+  const double t = 2 * pi * 50;
+  integrate(exact, z, {.dt = 0.1, .t_end = t}, books);
+  const double a = -1 / (2 * scene.energy(z.q(), z.p()));
+  // exp((a - 1)/h) falls linearly with the slope 2b/h, but for a second order in 1 - a.
+  const double expected = 1 + height * std::log(1 - 2 * b / height * t);
+  CHECK(1 - a == Approx(1 - expected).epsilon(2e-3));
+  CHECK(std::abs(books.difference()) < 1e-6 * std::abs(books.work()));
+}
+
+TEST_CASE("the loss by gravitational waves is that of Peters") {
+  using orbits::Attraction;
+  const double gm = 1, c = 40, nu = 0.2;
+  for (const double e : {0.0, 0.3, 0.617}) {
+    CAPTURE(e);
+    const Scene scene(Kinetic{}, Attraction<double, 2>{}, orbits::RadiationReaction<double, 2>{gm, c, nu});
+    auto stepper = stepper_for(scene, exactly<Kinetic, Attraction<double, 2>>());
+    PhasePoint<double, 2> z({1 + e, 0}, {0, std::sqrt((1 - e) / (1 + e))});  // a = 1, from the apoapsis
+    const double t = 2 * pi * 10;
+    integrate(stepper, z, {.dt = 2 * pi / 400.3, .t_end = t});
+    const double energy = z.p().squaredNorm() / 2 - gm / z.q().norm(), a = -gm / (2 * energy);
+    const double l = z.q()[0] * z.p()[1] - z.q()[1] * z.p()[0], e2 = 1 + 2 * energy * l * l;
+    const double f = 1 - e * e, k = nu * std::pow(c, -5);
+    const double da =
+        -64.0 / 5 * k * std::pow(f, -3.5) * (1 + 73.0 / 24 * e * e + 37.0 / 96 * std::pow(e, 4));
+    const double de = -304.0 / 15 * e * k * std::pow(f, -2.5) * (1 + 121.0 / 304 * e * e);
+    CHECK((a - 1) / t == Approx(da).epsilon(1e-3));
+    if (e > 0) CHECK((std::sqrt(e2) - e) / t == Approx(de).epsilon(1e-3));
+  }
+}
+
+TEST_CASE("a circular binary shrinks to its merger as Peters says") {
+  // a = a₀ (1 - t/T)^(1/4), T = 5c⁵a₀⁴/(256ν(GM)³): half the size after 15/16 of the time.
+  using orbits::Attraction;
+  const double c = 10, nu = 0.25, merger = 5 * std::pow(c, 5) / (256 * nu);
+  const Scene scene(Kinetic{}, Attraction<double, 2>{}, orbits::RadiationReaction<double, 2>{1, c, nu});
+  auto stepper = stepper_for(scene, exactly<Kinetic, Attraction<double, 2>>());
+  PhasePoint<double, 2> z({1, 0}, {0, 1});
+  Books books(scene);
+  integrate(stepper, z, {.dt = 0.07, .t_end = merger * 15 / 16}, books);
+  CHECK(-1 / (2 * scene.energy(z.q(), z.p())) == Approx(0.5).epsilon(1e-3));
+  CHECK(books.work() == Approx(-0.5).epsilon(2e-3));
+  CHECK(std::abs(books.difference()) < 1e-8);
+}
+
+TEST_CASE("books tell of each effect, at run time, too, and of steps of any length") {
+  const RuntimeScene<double, 2> scene{Kinetic{}, Spring{}, Drag{.linear = 0.2},
+                                      orbits::RadiationReaction<double, 2>{1, 20, 0.25}};
+  CHECK(!scene.is_symplectic());
+  CHECK(!scene.is_separable());
+  CHECK(scene.with_only({"kinetic", "spring"}).is_symplectic());
+  Books books(scene);
+  CHECK(books.fresh());
+  CHECK(books.names() == std::vector<std::string>{"drag", "2.5pn"});
+  PhasePoint<double, 2> z({1, 0.5}, {0, 1});
+  with_stepper_for(scene, [&](auto& stepper) {
+    IntegrationReport run = integrate(stepper, z, {.dt = 0.05, .steps = 13}, books);
+    for (int i = 0; i < 40; ++i)  // goes on with other steps
+      run = integrate(stepper, z, {.dt = i % 2 == 0 ? 0.03 : 0.06, .steps = 3, .t0 = run.t}, books);
+    CHECK(std::abs(books.difference()) < 1e-9);
+    CHECK(books.work() == books.work("drag") + books.work("2.5pn"));
+    CHECK(std::abs(books.work("2.5pn")) < 1e-3);
+    // What a checkpoint keeps makes the same books.
+    CheckpointMemory saved;
+    books.visit_memory(saved);
+    CheckpointMemory kept(saved.bytes(), CheckpointMemory::Read::restore);
+    Books again(scene);
+    again.visit_memory(kept);
+    CHECK(!again.fresh());
+    CHECK(again.work("drag") == books.work("drag"));
+    CHECK(again.difference() == books.difference());
+    // Backwards the work is given back.
+    integrate(stepper, z, {.dt = -0.05, .t0 = run.t, .t_end = 0}, books);
+  });
+  CHECK((z.vector() - PhasePoint<double, 2>({1, 0.5}, {0, 1}).vector()).norm() < 1e-8);
+  CHECK(std::abs(books.work()) < 1e-8);
+  std::ostringstream table;
+  table << books;
+  CHECK(says(table.str(), "work of drag"));
+  CHECK(says(table.str(), "difference"));
+  CHECK(refuses([&] { books.work("darg"); }, "drag"));
+}
+
+}  // namespace test_motion

@@ -1,0 +1,197 @@
+#include "catch.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include <semiexplicit/derivatives.hpp>
+#include <semiexplicit/scene.hpp>
+#include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/systems.hpp>
+#include <semiexplicit/time.hpp>
+
+namespace test_relativistic_charges {
+
+namespace {
+
+using namespace semiexplicit;
+using namespace semiexplicit::effects;
+using Point = PhasePoint<double, 3>;
+using Chosen = RuntimeScene<double, 3>;  // one stepper for all tests: it compiles faster
+using std::numbers::pi;
+
+template <class E>
+void require_gradient(const E& effect) {
+  const Eigen::Vector3d q(0.8, -0.5, 0.6), p(0.3, 1.1, -0.7);
+  const auto found = check_gradient(Chosen{effect}, Point(q, p));
+  CAPTURE(found);
+  CHECK(found.ok());
+}
+
+}  // namespace
+
+TEST_CASE("gradients of fast charges in all fields are those of their energies, and A by itself is enough") {
+  const charges::SolenoidField solenoid(0.7, 1.3, 0.4);
+  const charges::UndulatorField undulator(0.5, 1.7);
+  const charges::QuadrupoleField quadrupole(0.6);
+  const charges::BottleField bottle(0.9, 1.7);
+  // The same fields by automatic differentiation of A.
+  const charges::FieldFrom from([=](const auto& x) {
+    using std::cosh, std::sin, std::sqrt;
+    const auto u = x[2] + 0.65, v = x[2] - 0.65, r = 0.16 + 0 * u;
+    const auto s = u / sqrt(u * u + r) - v / sqrt(v * v + r);
+    const auto second = -3 * r *
+                        (u / (sqrt(u * u + r) * (u * u + r) * (u * u + r)) -
+                         v / (sqrt(v * v + r) * (v * v + r) * (v * v + r)));
+    const auto g = 0.35 * (s / 2 - (x[0] * x[0] + x[1] * x[1]) * second / 16);
+    return std::array{-g * x[1] + 0.5 / 1.7 * cosh(1.7 * x[1]) * sin(1.7 * x[2]), g * x[0],
+                      -0.3 * (x[0] * x[0] - x[1] * x[1])};
+  });
+  const charges::RelativisticKinetic by_hand(-1.3, 0.7, 2.0, solenoid, undulator, quadrupole);
+  const charges::RelativisticKinetic by_duals(-1.3, 0.7, 2.0, from);
+  require_gradient(by_hand);
+  require_gradient(by_duals);
+  require_gradient(charges::RelativisticKinetic(1.0, 2.0, 1.5, bottle, charges::UniformField(0.3)));
+  const Eigen::Vector3d q(0.3, -0.5, 0.6), p(0.3, 1.1, -0.7);
+  Point a(3), b(3);
+  Scene(by_hand).gradient(q, p, a.q(), a.p());
+  Scene(by_duals).gradient(q, p, b.q(), b.p());
+  CHECK((a.vector() - b.vector()).norm() <= 1e-14 * a.vector().norm());
+  charges::FieldSum sum;
+  sum.add(solenoid).add(undulator).add(quadrupole);
+  Scene(charges::RelativisticKinetic(-1.3, 0.7, 2.0, sum)).gradient(q, p, b.q(), b.p());
+  CHECK((a.vector() - b.vector()).norm() <= 1e-15 * a.vector().norm());
+  // Slowly it is MagneticKinetic.
+  const charges::RelativisticKinetic slow(1.0, 2.0, 1e5, bottle);
+  CHECK(slow.energy(q, p) == Approx(charges::MagneticKinetic(1.0, 2.0, bottle).energy(q, p)).epsilon(1e-9));
+}
+
+TEST_CASE("at gamma 10 a charge gyrates at eB/(γm) with the radius p/(eB)") {
+  const double charge = -1.6, mass = 0.8, c = 2, b = 0.9, gamma = 10;
+  const charges::RelativisticKinetic motion(charge, mass, c, charges::UniformField(b));
+  const double momentum = mass * c * std::sqrt(gamma * gamma - 1);
+  const Eigen::Vector3d at(0.3, -0.2, 0.1), along(0.8, 0, 0.6), pi_0 = momentum * along;
+  Point z(at, motion.momentum(at, pi_0));
+  CHECK(motion.gamma(z.q(), z.p()) == Approx(gamma).epsilon(1e-14));
+  const double rate = std::abs(charge) * b / (gamma * mass), radius = 0.8 * momentum / (std::abs(charge) * b);
+  auto stepper = stepper_for(Chosen{motion});
+  const double period = 2 * pi / rate;
+  Point half = z;
+  integrate(stepper, half, {.dt = period / 100, .steps = 50});
+  CHECK((half.q() - at).head<2>().norm() == Approx(2 * radius).epsilon(1e-8));
+  integrate(stepper, z, {.dt = period / 100, .steps = 300});
+  CHECK((z.q() - at - Eigen::Vector3d(0, 0, 3 * period * 0.6 * momentum / (gamma * mass))).norm() <
+        1e-7 * radius);
+  // Across a field E < cB the drift is E/B at any speed.
+  const double e = 0.3;
+  Point y(at, motion.momentum(at, pi_0));
+  auto across = stepper_for(Chosen{motion, charges::UniformElectric<>{.charge = charge, .x = e}});
+  const double t = 400 * period;
+  integrate(across, y, {.dt = period / 60, .t_end = t});
+  CHECK((y.q() - at)[1] / t == Approx(-e / b).margin(2 * radius / t * 3));
+}
+
+TEST_CASE("an undulator wiggles, slows and focuses a charge by the textbook") {
+  const double k = 2 * pi, gamma = 50, strength = 1.2;  // c = m = e = 1, K = strength
+  const charges::RelativisticKinetic motion(1.0, 1.0, 1.0, charges::UndulatorField(strength * k, k));
+  const double p = std::sqrt(gamma * gamma - 1), dt = 0.01, y0 = 1e-4;
+  Point z({0, y0, 0}, {0, 0, p});
+  double widest = 0, closest = 1;
+  auto stepper = stepper_for(Chosen{motion});
+  const double focus = strength * k / (std::numbers::sqrt2 * p);
+  double t_end = pi / (2 * focus), out = 0;
+  integrate(stepper, z, {.dt = dt, .t_end = t_end}, [&](double, const Point& now) {
+    widest = std::max(widest, now.q()[0]);
+    closest = std::min(closest, now.q()[0]);
+    out = std::max(out, std::abs(now.q()[1]));
+  });
+  CHECK((widest - closest) / 2 == Approx(strength / (p * k)).epsilon(2e-3));
+  CHECK(z.q()[2] / t_end == Approx(1 - (1 + strength * strength / 2) / (2 * gamma * gamma)).epsilon(2e-6));
+  // A quarter of the slow swing along y: from the start to the axis.
+  CHECK(std::abs(z.q()[1]) < 0.02 * y0);
+  CHECK(out <= 1.01 * y0);
+}
+
+TEST_CASE("a solenoid turns the plane of a ray by Larmor's angle, a quadrupole focuses one plane") {
+  const charges::SolenoidField field(0.3, 2.0, 0.2);
+  const double gamma = 10, p = std::sqrt(gamma * gamma - 1), z0 = -4, x0 = 1e-3;
+  const charges::RelativisticKinetic motion(1.0, 1.0, 1.0, field);
+  Point z({x0, 0, z0}, {0, 0, p});  // without canonical angular momentum
+  auto stepper = stepper_for(Chosen{motion});
+  integrate(stepper, z, {.dt = 0.02, .t_end = 8});
+  double angle = std::atan2(z.q()[1], z.q()[0]);
+  CHECK(angle == Approx(-field.integral(z0, z.q()[2]) / (2 * p)).epsilon(1e-5));
+  CHECK(field.integral(-1e4, 1e4) == Approx(0.3 * 2.0).epsilon(1e-6));
+  // Of a point on the axis of the sheet the field is that of its angles.
+  CHECK(2 * field.slopes(std::array{0.0, 0.0, 0.4}).g ==
+        Approx(0.15 * (1.4 / std::hypot(1.4, 0.2) + 0.6 / std::hypot(0.6, 0.2))));
+
+  const double g = 0.5, root = std::sqrt(g / p);
+  const charges::RelativisticKinetic focusing(1.0, 1.0, 1.0, charges::QuadrupoleField(g));
+  Point y({x0, x0, 0}, {0, 0, p});
+  auto through = stepper_for(Chosen{focusing});
+  integrate(through, y, {.dt = 0.05, .t_end = 4});
+  CHECK(y.q()[0] == Approx(x0 * std::cos(root * y.q()[2])).epsilon(1e-5));
+  CHECK(y.q()[1] == Approx(x0 * std::cosh(root * y.q()[2])).epsilon(1e-5));
+}
+
+TEST_CASE("a cosmic ray of 10 GV turns back where Stoermer's forbidden region begins") {
+  // In the equator v_phi/v = b/r - C²/r², C² = eM/p, for an impact parameter b: it turns where that is ±1.
+  const double radius = 6378137, moment = -3.12e-5 * std::pow(radius, 3), c = 299792458;
+  const double rigidity = 10e9 / c, stoermer2 = -moment / rigidity;  // T m, m²
+  CHECK(std::sqrt(stoermer2) / radius == Approx(2.44).epsilon(0.01));
+  // Momenta in units of mc, for a proton; lengths in Earth radii.
+  const double rest = 0.93827208e9, p = 10e9 / rest,
+               field = moment / std::pow(radius, 3) / rigidity * p * radius;
+  const charges::RelativisticKinetic motion(1.0, 1.0, 1.0, charges::DipoleField(field));
+  for (const double b : {-2.0, 0.0, 3.0}) {
+    CAPTURE(b);
+    const double far = 60;
+    const Eigen::Vector3d at(far, b, 0), kinetic(-p, 0, 0);
+    Point z(at, motion.momentum(at, kinetic));
+    const double angular = z.q()[0] * z.p()[1] - z.q()[1] * z.p()[0];  // is kept: L/p = rv_phi/v + eM/(pr)
+    const double l = angular / p, c2 = -field / p;
+    double nearest = far;
+    auto stepper = stepper_for(Chosen{motion});
+    integrate(stepper, z, {.dt = 0.02, .t_end = 130},
+              [&](double, const Point& now) { nearest = std::min(nearest, now.q().norm()); });
+    // |l r + c2| = r²: the largest root on the way in.
+    double turning = 0;
+    for (const double sign : {-1.0, 1.0}) {
+      const double root = l * l / 4 + sign * c2;
+      if (root < 0) continue;
+      for (const double which : {-1.0, 1.0}) {
+        const double r = sign * l / 2 + which * std::sqrt(root);
+        if (r < far / 2) turning = std::max(turning, r);
+      }
+    }
+    CHECK(turning > 1);
+    CHECK(nearest == Approx(turning).epsilon(1e-4));
+    CHECK(nearest >= turning * (1 - 1e-9));
+  }
+}
+
+TEST_CASE("in a plane wave γ - p_z and the canonical momentum are kept") {
+  const double a0 = 0.8, k = 2, phase = 0.3;
+  const charges::FieldFrom wave([=](const auto& t, const auto& x) {
+    using std::cos;
+    return std::array{0 * t + 0 * x[2], a0 * cos(k * (x[2] - t) + phase), 0 * t + 0 * x[2]};
+  });
+  const charges::RelativisticCharge charge(1.0, 1.0, 1.0, wave, charges::UniformField(0.0));
+  const Autonomous K(charge);
+  auto stepper = Semiexplicit(K, schemes::low_defect6_s13<double>());
+  const Point start({0.1, 0, 0.2}, {0.05, 0.2, -0.1});
+  auto Z = K.extended(start, 0.0);
+  Invariants invariants(K);
+  const double lightlike = charge.gamma(0, start.q(), start.p()) - start.p()[2];
+  integrate(stepper, Z, {.dt = 0.02, .t_end = 20}, invariants);
+  const Point z = K.point(Z);
+  CHECK(invariants["energy"].worst < 1e-9);
+  CHECK(charge.gamma(20, z.q(), z.p()) - z.p()[2] == Approx(lightlike).epsilon(1e-9));
+  CHECK(z.p()[1] == Approx(start.p()[1]).epsilon(1e-13));
+  CHECK(z.p()[2] != Approx(start.p()[2]).epsilon(1e-2));
+  CHECK(check_gradient(K, Z).ok());
+}
+
+}  // namespace test_relativistic_charges

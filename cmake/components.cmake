@@ -9,7 +9,7 @@ function(semiexplicit_find_component component target complaint)
     find_package(Boost QUIET)
     set(needs Boost::headers)
     set(remedy "the headers of Boost (Debian, Ubuntu: apt-get install libboost-dev)")
-  elseif(component STREQUAL "openmp") # ensembles on all cores
+  elseif(component STREQUAL "openmp") # ensembles and large systems on all cores
     find_package(OpenMP QUIET COMPONENTS CXX)
     set(needs OpenMP::OpenMP_CXX)
     set(remedy "OpenMP (g++ brings it along; for clang++ apt-get install libomp-dev), and the language CXX enabled")

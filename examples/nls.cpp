@@ -43,7 +43,7 @@ Run run_sites(const Method& method, Eigen::Index sites, double dt, const Rows& r
   return with_lattice(sites, [&](const auto& lattice, const auto& z) {
     Invariants invariants(lattice);
     invariants.add("mass", lattice.mass);
-    return run_method(method, lattice, z, invariants, dt, rows, steps, checkpoint);
+    return run_method(method, lattice, z, invariants, dt, rows, steps, checkpoint, NoCompanion());
   });
 }
 

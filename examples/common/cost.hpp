@@ -1,13 +1,17 @@
 #pragma once
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <functional>
 #include <iostream>
+#include <limits>
 #include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include <semiexplicit/accuracy.hpp>
@@ -15,23 +19,36 @@
 #include "arguments.hpp"
 #include "output.hpp"
 #include "run.hpp"
+#include "units.hpp"
 
 namespace examples {
+
+/// What an accuracy with a unit asks for: the largest error of a direction over the run, in radians, for a figure of that name.
+struct AngleTarget {
+  std::function<Eigen::VectorXd(const In<double, Eigen::Dynamic>& q, const In<double, Eigen::Dynamic>& p)>
+      direction{};
+  double target = 0;
+  double longest_dt = 0;         ///< with which it can be measured
+  std::string figure{}, unit{};  ///< that the figure is given in
+};
 
 /// The options --cost, what accuracy costs, and --accuracy, choose a method and a step for me.
 struct CostRequest {
   bool curve = false;
-  double accuracy = 0;
+  double accuracy = 0;  ///< relative, of the energy; of an angle where there is a unit
+  std::string unit{};   ///< behind it
   std::string by = "seconds";
   std::optional<CostRow> chosen{};
 
   void add_to(CLI::App& app) {
     auto* const flag =
         app.add_flag("--cost", curve, "print what accuracy costs here, and draw it, instead of a long run");
-    app.add_option("--accuracy", accuracy,
-                   "largest relative energy error: choose the cheapest method and step for it, and run")
-        ->check(CLI::Range(1e-300, 0.1))
-        ->type_name("X")
+    app.add_option("--accuracy", text_,
+                   "largest relative energy error, or with a unit that of the figure which the preset "
+                   "measures: choose "
+                   "the cheapest method and step for it, and run")
+        ->check(CLI::Validator([this](std::string& text) { return read(text); }, "", "accuracy"))
+        ->type_name("X[ UNIT]")
         ->excludes(flag);
     add_value(app, "--cost-by", by, "what cheap means: seconds, gradients", one_of({"seconds", "gradients"}),
               "NAME");
@@ -57,9 +74,19 @@ struct CostRequest {
   /// is out of reach.
   template <class H, class State>
   bool answer(const H& hamiltonian, const State& z0, Method& method, Settings& settings,
-              const std::string& file, const std::string& title) {
+              const std::string& file, const std::string& title, const AngleTarget& angle = {}) {
     CostOptions options{.by = by == "seconds" ? CostBy::seconds : CostBy::gradients};
-    if (!curve) options.targets = {accuracy};
+    target_ = accuracy;
+    if (angle.direction) {
+      options.observable = angle.direction;
+      options.absolute = true;
+      target_ = angle.target / 3;  // the estimate is good to a factor of three
+      figure_ = angle.figure;
+      longest_dt_ = angle.longest_dt;
+      asked_ = accuracy * read_unit(unit).size / read_unit(angle.unit).size;
+      figure_unit_ = angle.unit;
+    }
+    if (!curve) options.targets = {target_};
     settings.make_output_folder();
     const CostTable cost = cost_of_accuracy(hamiltonian, z0, settings.time, options);
     if (curve)
@@ -69,24 +96,59 @@ struct CostRequest {
     return curve;
   }
 
-  /// What came of the choice.
+  /// What came of the choice. Throws std::runtime_error where the figure is not as accurate as it was to be.
   void compare_with(const Run& run) const {
-    if (chosen && run.is_result())
+    if (chosen && run.is_result() && !figure_.empty()) {
+      const auto error = run.figure_errors.find(figure_);
+      const std::string asked = figure_ + formatted(": %g ", asked_) + figure_unit_ + " asked for, ";
+      if (error == run.figure_errors.end() || !(error->second <= asked_))
+        throw std::runtime_error(asked +
+                                 (error == run.figure_errors.end()
+                                      ? "and it was not measured"
+                                      : formatted("%.1e reached by the trajectory", error->second)) +
+                                 "; give a smaller --accuracy, or a --dt");
+      std::cout << asked
+                << formatted("%.1e reached by the trajectory, as a companion run with half the step tells\n",
+                             error->second);
+    } else if (chosen && run.is_result())
       std::cout << formatted("energy error: %.1e asked for, %.1e expected, %.1e reached\n", accuracy,
                              chosen->error, run.quantities.front().worst);
   }
 
  private:
+  /// Reads a number from 1e-300 to 0.1, or one with a unit of an angle behind it; says what is wrong.
+  std::string read(const std::string& text) {
+    const char* const end = text.data() + text.size();
+    const auto [rest, failure] = std::from_chars(text.data(), end, accuracy);
+    unit.assign(rest, end);
+    unit.erase(0, unit.find_first_not_of(" \t"));
+    if (failure != std::errc() || !std::isfinite(accuracy) || !(accuracy >= 1e-300) ||
+        (unit.empty() && accuracy > 0.1))
+      return "'" + text +
+             "' is no accuracy: a relative energy error from 1e-300 to 0.1, or an angle as \"0.001 arcsec\"";
+    if (unit.empty()) return "";
+    try {
+      if (read_unit(unit).powers == Unit{}.powers) return "";
+      return "'" + text + "' is no angle; give one in rad, deg or arcsec";
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+  }
+
+  std::string text_, figure_, figure_unit_;
+  double target_ = 0, asked_ = 0;  ///< that is looked for; the accuracy in the unit of the figure
+  double longest_dt_ = std::numeric_limits<double>::infinity();
+
   void choose(const CostTable& cost, Method& method, Settings& settings) {
-    chosen = cost.cheapest(accuracy);
+    chosen = cost.cheapest(target_);
     if (!chosen) {
       const auto best = cost.best();
-      throw std::runtime_error("--accuracy " + formatted("%g", accuracy) + " is out of reach" +
-                               (best ? ": the best found is " + formatted("%.1e", best->error) + " by " +
-                                           best->setting.name() +
-                                           " with dt = " + formatted("%.3g", best->setting.dt)
-                                     : std::string("; no setting works")) +
-                               "; " + cost.why(accuracy));
+      throw std::runtime_error(
+          "--accuracy " + formatted("%g", accuracy) + (unit.empty() ? "" : " " + unit) + " is out of reach" +
+          (best ? ": the best found is " + formatted("%.1e", best->error) + " by " + best->setting.name() +
+                      " with dt = " + formatted("%.3g", best->setting.dt)
+                : std::string("; no setting works")) +
+          "; " + cost.why(target_));
     }
     const Setting& setting = chosen->setting;
     method.name = setting.method == Setting::Method::semiexplicit ? "semiexplicit"
@@ -97,8 +159,10 @@ struct CostRequest {
     method.tolerance = setting.rule.tolerance;
     method.stages = std::max(1, setting.stages);
     method.lanes = setting.method == Setting::Method::gauss_lanes;
-    settings.dt = settings.time / std::ceil(settings.time / setting.dt);
+    const bool too_long = setting.dt > longest_dt_;
+    settings.dt = settings.time / std::ceil(settings.time / (too_long ? longest_dt_ : setting.dt));
     std::cout << cost << "\nchosen: " << setting.name() << ", dt = " << formatted("%.4g", settings.dt)
+              << (too_long ? " (shorter than it could be, to measure the figure)" : "")
               << ", the cheapest in " << (by == "seconds" ? "processor time" : "gradient calls") << " of "
               << cost.rows.size() << " settings tried\n\n";
   }

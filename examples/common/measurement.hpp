@@ -7,6 +7,8 @@
 #include <memory>
 #include <ostream>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <semiexplicit/checkpoint.hpp>
 
@@ -14,6 +16,12 @@
 #include "run.hpp"
 
 namespace examples {
+
+/// A number that a measurement has found, so far.
+struct Figure {
+  std::string name;
+  double value = 0;
+};
 
 /// Looks on at a run and says something about it at the end.
 template <int Dof>
@@ -23,6 +31,8 @@ struct Measurement {
   std::function<void(double t, const In<double, Dof>& q, const In<double, Dof>& p)> observe{};
   std::function<void(std::ostream&, const Run&)> report{};
   std::function<void(CheckpointMemory&)> memory{};  ///< of what it has seen; see CheckpointMemory
+  /// Its figures so far, optional: they get an error by a companion run, which needs a second measurement.
+  std::function<std::vector<Figure>()> figures{};
 
   template <class State>
   void operator()(double t, const State& z) const {
@@ -40,6 +50,37 @@ struct Measurement {
     if (report && !run.is_result())
       out << "nothing else is measured, as the run is no result; see the end of it\n";
   }
+};
+
+/// Gives the figures of a run an error, by a measurement of a companion, whose states it is shown; see with_error_estimate().
+template <int Dof>
+class FigureErrors {
+ public:
+  static constexpr const char* name = "FigureErrors";
+
+  FigureErrors(const Measurement<Dof>& of_run, Measurement<Dof> of_companion)
+      : of_run_(of_run), of_companion_(std::move(of_companion)) {}
+
+  bool wanted() const { return of_run_.figures && of_companion_.figures; }
+
+  void operator()(double t, const PhasePoint<double, Dof>& z) const { of_companion_(t, z); }
+  template <class List>
+  void describe(List&) const {}
+  void visit_memory(CheckpointMemory& visit) const { of_companion_.visit_memory(visit); }
+
+  /// Puts the errors into the run, of those figures that both have; none where the two have parted.
+  template <class Estimate>
+  void conclude(const Estimate& estimate, Run& run) const {
+    for (const Figure& one : of_run_.figures())
+      for (const Figure& other : of_companion_.figures())
+        if (one.name == other.name)
+          if (const auto error = estimate.error_of(one.value, other.value))
+            run.figure_errors[one.name] = *error;
+  }
+
+ private:
+  const Measurement<Dof>& of_run_;
+  Measurement<Dof> of_companion_;
 };
 
 /// The memory of a measurement that has it in `seen`.

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <iostream>
+#include <map>
 #include <sstream>
 #include <string>
 #include <type_traits>
@@ -91,6 +92,8 @@ struct Run {
   IntegrationReport report{};
   std::string failure{};  ///< empty if the run came to its end
   std::string doubt{};    ///< not empty if the result means nothing although it did
+  std::map<std::string, double>
+      figure_errors{};  ///< of measured figures, by a companion run, where there was one
 
   bool is_result() const { return failure.empty() && doubt.empty(); }
   /// Says on stderr why this is no result; false: it is one.
@@ -174,31 +177,53 @@ class Watch {
   std::int64_t step_ = 0;
 };
 
-/// Integrates from z0 and watches the invariants; a failed step ends up in the Run, with all that came before it.
-template <class H, class Watched, class... Observers>
+/// No companion runs beside a run.
+struct NoCompanion {
+  bool wanted() const { return false; }
+  void conclude(const auto&, Run&) const {}
+};
+
+/// Integrates from z0 and watches the invariants; a failed step ends up in the Run, with all that came before it. A companion that is
+/// wanted goes along, with half the step, and says in the end what it has seen (FigureErrors).
+template <class H, class Watched, class Companion, class... Observers>
 Run run_method(const Method& method, const H& hamiltonian, const PhasePoint<double, H::Dof>& z0,
                Watched invariants, double dt, const Rows& rows, std::int64_t steps,
-               const CheckpointRequest& request, Observers&... observers) {
+               const CheckpointRequest& request, Companion companion, Observers&... observers) {
   Run run{.method = method};
   with_stepper(method, hamiltonian, [&](auto& stepper) {
-    typename std::decay_t<decltype(stepper)>::State state(z0);
+    using State = typename std::decay_t<decltype(stepper)>::State;
+    State state(z0);
     Watch watch(invariants, rows, run);
     IntegrationOptions<double> options{.dt = dt, .steps = steps};
-    Checkpoints checkpoints(request.file, {.every = request.every, .run = request.run.str()}, stepper,
-                            options, invariants, watch, observers...);
-    if (request.wanted()) options.done = checkpoints.resume(state);
-    if (options.done.steps > 0)
-      std::cout << "goes on from " << request.file.string() << ", step " << options.done.steps
-                << std::endl;  // also if it is killed
-    const auto save = [&](double t, const auto& z, const IntegrationReport& so_far) {
-      if (request.wanted()) checkpoints(t, z, so_far);
+    const auto go = [&](auto&... estimate) {
+      Checkpoints checkpoints(request.file, {.every = request.every, .run = request.run.str()}, stepper,
+                              options, invariants, watch, observers..., estimate...);
+      if (request.wanted()) options.done = checkpoints.resume(state);
+      if (options.done.steps > 0)
+        std::cout << "goes on from " << request.file.string() << ", step " << options.done.steps
+                  << std::endl;  // also if it is killed
+      const auto save = [&](double t, const auto& z, const IntegrationReport& so_far) {
+        if (request.wanted()) checkpoints(t, z, so_far);
+      };
+      Progress progress(static_cast<double>(steps) * dt, method.name);
+      try {
+        run.report =
+            integrate(stepper, state, options, invariants, watch, observers..., estimate..., progress, save);
+        if constexpr (sizeof...(estimate) > 0) companion.conclude(estimate..., run);
+      } catch (const IntegrationError& error) {
+        run.report = error.report();
+        run.failure = error.what();
+      }
     };
-    Progress progress(static_cast<double>(steps) * dt, method.name);
-    try {
-      run.report = integrate(stepper, state, options, invariants, watch, observers..., progress, save);
-    } catch (const IntegrationError& error) {
-      run.report = error.report();
-      run.failure = error.what();
+    if constexpr (std::is_same_v<State, PhasePoint<double, H::Dof>> &&
+                  !std::is_same_v<Companion, NoCompanion>) {
+      auto estimate = with_error_estimate(stepper, {}, companion);
+      if (companion.wanted())
+        go(estimate);
+      else
+        go();
+    } else {
+      go();
     }
     watch.finish();
     for (const auto& row : invariants.rows())

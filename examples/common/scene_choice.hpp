@@ -95,6 +95,17 @@ struct EffectEntry {
                                  : "acts on q and on p") {}
 };
 
+/// What --accuracy with a unit is about: a direction that turns, as a unit vector f(q, p), so that its error is an angle.
+template <int Dof>
+struct TurningFigure {
+  std::string name;   ///< of the Figure of the measurement
+  std::string unit;   ///< that it is given in, "arcsec", in the time `per`
+  std::string per;    ///< as "1 century"
+  double longest_dt;  ///< with which it can be measured
+  std::function<Eigen::VectorXd(const In<double, Eigen::Dynamic>& q, const In<double, Eigen::Dynamic>& p)>
+      direction;
+};
+
 /// A set-up ready made. Numbers may have units behind them, as on the command line: "1 GMsun", "2 day", "0.1".
 template <int Dof>
 struct ScenePreset {
@@ -107,6 +118,8 @@ struct ScenePreset {
   std::int64_t samples = 2000;  ///< rows of the files
   std::function<PhasePoint<double, Dof>(const Choice&)> start;
   std::function<Measurement<Dof>(const Choice&)> measure{};  ///< optional
+  std::function<TurningFigure<Dof>(const Choice&)>
+      figure{};  ///< optional: what an accuracy in an angle means
 };
 
 template <int Dof>

@@ -114,6 +114,21 @@ Measurement<Dof> with_books(const RuntimeScene<double, Dof>& scene, const Measur
           }};
 }
 
+/// What an accuracy with a unit asks for; nothing where there is none. Throws std::invalid_argument where the preset measures no
+/// such figure.
+template <int Dof>
+AngleTarget angle_of(const CostRequest& cost, const ScenePreset<Dof>& preset, const Choice& choice,
+                     double time) {
+  if (cost.unit.empty()) return {};
+  if (!preset.figure)
+    throw std::invalid_argument("--accuracy: the preset " + preset.name +
+                                " measures no angle; give a relative energy error, as 1e-9");
+  const TurningFigure<Dof> figure = preset.figure(choice);
+  const double per = read_quantity(figure.per, "s", preset.units, true);
+  return {figure.direction, cost.accuracy * read_unit(cost.unit).size * time / per, figure.longest_dt,
+          figure.name, figure.unit};
+}
+
 /// No Hamiltonian of a program's own.
 struct NoKernel {
   NoKernel operator()(const Choice&) const { return {}; }
@@ -175,9 +190,10 @@ int run_scene_program(const SceneProgram<Dof>& program, int argc, char** argv, c
       return 0;
     }
     if (cost_wanted) {
+      const auto angle = angle_of(cost, preset, choice, settings.time);
       const auto answer = [&](const auto& h) {
-        return cost.answer(h, z0, method, settings, program.name + "_cost",
-                           program.name + ", " + preset.name);
+        return cost.answer(h, z0, method, settings, program.name + "_cost", program.name + ", " + preset.name,
+                           angle);
       };
       if (scene.is_separable() ? answer(SeparableRuntimeScene<double, Dof>(scene)) : with_hamiltonian(answer))
         return 0;
@@ -192,8 +208,11 @@ int run_scene_program(const SceneProgram<Dof>& program, int argc, char** argv, c
     const View<Dof> view = program.view(choice);
     ViewCsv<Dof> path(path_csv, view);
     auto some_of_path = every(stride(steps, settings.samples), path);
-    Measurement<Dof> measurement;
-    if (preset.measure) measurement = preset.measure(choice);
+    Measurement<Dof> measurement, of_companion;
+    if (preset.measure) {
+      measurement = preset.measure(choice);
+      of_companion = preset.measure(choice);
+    }
     if (!scene.is_symplectic()) measurement = with_books(scene, measurement);
     checkpoint.run << program.name << ' ' << preset.name << ": " << joined(scene.names());
     checkpoint.run.precision(17);
@@ -201,15 +220,16 @@ int run_scene_program(const SceneProgram<Dof>& program, int argc, char** argv, c
     checkpoint.run << "; " << steps << " steps, samples " << settings.samples;
     const auto go = [&](const auto& hamiltonian) {
       return run_method(method, hamiltonian, z0, invariants, settings.dt,
-                        evenly_spaced(steps, settings.samples), steps, checkpoint, some_of_path, measurement);
+                        evenly_spaced(steps, settings.samples), steps, checkpoint,
+                        FigureErrors<Dof>(measurement, of_companion), some_of_path, measurement);
     };
     Run run =
         method.name == "splitting" ? go(SeparableRuntimeScene<double, Dof>(scene)) : with_hamiltonian(go);
 
     if (!scene.is_symplectic()) run.doubt.clear();  // the energy is meant to change
     print_table(std::cout, {run}, settings.dt);
-    cost.compare_with(run);
     measurement.print(std::cout, run);
+    cost.compare_with(run);
     path.commit();
     write_series(csv, {run});
     checkpoint.finish();

@@ -7,6 +7,7 @@
 #include <ostream>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <Eigen/Geometry>
 #include <semiexplicit/checkpoint.hpp>
@@ -123,6 +124,18 @@ inline Measurement<3> turning_orbit(const Choice& c, const std::string& unit, do
       seen->step = std::max(seen->step, std::atan2(seen->last.cross(x).norm(), seen->last.dot(x)));
     seen->last = x;
   };
+  const bool with_node = c.on("j2") || c.on("spin_orbit");
+  const auto figures = [=] {
+    std::vector<Figure> list;
+    const bool has_node = seen->upright > 1e-3;
+    const auto add = [&](const char* what, const Passages& passages) {
+      if (passages.orbits() >= 2) list.push_back({what, passages.per_time() * factor});
+    };
+    add("perihelion advance", with_node && has_node ? seen->from_node : seen->along);
+    add("perihelion and node, along the orbit", seen->along);
+    add("node", seen->node);
+    return list;
+  };
   const auto report = [=](std::ostream& out, const Run& run) {
     const bool about_the_node = c.preset == "gps";  // its orbit is a circle
     const std::string first = about_the_node ? "node" : "perihelion advance";
@@ -136,8 +149,14 @@ inline Measurement<3> turning_orbit(const Choice& c, const std::string& unit, do
     const FirstOrder expected(c);
     const double motion = std::sqrt(gm / std::pow(c["a"], 3)) * factor;  // per radian of the mean motion
     // An error of the energy goes along with a turn of the periapsis, as measured up to five times as large a radian.
-    const double uncertain = 6 * run.quantities.front().worst * motion;
+    const double by_energy = 6 * run.quantities.front().worst * motion;
     const auto figure = [&](const std::string& what, const Passages& passages, double closed_form) {
+      const auto by_companion = run.figure_errors.find(what);
+      const bool measured = by_companion != run.figure_errors.end();
+      // A straight line between steps leaves of what swings once an orbit the square of the step, over the whole run.
+      const double by_lines = 0.75 * seen->step * seen->step / (2 * pi * std::max(passages.orbits(), 1)) *
+                              expected.largest * motion;
+      const double uncertain = (measured ? by_companion->second : by_energy) + by_lines;
       if (passages.orbits() < 2)
         return print_none(out, what, "the run has no two whole orbits; give more --time");
       if (!passages.plain())
@@ -145,17 +164,23 @@ inline Measurement<3> turning_orbit(const Choice& c, const std::string& unit, do
                           "it turns by more than a quarter in an orbit, so that the way round is not plain");
       if (!(uncertain <= (expected.largest > 0 ? 0.1 * expected.largest : 1e-3) * motion))
         return print_none(out, what,
-                          formatted("the energy error leaves ± %.2g ", uncertain) + unit +
+                          std::string(measured ? "a companion run" : "the energy error") +
+                              formatted(" leaves ± %.2g ", uncertain) + unit +
                               " open; give a smaller --dt, or a --scheme of higher order");
       const auto decimals = [](double x) { return formatted("%.4f", std::round(x * 1e4) / 1e4 + 0.0); };
-      out << what << ": " << decimals(passages.per_time() * factor) << ' ' << unit
-          << formatted(" from %d orbits", passages.orbits())
-          << formatted(" (± %.1g by the energy error)", uncertain);
-      if (expected.holds())
+      out << what << ": " << decimals(passages.per_time() * factor) << formatted(" ± %.1g ", uncertain)
+          << unit << formatted(" from %d orbits", passages.orbits())
+          << (measured ? "" : " (± by the energy error)");
+      if (expected.holds()) {
         out << "; " << (expected.terms.empty() ? "Kepler" : expected.terms + " to first order") << ": "
             << decimals(closed_form * motion);
-      else
+        // What a first order leaves out is of the size of the square of the largest term.
+        if (expected.largest > 0)
+          out << formatted(", terms of second order: about %.0g",
+                           expected.largest * expected.largest * motion);
+      } else {
         out << "; too strong a field for a formula of first order";
+      }
       out << '\n';
     };
     const bool has_node = seen->upright > 1e-3;
@@ -176,11 +201,23 @@ inline Measurement<3> turning_orbit(const Choice& c, const std::string& unit, do
     else if (has_node && (about_the_node || c.on("j2") || c.on("spin_orbit")))
       figure("node", seen->node, expected.node);
   };
-  return {observe, report, memory_of(seen)};
+  return {observe, report, memory_of(seen), figures};
 }
 
 inline Measurement<3> perihelion(const Choice& c) {
   return turning_orbit(c, "arcseconds a century", 100 * 3600 * 180 / std::numbers::pi);
+}
+
+/// The direction of the perihelion, by the vector of Laplace.
+inline TurningFigure<3> direction_of_perihelion(const Choice& c) {
+  const double gm = c["gm"], a = c["a"], e = c["e"];
+  // Six degrees at the perihelion, so that a straight line between two steps leaves 1e-4 arcsec.
+  const double period = 2 * std::numbers::pi * std::sqrt(a * a * a / gm),
+               longest = period / 60 * std::pow(1 - e * e, 1.5) / ((1 + e) * (1 + e));
+  return {"perihelion advance", "arcsec", "1 century", longest, [gm](const auto& q, const auto& p) {
+            const Eigen::Vector3d x = q, v = p, laplace = v.cross(x.cross(v)) / gm - x.normalized();
+            return Eigen::VectorXd(laplace.normalized());
+          }};
 }
 
 inline Measurement<3> node(const Choice& c) {
@@ -220,7 +257,7 @@ inline Measurement<3> closure(const Choice& c) {
       out << formatted("Jacobi's constant: %.12f at first, ", jacobi(seen->first))
           << formatted("%.12f at last\n", jacobi(seen->last));
   };
-  return {observe, report, memory_of(seen)};
+  return {observe, report, memory_of(seen), {}};
 }
 
 }  // namespace examples

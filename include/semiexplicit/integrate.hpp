@@ -25,7 +25,8 @@ enum class OnFailure {
 /// How far to go, and how.
 template <class Scalar>
 struct IntegrationOptions {
-  Scalar dt = Scalar(0);   ///< the step; negative goes back in time
+  Scalar dt =
+      Scalar(0);  ///< the step; negative goes back in time; of a stepper that ChoosesSteps in its parameter
   std::int64_t steps = 0;  ///< how many, those of `done` included; instead of t_end
   OnFailure on_failure = OnFailure::raise;
   /// A step that does not converge or is not finite is tried again as 2, 4, ... up to 2^subdivide equal ones before it counts as
@@ -34,7 +35,7 @@ struct IntegrationOptions {
   int subdivide = 0;
   Scalar t0 = Scalar(0);  ///< time of the state that is handed in, or of the first one where the run goes on
   /// Where the run ends, exactly: with the fewest equal steps that are no longer than dt. IntegrationReport::dt says which
-  /// dt that took. NaN: not given, `steps` says how far.
+  /// dt that took. A stepper that ChoosesSteps keeps dt and cuts its last two steps. NaN: not given, `steps` says how far.
   Scalar t_end = std::numeric_limits<Scalar>::quiet_NaN();
   /// Report of an earlier part, which the run goes on from: its steps count among `steps`, and its sums are added to. See
   /// Checkpoints::resume().
@@ -52,6 +53,31 @@ void require_restored(const Observer& observer, std::int64_t steps) {
                                 "Checkpoints");
 }
 
+/// Whether the run ends at a time that the stepper's own steps are to meet.
+template <class S>
+bool ends_by_clock(const IntegrationOptions<typename S::Scalar>& options) {
+  using std::isnan;
+  return ChoosesSteps<S> && !isnan(options.t_end);
+}
+
+/// What a stepper that chooses its steps knows of the time; of others nothing.
+template <class S>
+auto clock_of(const S& stepper) {
+  if constexpr (ChoosesSteps<S>)
+    return stepper.clock();
+  else
+    return 0;
+}
+
+/// A step of size dt, not beyond t_end.
+template <class S>
+StepReport one_step(S& stepper, typename S::State& state, const typename S::Scalar& dt,
+                    const IntegrationOptions<typename S::Scalar>& options) {
+  if constexpr (ChoosesSteps<S>)
+    if (ends_by_clock<S>(options)) return stepper.step_until(state, dt, options.t_end);
+  return stepper.step(state, dt);
+}
+
 /// The failed step from `state` as 2, 4, ... equal ones, the first number that succeeds; adds to the report what they cost.
 template <class S>
 SEMIEXPLICIT_COLD bool step_in_parts(S& stepper, typename S::State& state,
@@ -59,6 +85,7 @@ SEMIEXPLICIT_COLD bool step_in_parts(S& stepper, typename S::State& state,
                                      IntegrationReport& report) {
   using Scalar = typename S::Scalar;
   const StepReport whole = report.last;
+  [[maybe_unused]] const auto clock = clock_of(stepper);
   Scalar part = options.dt;
   std::int64_t parts = 1;
   for (int level = 0; level < options.subdivide; ++level) {
@@ -66,9 +93,12 @@ SEMIEXPLICIT_COLD bool step_in_parts(S& stepper, typename S::State& state,
     parts *= 2;
     part /= 2;
     typename S::State trial = state;
+    report.taken = 0;
     StepReport together;
     for (std::int64_t i = 0; i < parts && together.ok(); ++i) {
-      const StepReport one = stepper.step(trial, part);
+      if constexpr (ChoosesSteps<S>)
+        if (ends_by_clock<S>(options) && stepper.time() == options.t_end) break;
+      const StepReport one = one_step(stepper, trial, part, options);
       report.evaluations += one.evaluations;
       report.gradients += one.gradients;
       together = {.status = one.status,
@@ -77,6 +107,7 @@ SEMIEXPLICIT_COLD bool step_in_parts(S& stepper, typename S::State& state,
                   .correction = std::max(together.correction, one.correction),
                   .rate = std::max(together.rate, one.rate),
                   .escalations = std::max(together.escalations, one.escalations)};
+      if constexpr (ChoosesSteps<S>) report.taken += static_cast<double>(stepper.taken());
     }
     report.last = together;
     if (together.ok()) {
@@ -84,15 +115,17 @@ SEMIEXPLICIT_COLD bool step_in_parts(S& stepper, typename S::State& state,
       ++report.subdivided;
       return true;
     }
+    if constexpr (ChoosesSteps<S>) stepper.rewind(clock, state);
   }
   report.last = whole;  // what is said of a failure is said of the step that was asked for
   return false;
 }
 
-/// The options with t_end turned into steps and the dt that they take. A quotient that is a whole number but for rounding is
-/// one.
-template <class Scalar>
-SEMIEXPLICIT_COLD IntegrationOptions<Scalar> with_steps(IntegrationOptions<Scalar> options) {
+/// The options with t_end turned into steps and the dt that they take, unless the stepper S chooses its steps. A quotient that is a
+/// whole number but for rounding is one.
+template <class S, class Scalar = typename S::Scalar>
+SEMIEXPLICIT_COLD IntegrationOptions<Scalar> with_steps(
+    std::type_identity_t<IntegrationOptions<Scalar>> options) {
   using std::abs;
   using std::ceil;
   using std::isfinite;
@@ -107,6 +140,7 @@ SEMIEXPLICIT_COLD IntegrationOptions<Scalar> with_steps(IntegrationOptions<Scala
   const Scalar quotient = time / options.dt;
   if (!(quotient > Scalar(0)))
     throw std::invalid_argument("integrate: dt leads away from t_end; give it the sign of t_end - t0");
+  if (ChoosesSteps<S>) return options;
   // The times themselves are rounded, and late ones by more than their difference is.
   const Scalar slack =
       (8 * epsilon * quotient) + 2 * epsilon * (abs(options.t0) + abs(options.t_end)) / abs(options.dt);
@@ -122,13 +156,13 @@ SEMIEXPLICIT_COLD IntegrationOptions<Scalar> with_steps(IntegrationOptions<Scala
 
 /// Throws std::invalid_argument for options that make no sense.
 template <class Scalar>
-SEMIEXPLICIT_COLD void check_options(const IntegrationOptions<Scalar>& options) {
+SEMIEXPLICIT_COLD void check_options(const IntegrationOptions<Scalar>& options, bool by_clock) {
   if (!(options.subdivide >= 0 && options.subdivide <= 30))
     throw std::invalid_argument(
         "integrate: subdivide is not between 0 and 30; 10 makes a thousandth of a step");
   if (options.steps < 0)
     throw std::invalid_argument("integrate: steps is negative; to go back in time give a negative dt");
-  if (options.done.steps < 0 || options.done.steps > options.steps)
+  if (options.done.steps < 0 || (!by_clock && options.done.steps > options.steps))
     throw std::invalid_argument("integrate: " + std::to_string(options.done.steps) +
                                 " steps are done, and not 0 to " + std::to_string(options.steps) +
                                 " of them; steps counts those of the earlier part, too");
@@ -138,6 +172,88 @@ SEMIEXPLICIT_COLD void check_options(const IntegrationOptions<Scalar>& options) 
                                 " now; give the same dt, or begin a new run with t0 = the time reached");
 }
 
+/// The observer that may change the state; of others there is none.
+template <class First, class... Others>
+auto& changing(First& first, Others&... others) {
+  if constexpr (ChangesState<First>)
+    return first;
+  else
+    return changing(others...);
+}
+
+/// A step that was taken from `start`, at the time t, to `state`, cut where an observer wants to change the state: `state` and t
+/// become those after the last event, and what is left of the step is taken from there. tell() notifies all observers.
+/// Success, `stopped` at an event, or why the rest of the step failed.
+template <class S, class Tell, class Observer>
+Status cut_at_events(S& stepper, typename S::State& start, typename S::State& state, typename S::Scalar& t,
+                     const typename S::Scalar& end, const IntegrationOptions<typename S::Scalar>& options,
+                     [[maybe_unused]] auto clock, IntegrationReport& report, const Tell& tell,
+                     Observer& observer) {
+  using Scalar = typename S::Scalar;
+  Scalar h = ChoosesSteps<S> ? Scalar(end - t) : options.dt;
+  constexpr int most = 1000;
+  for (int events = 0;; ++events) {
+    const auto move = [&](const Scalar& x, typename S::State& z) {
+      z = start;
+      if (x == Scalar(0)) return StepReport{};
+      StepReport one;
+      if constexpr (ChoosesSteps<S>) {
+        stepper.rewind(clock, start);
+        one = stepper.step_until(z, options.dt, x == h ? end : Scalar(t + x));
+      } else {
+        one = stepper.step(z, x);
+      }
+      report.evaluations += one.evaluations;
+      report.gradients += one.gradients;
+      return one;
+    };
+    const auto found = [&] {
+      try {
+        return observer.first_event(start, state, h, move);
+      } catch (...) {
+        state = start;
+        throw;
+      }
+    }();
+    if (!found) {
+      if constexpr (ChoosesSteps<S>)
+        if (stepper.time() != end) move(h, state);  // the search has left it elsewhere
+      t = end;
+      return Status::success;
+    }
+    if (events >= most)
+      throw std::runtime_error("integrate: " + std::to_string(most) +
+                               " events in the step to t = " + in_words(end, 9) +
+                               "; take a shorter dt, or let the action end the run where they pile up");
+    // One at an end of the step, as far as times tell, is at the end.
+    using std::abs;
+    const Scalar rounding = 4 * Eigen::NumTraits<Scalar>::epsilon() * (abs(t) + abs(end));
+    const Scalar x = abs(found.x) <= rounding ? Scalar(0) : abs(h - found.x) <= rounding ? h : found.x;
+    report.last = move(x, state);
+    if (!report.last.ok()) {
+      state = start;
+      return report.last.status;
+    }
+    if constexpr (ChoosesSteps<S>) report.taken = static_cast<double>(stepper.taken());
+    t = x == h ? end : Scalar(t + x);
+    h -= x;
+    const bool last = ChoosesSteps<S> || h == Scalar(0);  // what is after the event ends the step
+    report.at_event = true;
+    bool go_on = x == Scalar(0) || tell(t);
+    go_on = observer.act(found, t, state, report) && go_on;
+    ++report.changes;
+    if (!last || !go_on) go_on = tell(t) && go_on;
+    report.at_event = false;
+    if (!go_on) return Status::stopped;
+    if (last) return Status::success;
+    start = state;
+    report.last = stepper.step(state, h);
+    report.evaluations += report.last.evaluations;
+    report.gradients += report.last.gradients;
+    if (!report.last.ok()) return report.last.status;
+  }
+}
+
 /// integrate(), whose arguments are what they should be.
 template <class S, class... Observers>
 IntegrationReport integrate_checked(S& stepper, typename S::State& state,
@@ -145,16 +261,22 @@ IntegrationReport integrate_checked(S& stepper, typename S::State& state,
                                     Observers&... observers) {
   using Scalar = typename S::Scalar;
   using std::isnan;
-  const IntegrationOptions<Scalar> options = with_steps(asked);
+  const IntegrationOptions<Scalar> options = with_steps<S>(asked);
+  const bool by_clock = ends_by_clock<S>(options);
   const auto time_after = [&](std::int64_t n) {
-    return n == options.steps && !isnan(options.t_end) ? options.t_end
-                                                       : Scalar(options.t0 + Scalar(n) * options.dt);
+    if constexpr (ChoosesSteps<S>)
+      return Scalar(stepper.time());
+    else
+      return n == options.steps && !isnan(options.t_end) ? options.t_end
+                                                         : Scalar(options.t0 + Scalar(n) * options.dt);
   };
-  check_options(options);
+  check_options(options, by_clock);
   const auto start = std::chrono::steady_clock::now();
   if (options.done.steps > 0) (require_restored(observers, options.done.steps), ...);
   IntegrationReport report = options.done;
   report.dt = static_cast<double>(options.dt);
+  if constexpr (ChoosesSteps<S>)
+    if (report.steps == 0) stepper.begin(state, options.t0);
   Scalar t = report.steps > 0 ? time_after(report.steps) : options.t0;
   // Every observer hears of every step, also when one before it asks to stop.
   const auto wanted = [&] {
@@ -170,20 +292,47 @@ IntegrationReport integrate_checked(S& stepper, typename S::State& state,
     return report;
   };
 
+  const auto fail = [&](Status status) {
+    finish(status);
+    if (options.on_failure == OnFailure::raise)
+      throw IntegrationError(report, static_cast<double>(options.dt));
+    return report;
+  };
+  constexpr int changing_observers = (0 + ... + (ChangesState<Observers> ? 1 : 0));
+  static_assert(changing_observers <= 1,
+                "only one observer of a run may change the state: put these events into one events(H, ...)");
+
   if (report.steps == 0 && !wanted()) return finish(Status::stopped);
-  while (report.steps < options.steps) {
-    report.last = stepper.step(state, options.dt);
+  [[maybe_unused]] auto before = [&] {
+    if constexpr (changing_observers == 1)
+      return typename S::State(state);
+    else
+      return 0;
+  }();
+  while (by_clock ? t != options.t_end : report.steps < options.steps) {
+    [[maybe_unused]] const auto clock = clock_of(stepper);
+    if constexpr (changing_observers == 1) before = state;
+    report.last = one_step(stepper, state, options.dt, options);
     report.evaluations += report.last.evaluations;
     report.gradients += report.last.gradients;
-    if (!report.last.ok() && !step_in_parts(stepper, state, options, report)) {
-      finish(report.last.status);
-      if (options.on_failure == OnFailure::raise)
-        throw IntegrationError(report, static_cast<double>(options.dt));
-      return report;
-    }
+    if constexpr (ChoosesSteps<S>) report.taken = static_cast<double>(stepper.taken());
+    if (!report.last.ok() && !step_in_parts(stepper, state, options, report)) return fail(report.last.status);
     report.max_correction = std::max(report.max_correction, report.last.correction);
-    ++report.steps;
-    t = time_after(report.steps);
+    if constexpr (changing_observers == 1) {
+      const auto tell = [&](const Scalar& now) {
+        bool go_on = true;
+        ((go_on = notify(observers, now, state, report) && go_on), ...);
+        return go_on;
+      };
+      const Status status = cut_at_events(stepper, before, state, t, time_after(report.steps + 1), options,
+                                          clock, report, tell, changing(observers...));
+      if (status == Status::stopped) return finish(status);
+      if (status != Status::success) return fail(status);
+      ++report.steps;
+    } else {
+      ++report.steps;
+      t = time_after(report.steps);
+    }
     if (!wanted()) return finish(Status::stopped);
   }
   return finish(Status::success);
@@ -198,7 +347,7 @@ IntegrationReport integrate_checked(S& stepper, typename S::State& state,
 ///     PhasePoint<double, 1> z(-3, 0);
 ///     integrate(stepper, z, {.dt = 0.01, .steps = 1000}, [](double t, const auto& z) { std::cout << t << ' ' << z.q() << '\n'; });
 ///
-/// Times are t0 + n dt, without accumulated rounding. A step that fails leaves `state` at the last good one and throws
+/// Times are t0 + n dt, without accumulated rounding; of a stepper that ChoosesSteps they are its own. A step that fails leaves `state` at the last good one and throws
 /// IntegrationError, or ends the run (OnFailure::stop). An exception of a gradient or an observer passes through, with the
 /// state likewise. Throws std::invalid_argument for a negative number of steps,
 /// a t_end that dt leads away from, and a senseless `subdivide`.

@@ -10,6 +10,8 @@
 #include <semiexplicit/integrate.hpp>
 #include <semiexplicit/observers/csv.hpp>
 #include <semiexplicit/observers/dense_output.hpp>
+#include <semiexplicit/observers/error_estimate.hpp>
+#include <semiexplicit/observers/events.hpp>
 #include <semiexplicit/observers/every.hpp>
 #include <semiexplicit/observers/invariants.hpp>
 #include <semiexplicit/observers/poincare_section.hpp>

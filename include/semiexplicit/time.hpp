@@ -4,4 +4,5 @@
 
 #include <semiexplicit/time/autonomous.hpp>
 #include <semiexplicit/time/monitors.hpp>
+#include <semiexplicit/time/reversible_steps.hpp>
 #include <semiexplicit/time/time_transformed.hpp>

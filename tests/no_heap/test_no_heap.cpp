@@ -19,6 +19,7 @@
 #include <semiexplicit/ensemble.hpp>
 #include <semiexplicit/scene.hpp>
 #include <semiexplicit/systems.hpp>
+#include <semiexplicit/time.hpp>
 
 #include "../properties/methods.hpp"
 
@@ -196,6 +197,28 @@ TEST_CASE("Nor do forces of their own, and the books of their work", "[heap]") {
           }
         }) == 0);
   CHECK(std::abs(books.difference()) < 1e-12);
+}
+
+TEST_CASE("Nor does a step that follows a monitor function, the first one included", "[heap]") {
+  const auto uses_none = [](auto stepper, auto state) {
+    long count = 0;
+    StepReport report;
+    REQUIRE_NOTHROW(count = allocations_of([&] {
+                      for (const double dt : {0.02, 0.02, -0.01}) report = stepper.step(state, dt);
+                      stepper.step_until(state, 0.02, stepper.time() + 0.03);
+                      stepper.step(state, 0.0);
+                    }));
+    CHECK(report.ok());
+    CHECK(count == 0);
+  };
+  PhasePoint<double, Eigen::Dynamic> z(40);
+  z.q()[0] = 1;
+  z.p()[39] = -0.5;
+  const systems::NlsLattice<double> lattice(40);
+  uses_none(ReversibleSteps(Semiexplicit(lattice, schemes::blanes_moan6()), monitors::FieldSize(lattice)), z);
+  uses_none(ReversibleSteps(Semiexplicit(lattice, schemes::blanes_moan6()),
+                            [](const auto& q, const auto& p) { return 1 / (1 + q.squaredNorm() + p[0]); }),
+            z);
 }
 
 TEST_CASE("Nor do automatic derivatives, of fixed or dynamic size", "[heap]") {

@@ -17,7 +17,6 @@
 #include <semiexplicit/core/checkpointable.hpp>
 #include <semiexplicit/core/phase_point.hpp>
 #include <semiexplicit/integrate.hpp>
-#include <semiexplicit/io/durable_file.hpp>
 
 namespace semiexplicit {
 
@@ -28,6 +27,52 @@ struct CheckpointOptions {
   /// Anything that tells this run from others, the parameters of H, say: a checkpoint with another text is refused.
   std::string run = "";
 };
+
+namespace detail {
+
+/// Whether a function that has these values at the same place is the same: but for the rounding of another compiler.
+template <class Scalar>
+bool same_but_for_rounding(const Scalar& there, const Scalar& here) {
+  using std::abs;
+  return abs(there - here) <= std::pow(std::numeric_limits<Scalar>::epsilon(), Scalar(0.75)) * abs(here);
+}
+
+/// The lines by which a run is known, and those of the file: they must not differ.
+inline void visit_settings(CheckpointMemory& memory, const std::string& here) {
+  std::string settings = here;
+  memory(settings);
+  if (const std::string other = difference_of_lines(settings, here); !other.empty())
+    throw std::invalid_argument("it belongs to another run: " + other +
+                                "; give it the same settings, or another file");
+}
+
+/// The counts of a report and its sums.
+inline void visit_sums(CheckpointMemory& memory, IntegrationReport& report) {
+  for (auto* count :
+       {&report.steps, &report.evaluations, &report.gradients, &report.subdivided, &report.changes}) {
+    memory(*count);
+    if (*count < 0 || *count > std::int64_t{1} << 62)
+      throw std::invalid_argument("its counts cannot be; start anew without it");
+  }
+  for (auto* number : {&report.max_correction, &report.seconds}) memory(*number);
+}
+
+/// visit(from) puts everything back, and require() may say that it does not fit: where either throws nothing is changed.
+template <class Visit, class Require>
+void restore_all_or_nothing(CheckpointMemory& from, const Visit& visit, const Require& require) {
+  CheckpointMemory now;
+  visit(now);
+  try {
+    visit(from);
+    require();
+  } catch (...) {
+    CheckpointMemory before(now.bytes(), CheckpointMemory::Read::restore);
+    visit(before);
+    throw;
+  }
+}
+
+}  // namespace detail
 
 /// An observer that saves a run from time to time, so that it can be gone on with after a crash: bit for bit the same
 /// trajectory, times and reports. It saves the state, what the stepper carries from step to step, and the memory of the
@@ -58,7 +103,7 @@ class Checkpoints {
   /// Throws std::invalid_argument where every is negative or seconds are not positive.
   Checkpoints(std::filesystem::path path, CheckpointOptions options, S& stepper,
               const IntegrationOptions<Scalar>& run, Observers&... observers)
-      : path_(std::move(path)),
+      : file_(std::move(path)),
         options_(std::move(options)),
         stepper_(stepper),
         settings_(settings_of(stepper, run, options_.run, observers...)),
@@ -77,13 +122,7 @@ class Checkpoints {
     start_state_ = checksum_of(z);
     last_time_ = Clock::now();
     IntegrationReport done;
-    DurableFile{path_};  // what cannot be written is to be said before the run
-    detail::Descriptor lock;
-    if (!lock_.is(path_)) lock = detail::lock_existing(path_);
-    try {
-      const auto file = detail::read_if_there(path_);
-      if (!file) return done;
-      const std::string contents = detail::CheckpointFrame::unpack(*file);
+    const bool found = file_.read([&](const std::string& contents) {
       using Read = CheckpointMemory::Read;
       State copy = z;
       CheckpointMemory restore(contents, Read::restore), check(contents, Read::check);
@@ -91,18 +130,19 @@ class Checkpoints {
       visit_head(check, done, copy);
       visit_all(check);
       if (!check.at_end()) throw std::invalid_argument("it holds more numbers than are asked for");
-      restore_all_or_nothing(restore);
+      // A file that an observer counts on may turn out to be another one only here.
+      detail::restore_all_or_nothing(
+          restore, [this](CheckpointMemory& memory) { visit_all(memory); }, [] {});
       z = copy;
-    } catch (const std::invalid_argument& reason) {
-      throw std::invalid_argument("checkpoint " + path_.string() + ": " + reason.what());
-    }
-    if (lock) lock_ = std::move(lock);
+    });
+    if (!found) return done;
     done_seconds_ = done.seconds;
     last_ = done.steps;
     return done;
   }
 
   void operator()(const Scalar&, const State& z, const IntegrationReport& so_far) {
+    if (so_far.at_event) return;  // a run is resumed at the end of a step
     if (so_far.steps == 0) start_state_ = checksum_of(z);
     if (so_far.steps < std::exchange(seen_, so_far.steps)) {  // another run
       last_ = so_far.steps;
@@ -121,11 +161,7 @@ class Checkpoints {
     report.seconds = done_seconds_ + since(start_);
     visit_head(memory, report, copy);
     visit_all(memory);
-    DurableFile file(path_);
-    if (!lock_.is(path_)) lock_ = detail::lock_existing(path_);
-    file.write(detail::CheckpointFrame::pack(memory.bytes()));
-    file.commit();
-    lock_ = file.release();
+    file_.write(memory.bytes());
     last_ = so_far.steps;
     last_time_ = Clock::now();
   }
@@ -135,11 +171,7 @@ class Checkpoints {
 
   /// Takes the file away: the run is done. Does nothing where there is none. Throws std::runtime_error where another run has
   /// it open.
-  void remove() {
-    if (!lock_.is(path_)) lock_ = detail::lock_existing(path_);
-    DurableFile::remove(path_);
-    lock_ = {};
-  }
+  void remove() { file_.remove(); }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -149,11 +181,7 @@ class Checkpoints {
 
   /// What tells whether the rest is wanted, the report and the state.
   void visit_head(CheckpointMemory& memory, IntegrationReport& report, State& z) {
-    std::string settings = settings_;
-    memory(settings);  // of the file, where this reads
-    if (const std::string other = detail::difference_of_lines(settings, settings_); !other.empty())
-      throw std::invalid_argument("it belongs to another run: " + other +
-                                  "; give it the same settings, or another file");
+    detail::visit_settings(memory, settings_);
     std::uint64_t start_state = start_state_;
     memory(start_state);
     if (start_state != start_state_)
@@ -164,12 +192,7 @@ class Checkpoints {
     if (dof != z.dof())
       throw std::invalid_argument("the state handed in has " + std::to_string(z.dof()) +
                                   " degrees of freedom, and the one that was saved " + std::to_string(dof));
-    for (auto* count : {&report.steps, &report.evaluations, &report.gradients, &report.subdivided}) {
-      memory(*count);
-      if (*count < 0 || *count > std::int64_t{1} << 62)
-        throw std::invalid_argument("its counts cannot be; start anew without it");
-    }
-    for (auto* number : {&report.max_correction, &report.seconds}) memory(*number);
+    detail::visit_sums(memory, report);
     visit_state(memory, z);
     if (!z.q().allFinite() || !z.p().allFinite())
       throw std::invalid_argument("its state is NaN or Inf; start anew without it");
@@ -185,9 +208,7 @@ class Checkpoints {
       const Scalar value = here.values()[i];
       Scalar there = value;
       memory(there);
-      using std::abs;
-      if (value == value && !(abs(there - value) <=
-                              std::pow(std::numeric_limits<Scalar>::epsilon(), Scalar(0.75)) * abs(value)))
+      if (value == value && !detail::same_but_for_rounding(there, value))
         throw std::invalid_argument("it belongs to another " + here.names()[i] +
                                     ": where it was saved this is " + detail::in_words(there, 9) +
                                     " there, " + detail::in_words(value, 9) +
@@ -211,7 +232,7 @@ class Checkpoints {
     detail::OptionText list;
     list("run", label);
     list("bits of a number", std::numeric_limits<Scalar>::digits);
-    list("dt", detail::with_steps(run).dt);
+    list("dt", detail::with_steps<S>(run).dt);
     list("t0", run.t0);
     list("subdivide", run.subdivide);
     list_all(list, stepper, std::tuple<Observers&...>(observers...));
@@ -237,19 +258,6 @@ class Checkpoints {
     stepper_.visit_memory(memory);  // after the observers, which may refuse
   }
 
-  /// A file that an observer counts on may turn out to be another one only here.
-  void restore_all_or_nothing(CheckpointMemory& from) {
-    CheckpointMemory now;
-    visit_all(now);
-    try {
-      visit_all(from);
-    } catch (...) {
-      CheckpointMemory before(now.bytes(), CheckpointMemory::Read::restore);
-      visit_all(before);
-      throw;
-    }
-  }
-
   /// Reading the clock costs as much as a small step: it is looked at about a thousand times a second.
   bool time_has_come(std::int64_t step) {
     if (step < next_look_) return false;
@@ -261,7 +269,7 @@ class Checkpoints {
     return since(last_time_) >= options_.seconds;
   }
 
-  std::filesystem::path path_;
+  detail::CheckpointFile file_;
   CheckpointOptions options_;
   S& stepper_;
   std::string settings_;
@@ -269,7 +277,6 @@ class Checkpoints {
   std::uint64_t start_state_ = 0;
   double done_seconds_ = 0;
   std::int64_t last_ = 0, seen_ = 0, next_look_ = 0, look_every_ = 1;
-  detail::Descriptor lock_{};  ///< the file at path_, so that another run is refused
   Clock::time_point start_ = Clock::now(), last_time_ = start_, last_look_ = start_;
 };
 

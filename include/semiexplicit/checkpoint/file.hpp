@@ -11,8 +11,10 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include <semiexplicit/io/checksum.hpp>
+#include <semiexplicit/io/durable_file.hpp>
 
 namespace semiexplicit::detail {
 
@@ -85,5 +87,50 @@ inline std::optional<std::string> read_if_there(const std::filesystem::path& pat
     throw std::invalid_argument("cannot be read; check what it is and who may read it");
   return bytes;
 }
+
+/// The file of a run, which is locked from the first time that it is read or written on, as long as this object lives.
+class CheckpointFile {
+ public:
+  explicit CheckpointFile(std::filesystem::path path) : path_(std::move(path)) {}
+
+  /// Hands the contents to restore(), and gives false where there is no such file. What that throws as std::invalid_argument gets the
+  /// name of the file; the file is not locked then. Throws std::runtime_error where it cannot be written, or another run that
+  /// is alive has it open.
+  template <class Restore>
+  bool read(const Restore& restore) {
+    DurableFile{path_};  // what cannot be written is to be said before the run
+    Descriptor lock;
+    if (!lock_.is(path_)) lock = lock_existing(path_);
+    try {
+      const auto file = read_if_there(path_);
+      if (!file) return false;
+      restore(CheckpointFrame::unpack(*file));
+    } catch (const std::invalid_argument& reason) {
+      throw std::invalid_argument("checkpoint " + path_.string() + ": " + reason.what());
+    }
+    if (lock) lock_ = std::move(lock);
+    return true;
+  }
+
+  /// Takes the place of what is there, whole.
+  void write(std::string_view contents) {
+    DurableFile file(path_);
+    if (!lock_.is(path_)) lock_ = lock_existing(path_);
+    file.write(CheckpointFrame::pack(contents));
+    file.commit();
+    lock_ = file.release();
+  }
+
+  /// Does nothing where there is none. Throws std::runtime_error where another run has it open.
+  void remove() {
+    if (!lock_.is(path_)) lock_ = lock_existing(path_);
+    DurableFile::remove(path_);
+    lock_ = {};
+  }
+
+ private:
+  std::filesystem::path path_;
+  Descriptor lock_{};
+};
 
 }  // namespace semiexplicit::detail

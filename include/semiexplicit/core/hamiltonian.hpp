@@ -100,12 +100,20 @@ concept HasEnergy = Hamiltonian<H> &&
 /// dHdq[0], dHdp[0] and on. An explicit step then goes through such a system in blocks that stay in the nearest cache,
 /// instead of writing a whole gradient to memory and reading it back: 1.2 times faster at 1000 sites, 1.8 at 10⁶. H says
 /// that it agrees with gradient() by `using RangeGradientOf = H;`, which does not hold for a type that derives from H and
-/// changes gradient().
+/// changes gradient(). With OpenMP several threads call it at once, for different ranges.
 template <class H>
 concept HasRangeGradient = Hamiltonian<H> && std::same_as<typename H::RangeGradientOf, H> &&
     requires(const H& h, Eigen::Index begin, Eigen::Index end, const typename H::Scalar* at,
              typename H::Scalar* gradient) {
   h.gradient_range(begin, end, at, at, gradient, gradient);  // q, p, dHdq, dHdp
+};
+
+/// Optional, beside a range gradient: entry i of the gradient reads the entries i - reach() to i + reach() of q and p, and no others. In
+/// a large system a step then takes every block through many kicks while it is in the cache, and each thread a part of the system
+/// through all of them: at 10⁶ sites 1.4 times as fast on one core, and 2.6 times on two. A ring, whose ends are neighbours, has no reach.
+template <class H>
+concept HasLocalGradient = HasRangeGradient<H> && requires(const H& h) {
+  { h.reach() } -> std::convertible_to<Eigen::Index>;
 };
 
 /// Optional: the symmetric 2d × 2d matrix [H_qq H_qp; H_pq H_pp]. Tangent maps and Newton's method of

@@ -24,6 +24,13 @@ template <class O, class Scalar, class State>
 concept Observer = std::invocable<O&, const Scalar&, const State&> ||
     detail::TakesStepReport<O, Scalar, State> || detail::TakesRunReport<O, Scalar, State>;
 
+/// An observer for which integrate() cuts steps, since it may change the state there: `static constexpr bool changes_state = true;`,
+/// first_event(start, end, h, move), the first event on a step, and act(found, t, z, report), which may change z; see Events.
+template <class O>
+concept ChangesState = requires {
+  requires bool(std::remove_cvref_t<O>::changes_state);
+};
+
 namespace detail {
 
 /// Compiles for an observer of such a run; of anything else the compiler says what is missing.

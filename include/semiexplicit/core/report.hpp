@@ -24,8 +24,14 @@ enum class Status {
   invalid_stepper,  ///< the stepper was moved from
   stopped,          ///< a run only: an observer returned false
   gradient_threw,   ///< a member of an Ensemble only: its gradient threw an exception
-  close_encounter   ///< an exact flow only: bodies came closer than the limit of its scene
+  close_encounter,  ///< an exact flow only: bodies came closer than the limit of its scene
+  invalid_monitor  ///< of steps that follow a monitor function: it is not finite and positive, or grew too fast
 };
+
+namespace detail {
+/// The last of them, for who reads one from a file.
+inline constexpr Status last_status = Status::close_encounter;
+}  // namespace detail
 
 /// What happened, in words, with the remedy.
 SEMIEXPLICIT_COLD inline std::string describe(Status status) {
@@ -56,6 +62,9 @@ SEMIEXPLICIT_COLD inline std::string describe(Status status) {
              "and a step of an exact flow does not resolve it; integrate the scene without exactly<...>() "
              "and "
              "with a step that resolves the encounter, or lower the limit (Attraction::hill_radii)";
+    case Status::invalid_monitor:
+      return "the monitor function is not finite and positive here, or grew to more than about twice its "
+             "value within a step; reduce dt, or check the monitor function near this state";
   }
   return "unknown status";
 }
@@ -114,9 +123,12 @@ struct IntegrationReport {
   std::int64_t evaluations = 0;     ///< sum over the steps, a failed one included
   std::int64_t gradients = 0;       ///< likewise
   std::int64_t subdivided = 0;      ///< steps that had to be cut into parts; see IntegrationOptions
+  std::int64_t changes = 0;         ///< of the state, by actions of events()
   double max_correction = 0;        ///< largest accepted correction
   double seconds = 0;               ///< wall clock, observers included
+  bool at_event = false;            ///< what observers are shown is no end of a step, but an event within it
   StepReport last{};                ///< the last step's own report: where the run failed, what the solver saw
+  double taken = 0;                 ///< the time of the last step, where the stepper chose it (ChoosesSteps)
 
   /// The run came to its end, or to where an observer stopped it.
   bool ok() const { return status == Status::success || status == Status::stopped; }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <limits>
 
@@ -119,14 +120,21 @@ inline void assign(const LaneMask& lanes, Many& to, const Many& from) {
 #endif
 }
 
-/// v · v in each lane, summed in the order of dot().
-inline Many squares(const Many* v, Eigen::Index n) {
+inline Many squares_of_block(const Many* v, Eigen::Index n) {
   Many part[4] = {0.0, 0.0, 0.0, 0.0};
   const Eigen::Index whole = n - n % 4;
   for (Eigen::Index i = 0; i < whole; i += 4)
     for (Eigen::Index k = 0; k < 4; ++k) part[k] += v[i + k] * v[i + k];
   for (Eigen::Index i = whole; i < n; ++i) part[i - whole] += v[i] * v[i];
   return (part[0] + part[1]) + (part[2] + part[3]);
+}
+/// v · v in each lane, summed in the order of dot().
+inline Many squares(const Many* v, Eigen::Index n) {
+  if (n <= long_sum) return squares_of_block(v, n);
+  Many sum = 0.0;
+  const Eigen::Index block = block_of_sum(n);
+  for (Eigen::Index i = 0; i < n; i += block) sum += squares_of_block(v + i, std::min(block, n - i));
+  return sum;
 }
 
 /// √x. g++ 12 suspects an uninitialised variable in its own AVX-512 intrinsic.

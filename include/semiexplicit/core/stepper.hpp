@@ -43,6 +43,27 @@ concept HasStep = requires(S& stepper, typename S::State& state, const typename 
 template <class S>
 concept Stepper = detail::NamesScalarAndState<S> && detail::HasStep<S>;
 
+/// A stepper whose steps take a time of its own choice, as ReversibleSteps: dt is the step of a parameter s then, and the stepper
+/// knows the time. integrate() takes it from there, and so do its observers. Beside what a stepper has:
+///
+///     void begin(const State& z, const Scalar& t);   // a run starts from z at the time t
+///     Scalar time() const, taken() const;            // of the state that it left last, and how long the step to it was
+///     StepReport step_until(State& z, const Scalar& dt, const Scalar& t_end);  // like step(), and ends at t_end in place of beyond it
+///     Clock clock() const;                           // what it knows of the time and of its steps,
+///     void rewind(const Clock& clock, const State& z);  // and back to that, and the state of then
+///     const S& stepper() const;                      // takes steps of given times; `using Fixed = S;`
+template <class S>
+concept ChoosesSteps = Stepper<S> && requires(S& s, const S& c, typename S::State& z,
+                                              const typename S::Scalar& x, const typename S::Clock& clock) {
+  s.begin(z, x);
+  { c.time() } -> std::convertible_to<typename S::Scalar>;
+  { c.taken() } -> std::convertible_to<typename S::Scalar>;
+  { s.step_until(z, x, x) } -> std::same_as<StepReport>;
+  { c.clock() } -> std::convertible_to<typename S::Clock>;
+  s.rewind(clock, z);
+  { c.stepper() } -> std::convertible_to<const typename S::Fixed&>;
+};
+
 namespace detail {
 
 /// Compiles for a stepper that moves such a state; of anything else the compiler says what is missing.

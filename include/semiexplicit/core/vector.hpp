@@ -1,11 +1,13 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include <Eigen/Core>
 
 #include <semiexplicit/core/inlined.hpp>
+#include <semiexplicit/core/threads.hpp>
 
 static_assert(EIGEN_VERSION_AT_LEAST(3, 4, 0), "semiexplicit needs Eigen 3.4 or later");
 
@@ -31,17 +33,49 @@ namespace detail {
 /// So few degrees of freedom that work space is on the stack, where the compiler can keep it in registers.
 constexpr bool fits_on_stack(int dof) { return dof != Eigen::Dynamic && dof <= 16; }
 
-/// u · v, in four partial sums. Eigen's own reductions make g++ 12 warn of uninitialised variables in its AVX-512
-/// intrinsics, in every program that is compiled for such a processor.
+/// Sums of more terms than this are those of blocks, so that they do not depend on how many threads sum them.
+inline constexpr Eigen::Index long_sum = 16384, most_blocks = 64;
+/// The length of the blocks of such a sum, a multiple of 64; there are most_blocks or less.
+constexpr Eigen::Index block_of_sum(Eigen::Index n) {
+  const Eigen::Index block = (n + most_blocks - 1) / most_blocks;
+  return (block + 63) / 64 * 64;
+}
+
 template <class U, class V>
-typename U::Scalar dot(const Eigen::MatrixBase<U>& u, const Eigen::MatrixBase<V>& v) {
+SEMIEXPLICIT_INLINE typename U::Scalar dot_of_block(const Eigen::MatrixBase<U>& u,
+                                                    const Eigen::MatrixBase<V>& v, Eigen::Index begin,
+                                                    Eigen::Index end) {
   using Scalar = typename U::Scalar;
   Scalar part[4] = {Scalar(0), Scalar(0), Scalar(0), Scalar(0)};
-  const Eigen::Index n = u.size(), whole = n - n % 4;
-  for (Eigen::Index i = 0; i < whole; i += 4)
+  const Eigen::Index whole = end - (end - begin) % 4;
+  for (Eigen::Index i = begin; i < whole; i += 4)
     for (Eigen::Index k = 0; k < 4; ++k) part[k] += u.derived().coeff(i + k) * v.derived().coeff(i + k);
-  for (Eigen::Index i = whole; i < n; ++i) part[i - whole] += u.derived().coeff(i) * v.derived().coeff(i);
+  for (Eigen::Index i = whole; i < end; ++i) part[i - whole] += u.derived().coeff(i) * v.derived().coeff(i);
   return (part[0] + part[1]) + (part[2] + part[3]);
+}
+template <class U, class V>
+SEMIEXPLICIT_NOINLINE typename U::Scalar dot_of_many(const Eigen::MatrixBase<U>& u,
+                                                     const Eigen::MatrixBase<V>& v) {
+  using Scalar = typename U::Scalar;
+  const Eigen::Index n = u.size(), block = block_of_sum(n);
+  Scalar part[most_blocks];
+  in_parts(n, block, 2 * long_loop, [&](Eigen::Index begin, Eigen::Index end) {
+    for (Eigen::Index i = begin; i < end; i += block)
+      part[i / block] = dot_of_block(u, v, i, std::min(i + block, end));
+  });
+  Scalar sum(0);
+  for (Eigen::Index i = 0; i * block < n; ++i) sum += part[i];
+  return sum;
+}
+
+/// u · v, in four partial sums; of long vectors in blocks. Eigen's own reductions make g++ 12 warn of uninitialised variables in
+/// its AVX-512 intrinsics, in every program that is compiled for such a processor.
+template <class U, class V>
+typename U::Scalar dot(const Eigen::MatrixBase<U>& u, const Eigen::MatrixBase<V>& v) {
+  constexpr bool may_be_long = U::SizeAtCompileTime == Eigen::Dynamic || U::SizeAtCompileTime > long_sum;
+  if constexpr (may_be_long)
+    if (u.size() > long_sum) return dot_of_many(u, v);
+  return dot_of_block(u, v, 0, u.size());
 }
 
 /// Σ |vᵢ|, in four partial sums: a norm without squares, which have less room in the exponent.

@@ -2,45 +2,26 @@
 
 #include <algorithm>
 #include <chrono>
+#include <concepts>
 #include <cstdint>
-#include <exception>
 #include <stdexcept>
 #include <string>
+#include <tuple>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
-#include <semiexplicit/ensemble/pack_run.hpp>
-#include <semiexplicit/ensemble/threads.hpp>
+#include <semiexplicit/core/threads.hpp>
+#include <semiexplicit/ensemble/ensemble_run.hpp>
+#include <semiexplicit/ensemble/family.hpp>
+#include <semiexplicit/ensemble/lane_members.hpp>
+#include <semiexplicit/ensemble/plain_members.hpp>
+#include <semiexplicit/io/checksum.hpp>
 
 namespace semiexplicit {
 
-/// What a run of all members did; each has its own report beside.
-struct EnsembleReport {
-  Eigen::Index members = 0, failed = 0;
-  std::int64_t steps = 0;        ///< completed, of all members together
-  std::int64_t evaluations = 0;  ///< likewise
-  double seconds = 0;            ///< wall clock
-
-  bool ok() const { return failed == 0; }
-};
-
-namespace detail {
-
-/// The family whose members all have the same Hamiltonian.
-template <class H>
-struct SameHamiltonian {
-  H hamiltonian;
-  template <class S>
-  const H& operator()(const S*) const {
-    return hamiltonian;
-  }
-};
-
-}  // namespace detail
-
-/// Many members, stepped with Semiexplicit in the lanes of SIMD registers (SemiexplicitPack) and by the threads of OpenMP.
-/// They differ in their initial conditions,
+/// Many members, stepped with Semiexplicit by the threads of OpenMP, and in the lanes of SIMD registers where these can take the
+/// gradient and the solver (in_lanes(), how()). They differ in their initial conditions,
 ///
 ///     std::vector<PhasePoint<double, 5>> starts = ...;
 ///     Ensemble ensemble(systems::NlsLattice<double, 5>(), starts, schemes::low_defect6_s13<double>());
@@ -52,200 +33,297 @@ struct SameHamiltonian {
 ///
 ///     Ensemble pendulums([]<class S>(const S* k) { return Pendulum<S>{k[0]}; }, parameters, starts, scheme);
 ///
+/// Lanes want such a gradient and SimplifiedNewton. With another solver, and with any other Hamiltonian, as of from_energy(), the
+/// members are stepped one by one, which takes as long as Semiexplicit does for each.
+///
 /// A member's result depends on nothing but its start and parameters: not on the threads, not on the others. One that fails
-/// stays at its last good state, with the reason in its report, and the others go on; so does one whose gradient throws.
-/// Memory: 4d numbers a member and its report.
-template <class Family>
+/// stays at its last good state, with the reason in its report, and the others go on; so does one whose gradient throws. Threads
+/// share the Hamiltonian's copies' data, so a gradient that writes to memory of its own needs one a thread (thread_local, as
+/// from_energy() has).
+/// Memory: 4d numbers a member, stepped one by one 6d, and its report.
+template <class Family, class Solver = SimplifiedNewton>
 class Ensemble {
-  using Many = detail::Many;
+  static constexpr bool lanes = detail::MakesPacks<Family> && std::same_as<Solver, SimplifiedNewton>;
+  static_assert(lanes || detail::MakesPlain<Family>,
+                "the members of this ensemble are stepped one by one, in double: give a Hamiltonian with "
+                "`using Scalar = double;`, or a family that makes one of `const double*`");
+  using Members =
+      std::conditional_t<lanes, detail::LaneMembers<Family>, detail::PlainMembers<Family, Solver>>;
 
  public:
-  using PackH =
-      std::remove_cvref_t<decltype(std::declval<const Family&>()(static_cast<const Many*>(nullptr)))>;
-  static constexpr int Dof = PackH::Dof;
+  static constexpr int Dof = Members::Dof;
   using State = PhasePoint<double, Dof>;
+  static constexpr const char* name = "Ensemble";
 
   /// `parameters` has a column a member. Throws std::invalid_argument where there is no member, where the sizes do not
-  /// fit together, and unless the scheme passes its own check.
+  /// fit together, and unless the scheme passes its own check and the solver's options make sense.
   Ensemble(Family family, Eigen::MatrixXd parameters, const std::vector<State>& starts, Scheme<double> scheme,
-           SimplifiedNewton solver = {})
-      : family_(std::move(family)),
-        parameters_(std::move(parameters)),
+           Solver solver = {})
+      : hamiltonians_{std::move(family), std::move(parameters)},
         size_(checked(starts)),
-        first_(family_(columns(0).data()), std::move(scheme), solver),
-        points_(static_cast<std::size_t>((size_ + width - 1) / width), PackPoint<Dof>(first_.dof())),
-        reports_(starts.size()),
-        thrown_(starts.size()) {
+        members_(hamiltonians_, size_, std::move(scheme), std::move(solver)),
+        records_(starts.size()) {
+    require_equal_sizes();
     for (Eigen::Index i = 0; i < size_; ++i) set_state(i, starts[static_cast<std::size_t>(i)]);
-    // Lanes beyond the last member do as it does.
-    for (Eigen::Index i = size_; i % width != 0; ++i) points_.back().set_lane(lane(i), starts.back());
   }
 
   /// One Hamiltonian for all.
-  template <PackHamiltonian H>
-  Ensemble(H hamiltonian, const std::vector<State>& starts, Scheme<double> scheme,
-           SimplifiedNewton solver = {})
+  template <class H>
+  requires std::same_as<Family, detail::SameHamiltonian<H>> Ensemble(H hamiltonian,
+                                                                     const std::vector<State>& starts,
+                                                                     Scheme<double> scheme,
+                                                                     Solver solver = {})
       : Ensemble(Family{std::move(hamiltonian)}, Eigen::MatrixXd(0, static_cast<Eigen::Index>(starts.size())),
-                 starts, std::move(scheme), solver) {}
+                 starts, std::move(scheme), std::move(solver)) {}
 
-  /// Takes every member `steps` steps from where it is. observe(member, t, state) is called at the start and after every
-  /// `every` steps, by several threads at once for different members. An exception of the observer ends the run of the pack
-  /// that it was told of (status `stopped`), and is thrown again when the others are done. Throws std::invalid_argument for
-  /// negative steps, `every` or threads.
-  template <class Observer>
-  EnsembleReport run(const EnsembleOptions& options, const Observer& observe) {
-    if (options.steps < 0 || options.every < 0 || options.threads < 0)
-      throw std::invalid_argument(
-          "Ensemble: steps, every and threads must not be negative; to go back in time give a negative dt");
-    const auto start = std::chrono::steady_clock::now();
-    for (std::string& words : thrown_) words.clear();
-    reports_.assign(reports_.size(), {});
-    detail::for_each_in_parallel(static_cast<std::int64_t>(points_.size()), options.threads,
-                                 [&](std::int64_t pack) { run_pack(pack, options, observe); });
-    EnsembleReport all{.members = size_};
-    for (const IntegrationReport& one : reports_) {
-      all.failed += one.ok() ? 0 : 1;
-      all.steps += one.steps;
-      all.evaluations += one.evaluations;
+  /// Takes every member to step `steps` from where it is. Observers are those of members (MemberObserver; each() of the library's)
+  /// and those of the whole (WholeObserver), in any order. An exception of a member's observer ends the run of the members that are
+  /// stepped together with it (status `stopped`), and is thrown again when all the others have come to where all are together.
+  /// Throws std::invalid_argument for options that make no sense.
+  template <class... Observers>
+  EnsembleReport run(const EnsembleOptions& options, Observers&&... observers) {
+    constexpr bool whole = (!of_member<Observers> || ...);
+    (require_observer(observers, options), ...);
+    require(options);
+    const auto start = Clock::now();
+    if (options.done == 0) records_ = detail::MemberRecords(records_.report.size());
+    const auto watch = std::apply(
+        [&](const auto&... of_members) {
+          return detail::MemberWatch<State, std::remove_cvref_t<decltype(of_members)>...>(options.every,
+                                                                                          of_members...);
+        },
+        std::tuple_cat(if_of_member(observers)...));
+    // Every observer hears of it, also when one before it asks to stop.
+    const auto tell = [&](EnsembleReport report) {
+      ((report.stopped = !notify(observers, report) || report.stopped), ...);
+      return report;
+    };
+
+    EnsembleReport report = gathered(options, options.done, start);
+    if (options.done == 0) report = tell(report);
+    std::int64_t length = 1;  // of a part
+    while (report.done < options.steps && !report.stopped) {
+      if (options.together > 0)
+        length = options.together - report.done % options.together;
+      else if (!whole)
+        length = options.steps;
+      const detail::EnsemblePart part{options.dt, options.t0, options.subdivide, report.done,
+                                      std::min(options.steps - report.done, length) + report.done};
+      const auto part_start = Clock::now();
+      detail::for_each_in_parallel(members_.tasks(), options.threads, [&](std::int64_t task) {
+        members_.run(hamiltonians_, task, part, records_, watch);
+      });
+      const double seconds = since(part_start);
+      if (seconds < 0.25) length = std::min<std::int64_t>(2 * length, std::int64_t{1} << 40);
+      if (seconds > 1) length = std::max<std::int64_t>(length / 2, 1);
+      report = tell(gathered(options, part.until, start));
     }
-    all.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    return all;
+    return report;
   }
-  EnsembleReport run(EnsembleOptions options) {
-    options.every = 0;
-    return run(options, [](Eigen::Index, double, const State&) {});
+
+  /// Whether members share the lanes of SIMD registers; else they are stepped one by one.
+  static constexpr bool in_lanes() { return lanes; }
+  /// That in words, with the reason.
+  static std::string how() {
+    if constexpr (lanes) {
+      return std::to_string(pack_width) + " members at a time, in the lanes of SIMD registers";
+    } else {
+      std::string why = "the gradient takes no packs, see PackHamiltonian";
+      if constexpr (detail::MakesPacks<Family>) {
+        why = "only SimplifiedNewton goes in lanes";
+        if constexpr (requires { std::string(Solver::name); }) why += std::string(", not ") + Solver::name;
+      }
+      return "one member at a time: " + why;
+    }
   }
 
   Eigen::Index size() const { return size_; }
+  Eigen::Index dof() const { return members_.dof(); }
   /// Members count from 0; std::out_of_range, naming the member, is thrown beyond size() - 1, here and below.
   State state(Eigen::Index member) const {
     require_member(member);
-    return points_[static_cast<std::size_t>(member / width)].lane(lane(member));
+    return members_.state(member);
   }
   void set_state(Eigen::Index member, const State& state) {
     require_member(member);
-    if (state.dof() != first_.dof())
+    if (state.dof() != dof())
       throw std::invalid_argument("Ensemble: member " + std::to_string(member) + " has " +
                                   std::to_string(state.dof()) + " degrees of freedom and the Hamiltonian " +
-                                  std::to_string(first_.dof()) + "; give all the same");
-    points_[static_cast<std::size_t>(member / width)].set_lane(lane(member), state);
+                                  std::to_string(dof()) + "; give all the same");
+    members_.set_state(member, state);
   }
   /// Of the last run, whose wall clock it does not tell.
   const IntegrationReport& report(Eigen::Index member) const {
     require_member(member);
-    return reports_[static_cast<std::size_t>(member)];
+    return records_.report[static_cast<std::size_t>(member)];
   }
   /// Why a member failed in the last run, in words.
   std::string failure(Eigen::Index member) const {
     require_member(member);
-    const std::string& thrown = thrown_[static_cast<std::size_t>(member)];
-    return thrown.empty() ? describe(report(member).status) : thrown;
+    const std::string& thrown = records_.thrown[static_cast<std::size_t>(member)];
+    return thrown.empty() ? semiexplicit::describe(report(member).status) : thrown;
   }
   /// A member's own Hamiltonian, of plain numbers.
   auto hamiltonian(Eigen::Index member) const {
     require_member(member);
-    return family_(parameters_.col(member).data());
+    return hamiltonians_.plain(member);
   }
-  const Scheme<double>& scheme() const { return first_.scheme(); }
+  /// The stepper that takes a member's steps alone: for an observer that wants one, as LyapunovExponents.
+  auto stepper(Eigen::Index member) const { return Semiexplicit(hamiltonian(member), scheme(), solver()); }
+  const Scheme<double>& scheme() const { return members_.scheme(); }
+  const Solver& solver() const { return members_.solver(); }
+
+  /// What all members share, and their parameters; see Describable.
+  template <class List>
+  void describe(List& list) const {
+    list("members", size_);
+    list("degrees of freedom", dof());
+    list("in lanes", lanes);
+    list("scheme", scheme());
+    list("solver", solver());
+    const auto numbers = static_cast<std::size_t>(hamiltonians_.parameters.size());
+    list(
+        "checksum of the parameters",
+        checksum({reinterpret_cast<const char*>(hamiltonians_.parameters.data()), numbers * sizeof(double)}));
+  }
+  /// States, what rounding has cut off them, and reports; see CheckpointMemory.
+  template <class Visitor>
+  void visit_memory(Visitor&& visit) {
+    for (std::size_t i = 0; i < records_.report.size(); ++i) {
+      members_.visit_memory(static_cast<Eigen::Index>(i), visit);
+      detail::visit_report(visit, records_.report[i]);
+      visit(records_.thrown[i]);
+    }
+  }
 
  private:
-  static constexpr Eigen::Index width = pack_width;
-  using Stepper = SemiexplicitPack<PackH>;
+  using Clock = std::chrono::steady_clock;
+  static double since(Clock::time_point then) {
+    return std::chrono::duration<double>(Clock::now() - then).count();
+  }
 
-  static std::size_t lane(Eigen::Index member) { return static_cast<std::size_t>(member % width); }
+  template <class O>
+  static constexpr bool of_member = MemberObserver<std::remove_cvref_t<O>, State>;
+  template <class O>
+  static auto if_of_member(const O& observer) {
+    if constexpr (of_member<O>)
+      return std::tuple<const O&>(observer);
+    else
+      return std::tuple<>();
+  }
+  template <class O>
+  static bool notify(O& observer, const EnsembleReport& report) {
+    if constexpr (of_member<O>) {
+      return true;
+    } else if constexpr (std::same_as<std::remove_cvref_t<decltype(observer(report.t, report))>, bool>) {
+      return observer(report.t, report);
+    } else {
+      observer(report.t, report);
+      return true;
+    }
+  }
+
+  template <class O>
+  void require_observer(const O& observer, const EnsembleOptions& options) const {
+    static_assert(
+        of_member<O> || WholeObserver<O>,
+        "this observer of an ensemble cannot be called: of members it takes (Eigen::Index member, "
+        "double t, const State& state), of the whole (double t, const EnsembleReport& report); for one "
+        "of integrate()'s a member give each(observers)");
+    if constexpr (requires {
+                    { observer.members() } -> std::same_as<Eigen::Index>;
+                  }) {
+      if (observer.members() != size_)
+        throw std::invalid_argument("Ensemble: each() has " + std::to_string(observer.members()) +
+                                    " observers and the ensemble " + std::to_string(size_) +
+                                    " members; give one a member");
+      if (options.done > 0 && observer.fresh())
+        throw std::invalid_argument(
+            "Ensemble: the run is resumed after step " + std::to_string(options.done) +
+            ", and an observer knows nothing of what came before; name it among those of "
+            "EnsembleCheckpoints");
+    }
+  }
+
+  void require(const EnsembleOptions& options) const {
+    if (options.steps < 0 || options.every < 0 || options.threads < 0 || options.together < 0 ||
+        options.done < 0)
+      throw std::invalid_argument(
+          "Ensemble: steps, every, threads, together and done must not be negative; to go back in time give "
+          "a "
+          "negative dt");
+    if (options.subdivide < 0 || options.subdivide > 30)
+      throw std::invalid_argument(
+          "Ensemble: subdivide is not between 0 and 30; 10 makes a thousandth of a step");
+    if (options.done > options.steps)
+      throw std::invalid_argument("Ensemble: " + std::to_string(options.done) + " steps are done of " +
+                                  std::to_string(options.steps) +
+                                  "; steps counts those of the earlier part, too");
+    if (options.done == 0) return;
+    for (const IntegrationReport& one : records_.report) {
+      if (one.status != Status::success) continue;
+      if (one.steps != options.done)
+        throw std::invalid_argument(
+            "Ensemble: " + std::to_string(options.done) + " steps are said to be done, and " +
+            std::to_string(one.steps) +
+            " are; give what EnsembleCheckpoints::resume() or the last run's report says");
+      if (one.dt != options.dt)
+        throw std::invalid_argument("Ensemble: the earlier part took steps of " +
+                                    detail::in_words(one.dt, 17) + ", and dt is " +
+                                    detail::in_words(options.dt, 17) +
+                                    " now; give the same dt, or begin a new run with t0 = the time reached");
+    }
+  }
+
   void require_member(Eigen::Index member) const {
-    if (member < 0 || member >= static_cast<Eigen::Index>(reports_.size()))
+    if (member < 0 || member >= size_)
       throw std::out_of_range("Ensemble: there is no member " + std::to_string(member) +
-                              "; they count from 0 to " +
-                              std::to_string(static_cast<Eigen::Index>(reports_.size()) - 1));
+                              "; they count from 0 to " + std::to_string(size_ - 1));
   }
 
   Eigen::Index checked(const std::vector<State>& starts) const {
     const auto members = static_cast<Eigen::Index>(starts.size());
     if (members == 0) throw std::invalid_argument("Ensemble: no member; give one initial state at least");
-    if (parameters_.cols() != members)
+    if (hamiltonians_.parameters.cols() != members)
       throw std::invalid_argument("Ensemble: " + std::to_string(members) + " initial states and " +
-                                  std::to_string(parameters_.cols()) +
+                                  std::to_string(hamiltonians_.parameters.cols()) +
                                   " columns of parameters; give one column a member");
     return members;
   }
 
-  /// The parameters of the members from `first` on, a lane each; or of that one alone in all lanes.
-  std::vector<Many> columns(Eigen::Index first, bool alone = false) const {
-    std::vector<Many> packs(static_cast<std::size_t>(std::max<Eigen::Index>(parameters_.rows(), 1)),
-                            Many(0.0));
-    for (Eigen::Index i = 0; i < parameters_.rows(); ++i)
-      for (Eigen::Index k = 0; k < width; ++k)
-        packs[static_cast<std::size_t>(i)][static_cast<std::size_t>(k)] =
-            parameters_(i, alone ? first : std::min(first + k, parameters_.cols() - 1));
-    return packs;
-  }
-
-  template <class Observer>
-  void run_pack(std::int64_t pack, const EnsembleOptions& options, const Observer& observe) {
-    detail::PackRun run;
-    const Eigen::Index first = pack * width;
-    for (Eigen::Index k = 0; k < width; ++k) {
-      run.member[lane(k)] = first + k;
-      run.going[lane(k)] = first + k < size_;
-    }
-    PackPoint<Dof>& point = points_[static_cast<std::size_t>(pack)];
-    const std::vector<Many> parameters = columns(first);
-    Stepper stepper = first_.with(family_(parameters.data()));
-    if (options.every > 0) run.tell(point, options, observe);
-    run.advance(stepper, point, options, observe);
-    // Some member's gradient throws: each goes on alone, in all lanes.
-    if (run.gradient_threw)
-      for (std::size_t k = 0; k < run.going.size(); ++k)
-        if (run.going[k]) run_alone(k, point, run, options, observe);
-    for (Eigen::Index k = 0; k < width && first + k < size_; ++k)
-      reports_[static_cast<std::size_t>(first + k)] = run.report[lane(k)];
-    if (run.observer_threw) std::rethrow_exception(run.observer_threw);
-  }
-
-  template <class Observer>
-  void run_alone(std::size_t k, PackPoint<Dof>& point, detail::PackRun& run, const EnsembleOptions& options,
-                 const Observer& observe) {
-    detail::PackRun alone;
-    alone.member[0] = run.member[k];
-    alone.going[0] = true;
-    alone.report[0] = run.report[k];
-    alone.steps = run.steps;
-    alone.observer_threw = run.observer_threw;
-    PackPoint<Dof> copies = point.alone(k);
-    const std::vector<Many> parameters = columns(run.member[k], true);
-    Stepper stepper = first_.with(family_(parameters.data()));
-    alone.advance(stepper, copies, options, observe);
-    if (alone.gradient_threw) {
-      alone.report[0].status = Status::gradient_threw;
-      thrown_[static_cast<std::size_t>(run.member[k])] = message(alone.gradient_threw);
-    }
-    point.take(k, copies);
-    run.report[k] = alone.report[0];
-    run.observer_threw = alone.observer_threw;
-  }
-
-  static std::string message(const std::exception_ptr& thrown) {
-    try {
-      std::rethrow_exception(thrown);
-    } catch (const std::exception& error) {
-      return std::string("the gradient threw: ") + error.what();
-    } catch (...) {
-      return "the gradient threw something that is no std::exception";
+  /// A family could make Hamiltonians of any size.
+  void require_equal_sizes() const {
+    if constexpr (Dof == Eigen::Dynamic && detail::MakesPlain<Family>) {
+      if (hamiltonians_.parameters.rows() == 0) return;
+      for (Eigen::Index i = 0; i < size_; ++i)
+        if (const Eigen::Index own = dof_of(hamiltonians_.plain(i)); own != dof())
+          throw std::invalid_argument("Ensemble: the Hamiltonian of member " + std::to_string(i) + " has " +
+                                      std::to_string(own) + " degrees of freedom, and that of member 0 has " +
+                                      std::to_string(dof()) + "; give each size an ensemble of its own");
     }
   }
 
-  Family family_;
-  Eigen::MatrixXd parameters_;
+  EnsembleReport gathered(const EnsembleOptions& options, std::int64_t done, Clock::time_point start) const {
+    EnsembleReport all{.members = size_,
+                       .seconds = since(start),
+                       .t = options.t0 + static_cast<double>(done) * options.dt,
+                       .done = done};
+    for (const IntegrationReport& one : records_.report) {
+      all.failed += one.ok() ? 0 : 1;
+      all.steps += one.steps;
+      all.evaluations += one.evaluations;
+    }
+    return all;
+  }
+
+  detail::MemberHamiltonians<Family> hamiltonians_;
   Eigen::Index size_;
-  Stepper first_;  ///< what the others are copies of, with Hamiltonians of their own
-  std::vector<PackPoint<Dof>> points_;
-  std::vector<IntegrationReport> reports_;
-  std::vector<std::string> thrown_;  ///< by the gradients, in words
+  Members members_;
+  detail::MemberRecords records_;
 };
 
-template <PackHamiltonian H>
-Ensemble(H, const std::vector<PhasePoint<double, H::Dof>>&, Scheme<double>, SimplifiedNewton = {})
-    -> Ensemble<detail::SameHamiltonian<H>>;
+template <class H, int Dof, class Solver = SimplifiedNewton>
+Ensemble(H, const std::vector<PhasePoint<double, Dof>>&, Scheme<double>, Solver = {})
+    -> Ensemble<detail::SameHamiltonian<H>, Solver>;
 
 }  // namespace semiexplicit

@@ -73,6 +73,13 @@ class PackPoint {
     }
     return all;
   }
+  /// Whether the first lane has a carry, and all lanes without.
+  bool has_carry() const {
+    for (const auto& x : carry)
+      if (x[0] != 0) return true;
+    return false;
+  }
+  void drop_carry() { carry.assign(carry.size(), RegisterPack<double>(0.0)); }
   /// Takes into lane k what another pack has in its first.
   void take(std::size_t k, const PackPoint& from) {
     for (std::size_t i = 0; i < z.size(); ++i) {

@@ -112,15 +112,28 @@ class DenseOutput {
     place[i] = Scalar(0);
     for (std::size_t k = i; k + 1 < size_; ++k) place[k + 1] = place[k] + interval(k);
     for (std::size_t k = i; k > 0; --k) place[k - 1] = place[k] - interval(k - 1);
+    // States that lie close together, as before and behind a step that was cut, are one to an interpolation over longer steps.
+    bool used[max_nodes];
+    const auto take = [&, least = interval(i) / 8](std::size_t k, std::size_t& nearest) {
+      using std::abs;
+      used[k] = abs(place[k] - place[nearest]) >= abs(least);
+      if (used[k]) nearest = k;
+    };
+    std::size_t nearest = i;
+    used[i] = true;
+    for (std::size_t k = i; k > 0; --k) take(k - 1, nearest);
+    if (i + 1 < size_) used[nearest = i + 1] = true;
+    for (std::size_t k = i + 2; k < size_; ++k) take(k, nearest);
     // The weights of the states have the sum 1: differences from state i are added to it, so that late times and other large
     // values are not rounded once a node.
     const State& start = node(i).z;
     z.vector().setZero();
     for (std::size_t j = 0; j < size_; ++j) {
+      if (!used[j]) continue;
       // Lagrange's polynomial of node j at x, and its slope at the node.
       Scalar polynomial(1), slope(0);
       for (std::size_t k = 0; k < size_; ++k) {
-        if (k == j) continue;
+        if (k == j || !used[k]) continue;
         polynomial *= (x - place[k]) / (place[j] - place[k]);
         slope += 1 / (place[j] - place[k]);
       }

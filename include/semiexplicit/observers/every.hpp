@@ -51,6 +51,7 @@ class Every {
   /// Counts the steps of the runs: those of one that goes on from where the last one ended count on.
   template <class Scalar>
   bool is_due(const Scalar& t, const IntegrationReport& run) {
+    if (run.at_event) return false;
     const double now = static_cast<double>(t);
     if (run.dt == 0) {  // called by hand
       steps_ += started_ ? 1 : 0;

@@ -58,7 +58,9 @@ class RunClock {
   /// How the state at t is related to the last one, to which it is equal or not.
   Next relation(const Scalar& t, bool equal, const IntegrationReport& run) const {
     if (!started_) return Next::first;
-    const bool starts = run.dt != 0 && run.steps == 0;  // no dt: called by hand
+    if (run.changes != changes_ && run.changes > 0) return Next::anew;   // an event changed the state
+    if (at_event_ && equal && t == t_) return Next::again;               // at the end of its step
+    const bool starts = run.dt != 0 && run.steps == 0 && !run.at_event;  // no dt: called by hand
     if (equal && rounding_.same(t, t_, Scalar(run.dt)) && (starts || run.dt == 0)) return Next::again;
     return starts || (run.dt == 0 && t == t_) ? Next::anew : Next::follows;
   }
@@ -67,7 +69,9 @@ class RunClock {
   Scalar interval(const Scalar& t, const IntegrationReport& run) const {
     using std::abs;
     const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon();
-    const Scalar shown = t - t_, counted = Scalar(run.dt) * Scalar(run.steps - steps_);
+    const bool chosen = run.taken != 0 && run.steps - steps_ == 1;
+    const Scalar shown = t - t_,
+                 counted = chosen ? Scalar(run.taken) : Scalar(run.dt) * Scalar(run.steps - steps_);
     const Scalar size = rounding_.size(t);
     const bool more_exact = Scalar(2.3e-16) * abs(counted) < epsilon * size;  // dt is a double there
     return counted != Scalar(0) && more_exact && abs(shown - counted) <= 4 * epsilon * size ? counted : shown;
@@ -87,6 +91,8 @@ class RunClock {
       rounding_.see(t);
     t_ = t;
     steps_ = run.steps;
+    changes_ = run.changes;
+    at_event_ = run.at_event;
   }
 
   bool started() const { return started_; }
@@ -97,13 +103,16 @@ class RunClock {
     visit(started_);
     visit(t_);
     visit(steps_);
+    visit(changes_);
+    visit(at_event_);
     rounding_.visit_memory(visit);
   }
 
  private:
   bool started_ = false;
   Scalar t_ = Scalar(0);
-  std::int64_t steps_ = 0;
+  std::int64_t steps_ = 0, changes_ = 0;
+  bool at_event_ = false;
   TimeRounding<Scalar> rounding_;
 };
 

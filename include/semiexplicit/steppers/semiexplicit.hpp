@@ -34,10 +34,11 @@ class Semiexplicit {
   /// sense.
   Semiexplicit(H hamiltonian, Scheme<Scalar> scheme, Solver solver = {},
                Summation summation = Summation::compensated)
-      : doubled_(std::move(hamiltonian), std::move(scheme), summation),
-        solver_(std::move(solver)),
-        m_(State(dof()).vector()),
-        work_(solver_, m_.size()) {}
+      : Semiexplicit(detail::DoubledStep<H>(std::move(hamiltonian), std::move(scheme), summation),
+                     std::move(solver)) {}
+
+  /// The same scheme, solver and summation with another Hamiltonian, and no memory of earlier steps.
+  Semiexplicit with(H hamiltonian) const { return {doubled_.with(std::move(hamiltonian)), solver_}; }
 
   /// One step of size dt, which may be negative. z is untouched unless the report is ok(); so it stays where a gradient
   /// throws. No heap use.
@@ -78,6 +79,12 @@ class Semiexplicit {
 
  private:
   using Vec = typename State::Storage;
+
+  Semiexplicit(detail::DoubledStep<H> doubled, Solver solver)
+      : doubled_(std::move(doubled)),
+        solver_(std::move(solver)),
+        m_(State(dof()).vector()),
+        work_(solver_, m_.size()) {}
 
   struct Norms {
     const detail::DoubledStep<H>& step;

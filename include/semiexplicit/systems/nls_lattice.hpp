@@ -227,6 +227,8 @@ class NlsLattice {
   }
 
   using RangeGradientOf = NlsLattice;
+  /// A site feels its neighbours; see HasLocalGradient.
+  static constexpr Eigen::Index reach() { return 1; }
   /// Entries begin to end - 1; see HasRangeGradient.
   template <class T>
   void gradient_range(Eigen::Index begin, Eigen::Index end, const T* __restrict q, const T* __restrict p,

@@ -1,11 +1,28 @@
 #pragma once
 
 #include <cmath>
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <utility>
 
-#include <semiexplicit/core/vector.hpp>
+#include <semiexplicit/core/hamiltonian_door.hpp>
+#include <semiexplicit/core/phase_point.hpp>
 
-/// Monitor functions for TimeTransformed.
+/// Monitor functions for TimeTransformed, which asks for their gradients, and ReversibleSteps, which takes `value` alone.
 namespace semiexplicit::monitors {
+
+namespace detail {
+
+/// |x|^power, and its slope divided by |x|, from |x|².
+template <class Scalar>
+std::pair<Scalar, Scalar> power_of_distance(const Scalar& squared, double power) {
+  using std::pow;
+  const Scalar value = pow(squared, Scalar(power) / 2);
+  return {value, Scalar(power) * value / squared};
+}
+
+}  // namespace detail
 
 /// g = |q|^power: steps that shrink towards a centre of attraction at the origin. With the power 3/2 a step is the same part of
 /// the local free-fall time everywhere, and Kepler orbits of any eccentricity take a hundred steps or so.
@@ -14,13 +31,130 @@ struct Distance {
 
   template <class Q, class D>
   typename Q::Scalar operator()(const Q& q, D&& dgdq) const {
-    using Scalar = typename Q::Scalar;
-    using std::pow;
-    const Scalar squared = semiexplicit::detail::dot(q, q);
-    const Scalar value = pow(squared, Scalar(power) / 2);
-    dgdq = (Scalar(power) * value / squared) * q;
+    const auto [value, slope] = detail::power_of_distance(semiexplicit::detail::dot(q, q), power);
+    dgdq = slope * q;
     return value;
   }
+  template <class Q, class P>
+  typename Q::Scalar value(const Q& q, const P&) const {
+    return detail::power_of_distance(semiexplicit::detail::dot(q, q), power).first;
+  }
+};
+
+/// g = |q - centre|^power: the same towards another point.
+template <class Scalar, int Dof>
+class DistanceFrom {
+ public:
+  explicit DistanceFrom(Vector<Scalar, Dof> centre, double power = 1.5)
+      : centre_(std::move(centre)), power_(power) {}
+
+  template <class Q, class D>
+  Scalar operator()(const Q& q, D&& dgdq) const {
+    const auto [value, slope] = detail::power_of_distance(squared(q), power_);
+    dgdq = slope * (q - centre_);
+    return value;
+  }
+  template <class Q, class P>
+  Scalar value(const Q& q, const P&) const {
+    return detail::power_of_distance(squared(q), power_).first;
+  }
+
+ private:
+  template <class Q>
+  Scalar squared(const Q& q) const {
+    Scalar sum(0);
+    for (Eigen::Index i = 0; i < centre_.size(); ++i) sum += (q[i] - centre_[i]) * (q[i] - centre_[i]);
+    return sum;
+  }
+
+  Vector<Scalar, Dof> centre_;
+  double power_;
+};
+
+template <class Scalar, int Dof>
+DistanceFrom(const Vector<Scalar, Dof>&) -> DistanceFrom<Scalar, Dof>;
+template <class Scalar, int Dof>
+DistanceFrom(const Vector<Scalar, Dof>&, double) -> DistanceFrom<Scalar, Dof>;
+
+/// g = (Σ_{i<j} 1/r^{2 power})^{-1/2} with the distances r of bodies whose places stand in q one after the other, `dimensions` numbers
+/// each: about the closest pair's r^power, but smooth where another pair becomes the closest. With the power 3/2 it is the free-fall
+/// time, for bodies of like mass. It throws std::invalid_argument where q is not that of two bodies or more.
+struct ClosestPair {
+  int dimensions = 3;
+  double power = 1.5;
+
+  template <class Q, class D>
+  typename Q::Scalar operator()(const Q& q, D&& dgdq) const {
+    using Scalar = typename Q::Scalar;
+    using std::sqrt;
+    dgdq.setZero();
+    Scalar sum(0);
+    each_pair(q, [&](Eigen::Index i, Eigen::Index j, const Scalar& squared) {
+      const auto [inverse, slope] = detail::power_of_distance(squared, -2 * power);
+      sum += inverse;
+      for (Eigen::Index k = 0; k < dimensions; ++k) {
+        const Scalar part = slope * (q[i + k] - q[j + k]);
+        dgdq[i + k] += part;
+        dgdq[j + k] -= part;
+      }
+    });
+    dgdq *= -1 / (2 * sum * sqrt(sum));
+    return 1 / sqrt(sum);
+  }
+  template <class Q, class P>
+  typename Q::Scalar value(const Q& q, const P&) const {
+    using Scalar = typename Q::Scalar;
+    using std::sqrt;
+    Scalar sum(0);
+    each_pair(q, [&](Eigen::Index, Eigen::Index, const Scalar& squared) {
+      sum += detail::power_of_distance(squared, -2 * power).first;
+    });
+    return 1 / sqrt(sum);
+  }
+
+ private:
+  template <class Q, class See>
+  void each_pair(const Q& q, const See& see) const {
+    if (dimensions < 1 || q.size() < 2 * dimensions || q.size() % dimensions != 0)
+      throw std::invalid_argument("ClosestPair: " + std::to_string(q.size()) +
+                                  " coordinates are not those of two bodies or more in " +
+                                  std::to_string(dimensions) + " dimensions; give the dimensions");
+    for (Eigen::Index j = dimensions; j < q.size(); j += dimensions)
+      for (Eigen::Index i = 0; i < j; i += dimensions) {
+        typename Q::Scalar squared(0);
+        for (Eigen::Index k = 0; k < dimensions; ++k)
+          squared += (q[i + k] - q[j + k]) * (q[i + k] - q[j + k]);
+        see(i, j, squared);
+      }
+  }
+};
+
+/// g = 1/|∇H|, the size of the vector field: steps of equal length in phase space. q and p are compared in their own units: scale H
+/// where these differ. A value is one gradient call, and there is no gradient: for ReversibleSteps. One of dynamic size works in memory
+/// of its own.
+template <class H>
+class FieldSize {
+ public:
+  using Scalar = typename semiexplicit::detail::HamiltonianDoor<H>::Scalar;
+  static constexpr int Dof = semiexplicit::detail::HamiltonianDoor<H>::Dof;
+
+  explicit FieldSize(H hamiltonian)
+      : hamiltonian_(std::move(hamiltonian)), at_(dof_of(hamiltonian_)), gradient_(at_) {}
+
+  template <class Q, class P>
+  Scalar value(const Q& q, const P& p) const {
+    at_.q() = q;
+    at_.p() = p;
+    semiexplicit::detail::gradient_at(hamiltonian_, at_.vector().data(), gradient_.vector().data(),
+                                      at_.dof());
+    return 1 / semiexplicit::detail::norm(gradient_.vector());
+  }
+  /// Gradient calls of a value.
+  std::int64_t gradients() const { return 1; }
+
+ private:
+  H hamiltonian_;
+  mutable PhasePoint<Scalar, Dof> at_, gradient_;
 };
 
 /// g = 1/Σ_{i<j} 1/D²ᵢⱼ with the distances D of point vortices, of which each pair turns at a rate like 1/D²: steps that shrink
@@ -41,8 +175,7 @@ class VortexDistances {
     Scalar sum(0);
     for (Eigen::Index j = 1; j < q.size(); ++j)
       for (Eigen::Index i = 0; i < j; ++i) {
-        const Scalar dx = q[i] * x_per_q_[i] - q[j] * x_per_q_[j],
-                     dy = p[i] * y_per_p_[i] - p[j] * y_per_p_[j];
+        const auto [dx, dy] = difference(q, p, i, j);
         const Scalar rate = 1 / (dx * dx + dy * dy), slope = 2 * rate * rate;
         sum += rate;
         dgdq[i] += slope * dx * x_per_q_[i];
@@ -54,8 +187,23 @@ class VortexDistances {
     dgdp /= sum * sum;
     return 1 / sum;
   }
+  template <class Q, class P>
+  Scalar value(const Q& q, const P& p) const {
+    Scalar sum(0);
+    for (Eigen::Index j = 1; j < q.size(); ++j)
+      for (Eigen::Index i = 0; i < j; ++i) {
+        const auto [dx, dy] = difference(q, p, i, j);
+        sum += 1 / (dx * dx + dy * dy);
+      }
+    return 1 / sum;
+  }
 
  private:
+  template <class Q, class P>
+  std::pair<Scalar, Scalar> difference(const Q& q, const P& p, Eigen::Index i, Eigen::Index j) const {
+    return {q[i] * x_per_q_[i] - q[j] * x_per_q_[j], p[i] * y_per_p_[i] - p[j] * y_per_p_[j]};
+  }
+
   Vector<Scalar, N> x_per_q_, y_per_p_;
 };
 

@@ -1,28 +1,15 @@
 #pragma once
 
 #include <cmath>
-#include <concepts>
 #include <stdexcept>
 #include <utility>
 
 #include <semiexplicit/core/extended_phase_space.hpp>
 #include <semiexplicit/core/hamiltonian.hpp>
 #include <semiexplicit/core/phase_point.hpp>
+#include <semiexplicit/time/pace.hpp>
 
 namespace semiexplicit {
-
-/// A monitor function g(q) > 0, the pace of time: g(q, dgdq) returns the value and writes the gradient.
-template <class G, class Scalar, int Dof>
-concept PositionMonitor = requires(const G& g, In<Scalar, Dof> q, Out<Scalar, Dof> dgdq) {
-  { g(q, dgdq) } -> std::convertible_to<Scalar>;
-};
-
-/// A monitor function g(q, p) > 0: g(q, p, dgdq, dgdp) returns the value and writes both halves of the gradient.
-template <class G, class Scalar, int Dof>
-concept PhaseMonitor = requires(const G& g, In<Scalar, Dof> q, In<Scalar, Dof> p, Out<Scalar, Dof> dgdq,
-                                Out<Scalar, Dof> dgdp) {
-  { g(q, p, dgdq, dgdp) } -> std::convertible_to<Scalar>;
-};
 
 /// Poincaré's transformation of time: steps of equal size in a parameter s with dt = g ds, so small where g is small and
 /// symplectic still, which steps that are chosen as one goes are not. It is a Hamiltonian in the extended phase space, of

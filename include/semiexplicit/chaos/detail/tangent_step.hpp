@@ -35,6 +35,14 @@ class TangentStep {
                 "and AlignmentIndex a Semiexplicit, a MidpointProjection or an ExplicitSplitting");
 };
 
+/// Of a stepper that chooses its steps: the derivative of each at its own length. dt is the time of the step here.
+template <ChoosesSteps S>
+class TangentStep<S> : public TangentStep<typename S::Fixed> {
+ public:
+  TangentStep(const S& chooser, Eigen::Index columns)
+      : TangentStep<typename S::Fixed>(chooser.stepper(), columns) {}
+};
+
 /// What the doubled steps share: the kicks on two copies of a phase point and on two copies of its tangent vectors, which
 /// each kick moves by its derivative, db += t J ∇²H(a) da.
 template <class H>

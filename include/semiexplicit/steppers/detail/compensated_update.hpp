@@ -1,8 +1,10 @@
 #pragma once
 
+#include <concepts>
 #include <limits>
 
 #include <semiexplicit/core/phase_point.hpp>
+#include <semiexplicit/core/threads.hpp>
 #include <semiexplicit/steppers/detail/for_each_index.hpp>
 
 namespace semiexplicit {
@@ -26,9 +28,15 @@ class CompensatedUpdate {
   bool continues(const PhasePoint<Scalar, Dof>& z) const {
     const Scalar* const state = z.vector().data();
     const Scalar* const next = next_.data();
-    int different = 0;  // no early exit: a loop without branches is faster
-    for (Eigen::Index i = 0; i < next_.size(); ++i) different |= !(state[i] == next[i]);
-    return different == 0;
+    const auto differs = [&](Eigen::Index begin, Eigen::Index end) {
+      int different = 0;  // no early exit: a loop without branches is faster
+      for (Eigen::Index i = begin; i < end; ++i) different |= !(state[i] == next[i]);
+      return different != 0;
+    };
+    if constexpr (detail::fits_on_stack(Dof))
+      return !differs(0, next_.size());
+    else
+      return !detail::any_of_many(next_.size(), differs);
   }
 
   /// z += increment(i) in every component i < 2d, or nothing at all and false where one would not be finite.
@@ -46,7 +54,8 @@ class CompensatedUpdate {
       });
     } else {
       if (!add(z.vector().data(), next_.data(), carry_.data(), next_.size(), increment)) return false;
-      for (Eigen::Index i = 0; i < next_.size(); ++i) z.vector()[i] = next_[i];
+      detail::for_many(next_.size(),
+                       [to = z.vector().data(), from = next_.data()](Eigen::Index i) { to[i] = from[i]; });
     }
     return true;
   }
@@ -61,21 +70,36 @@ class CompensatedUpdate {
  private:
   /// The sums, and what rounding cut off; false where a sum is not finite.
   template <class Size, class Increment>
-  bool add(const Scalar* state, Scalar* __restrict sums, Scalar* __restrict lost, Size size,
-           const Increment& increment) {
+  bool add(const Scalar* state, Scalar* sums, Scalar* lost, Size size, const Increment& increment) {
+    const Scalar* const carry = carry_.data();
+    bool failed;
+    if constexpr (std::same_as<Size, Eigen::Index>)
+      failed = detail::any_of_many(size, [&](Eigen::Index begin, Eigen::Index end) {
+        return !add_part(state, carry, sums, lost, begin, end - begin, increment);
+      });
+    else
+      failed = !add_part(state, carry, sums, lost, 0, size, increment);
+    if (!failed) return true;
+    next_.setConstant(std::numeric_limits<Scalar>::quiet_NaN());  // no state equals it: the carry is dropped
+    return false;
+  }
+  /// The same of `size` numbers from `begin` on. (The carry may be where `lost` is.)
+  template <class Size, class Increment>
+  SEMIEXPLICIT_INLINE static bool add_part(const Scalar* state, const Scalar* carry, Scalar* __restrict sums,
+                                           Scalar* lost, Eigen::Index begin, Size size,
+                                           const Increment& increment) {
     Scalar not_finite(0);  // becomes NaN
-    detail::for_each_index(size, [&](Eigen::Index i) {
+    detail::for_each_index(size, [&](Eigen::Index k) {
+      const Eigen::Index i = begin + k;
       // Knuth's two-sum: exact whichever operand is larger.
-      const Scalar delta = increment(i) + carry_[i];
+      const Scalar delta = increment(i) + carry[i];
       const Scalar sum = state[i] + delta;
       const Scalar moved = sum - state[i];
       lost[i] = (state[i] - (sum - moved)) + (delta - moved);
       sums[i] = sum;
       not_finite += sum - sum;
     });
-    if (not_finite == Scalar(0)) return true;
-    next_.setConstant(std::numeric_limits<Scalar>::quiet_NaN());  // no state equals it: the carry is dropped
-    return false;
+    return not_finite == Scalar(0);
   }
 
   typename PhasePoint<Scalar, Dof>::Storage carry_, next_;

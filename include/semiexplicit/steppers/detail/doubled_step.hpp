@@ -23,14 +23,12 @@ class DoubledStep {
   using Vec = typename State::Storage;
 
   DoubledStep(H hamiltonian, Scheme<Scalar> scheme, Summation summation)
-      : hamiltonian_(std::move(hamiltonian)),
-        scheme_(std::move(scheme)),
-        moved_(State(dof()).vector()),
-        update_(dof()),
-        summation_(summation) {
+      : DoubledStep(std::move(hamiltonian), std::move(scheme), summation, Checked{}) {
     scheme_.check();
-    if constexpr (!fits_on_stack(Dof)) a_ = b_ = gradient_ = moved_;
   }
+  /// The same with another Hamiltonian, and no memory of earlier steps. The scheme is not checked again, which takes longer than many
+  /// steps.
+  DoubledStep with(H hamiltonian) const { return {std::move(hamiltonian), scheme_, summation_, Checked{}}; }
 
   /// Whether a step of size dt can start from z: Status::success if so. Costs nothing: a state that is not finite shows
   /// in the result, and diagnose() tells it from a gradient that is not.
@@ -98,6 +96,16 @@ class DoubledStep {
   /// In vectors longer than this (bytes) a kick costs what it moves through memory, and keeping the sum up to date in each
   /// would be a third of that. What the copies moved is taken from them at the end then, with their rounding errors.
   static constexpr std::size_t long_vector = std::size_t{1} << 20;
+  struct Checked {};
+  DoubledStep(H hamiltonian, Scheme<Scalar> scheme, Summation summation, Checked)
+      : hamiltonian_(std::move(hamiltonian)),
+        scheme_(std::move(scheme)),
+        moved_(State(dof()).vector()),
+        update_(dof()),
+        summation_(summation) {
+    if constexpr (!fits_on_stack(Dof)) a_ = b_ = gradient_ = moved_;
+  }
+
   bool summed() const {
     return summation_ == Summation::compensated &&
            static_cast<std::size_t>(moved_.size()) * sizeof(Scalar) <= long_vector;

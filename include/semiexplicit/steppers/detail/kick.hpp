@@ -2,13 +2,16 @@
 
 #include <algorithm>
 #include <concepts>
+#include <cstddef>
 #include <type_traits>
 #include <utility>
 
 #include <semiexplicit/core/inlined.hpp>
 #include <semiexplicit/core/lanes.hpp>
+#include <semiexplicit/core/threads.hpp>
 #include <semiexplicit/steppers/detail/for_each_index.hpp>
 #include <semiexplicit/steppers/detail/sweep.hpp>
+#include <semiexplicit/steppers/detail/waves.hpp>
 
 namespace semiexplicit::detail {
 
@@ -27,17 +30,32 @@ SEMIEXPLICIT_INLINE Number apart(Number x) {
 /// Plain loops over raw pointers: compilers vectorise these, and not the equivalent Eigen expression on the halves of a
 /// vector of odd fixed size. Each sum is one expression, which clang++ makes one fused operation where there are some.
 template <class Scalar, class Number, class Size, class... Sum>
-SEMIEXPLICIT_INLINE void add(const Scalar& t, const Number* __restrict gradient, Number* __restrict to,
-                             Size size, Eigen::Index d, Sum* __restrict... sum) {
+SEMIEXPLICIT_INLINE void add_halves(const Scalar& t, const Number* __restrict dHdq,
+                                    const Number* __restrict dHdp, Number* __restrict to, Size size,
+                                    Eigen::Index d, Sum* __restrict... sum) {
   for_each_index(size, [&](Eigen::Index i) {
-    const Number slope = gradient[size + i];
+    const Number slope = dHdp[i];
     to[i] = apart<Size, Number>(to[i] + t * slope);
     ((sum[i] = apart<Size, Number>(sum[i] + t * slope)), ...);
   });
   for_each_index(size, [&](Eigen::Index i) {
-    const Number slope = gradient[i];
+    const Number slope = dHdq[i];
     to[d + i] = apart<Size, Number>(to[d + i] - t * slope);
     ((sum[d + i] = apart<Size, Number>(sum[d + i] - t * slope)), ...);
+  });
+}
+/// The same with both halves of the gradient in a row.
+template <class Scalar, class Number, class Size, class... Sum>
+SEMIEXPLICIT_INLINE void add(const Scalar& t, const Number* gradient, Number* to, Size size, Eigen::Index d,
+                             Sum*... sum) {
+  add_halves(t, gradient, gradient + size, to, size, d, sum...);
+}
+/// And in long vectors, by threads.
+template <class Scalar, class Number, class... Sum>
+SEMIEXPLICIT_NOINLINE void add_many(const Scalar& t, const Number* gradient, Number* to, Eigen::Index d,
+                                    Sum*... sum) {
+  in_parts(d, 64, long_loop, [&](Eigen::Index begin, Eigen::Index end) {
+    add_halves(t, gradient + begin, gradient + d + begin, to + begin, end - begin, d, (sum + begin)...);
   });
 }
 
@@ -57,28 +75,42 @@ SEMIEXPLICIT_INLINE SEMIEXPLICIT_INLINE_CALLS void gradient_on(const H& hamilton
   }
 }
 
-/// A kick of a large system in blocks that stay in the cache. Not inlined: g++ vectorises the loops on their own, and not
-/// within the sweep.
+/// So many sites of a large system stay in the cache together; all steppers kick the same blocks, whose numbers then have the same bits.
+inline constexpr Eigen::Index kick_block = 64;
+
+/// A kick of the blocks of a large system from `begin` to `end`. Not inlined: g++ vectorises the loops on their own, and not within
+/// the sweep. `gradient` is work space for one block.
 template <class H, class Scalar, class... Sum>
-SEMIEXPLICIT_NOINLINE void kick_in_blocks(const H& hamiltonian, const Scalar& t,
-                                          const Scalar* __restrict from, Scalar* __restrict to,
-                                          Scalar* __restrict gradient, Eigen::Index block, Eigen::Index d,
-                                          Sum* __restrict... sum) {
-  for (Eigen::Index begin = 0; begin < d; begin += block) {
-    const Eigen::Index size = std::min(block, d - begin);
-    hamiltonian.gradient_range(begin, begin + size, from, from + d, gradient, gradient + size);
-    add(t, gradient, to + begin, size, d, (sum + begin)...);
+SEMIEXPLICIT_NOINLINE void kick_blocks(const H& hamiltonian, const Scalar& t, const Scalar* __restrict from,
+                                       Scalar* __restrict to, Scalar* __restrict gradient, Eigen::Index begin,
+                                       Eigen::Index end, Eigen::Index d, Sum* __restrict... sum) {
+  for (Eigen::Index i = begin; i < end; i += kick_block) {
+    const Eigen::Index size = std::min(kick_block, end - i);
+    hamiltonian.gradient_range(i, i + size, from, from + d, gradient, gradient + size);
+    add(t, gradient, to + i, size, d, (sum + i)...);
   }
+}
+
+/// The same of all, by threads. (Measured: from so many sites on they gain, where a site reads two neighbours.)
+template <class H, class Scalar, class... Sum>
+void kick_in_blocks(const H& hamiltonian, const Scalar& t, const Scalar* from, Scalar* to, Scalar* gradient,
+                    Eigen::Index d, Sum*... sum) {
+  constexpr Eigen::Index least = 16384;
+  if (d < least) return kick_blocks(hamiltonian, t, from, to, gradient, Eigen::Index(0), d, d, sum...);
+  in_parts(d, kick_block, least, [&](Eigen::Index begin, Eigen::Index end) {
+    kick_blocks(hamiltonian, t, from, to, gradient + 2 * begin, begin, end, d, sum...);
+  });
 }
 
 /// One kick of the doubled system: `to`, and the sums, move by t X(from). `gradient` is work space, 2d numbers.
 template <class H, class Scalar, class Number, class Size, class... Sum>
 SEMIEXPLICIT_INLINE void kick(const H& hamiltonian, const Scalar& t, const Number* from, Number* to,
                               Number* gradient, Size d, Sum*... sum) {
-  constexpr Eigen::Index block = 64;
   if constexpr (HasRangeGradient<H> && std::same_as<Number, Scalar>)
-    if (d > block) return kick_in_blocks(hamiltonian, t, from, to, gradient, block, d, sum...);
+    if (d > kick_block) return kick_in_blocks(hamiltonian, t, from, to, gradient, Eigen::Index(d), sum...);
   gradient_on(hamiltonian, from, gradient, d);
+  if constexpr (std::same_as<Size, Eigen::Index>)
+    if (d > long_loop) return add_many(t, gradient, to, d, sum...);
   add(t, gradient, to, d, d, sum...);
 }
 
@@ -92,6 +124,65 @@ SEMIEXPLICIT_INLINE void kicks(const H& hamiltonian, const Scheme<Scalar>& schem
       [&](const Scalar& t) { kick(hamiltonian, t, b, a, gradient, d, sum...); });
 }
 
+/// What a step does before and after all kicks, on the numbers from `begin` to `end`: a = z + m and b = z - m, m being null for 0, and the
+/// residual f = a - b + 2m with `moved`, which is the sum of the increments, or found from the copies.
+template <class Number>
+struct ProjectionEnds {
+  const Number *z, *m;
+  Number *a, *b, *moved, *f;
+  bool summed;
+
+  template <class Size>
+  SEMIEXPLICIT_INLINE void load(Eigen::Index begin, Size size) const {
+    const Number *const z_ = z + begin, *const m_ = m ? m + begin : nullptr;
+    Number *const a_ = a + begin, *const b_ = b + begin, *const moved_ = moved + begin;
+    if (m_)
+      for_each_index(size, [&](Eigen::Index i) {
+        a_[i] = z_[i] + m_[i];
+        b_[i] = z_[i] - m_[i];
+      });
+    else
+      for_each_index(size, [&](Eigen::Index i) { a_[i] = b_[i] = z_[i]; });
+    if (summed) for_each_index(size, [&](Eigen::Index i) { moved_[i] = Number{}; });
+  }
+  template <class Size>
+  SEMIEXPLICIT_INLINE void finish(Eigen::Index begin, Size size) const {
+    const Number *const z_ = z + begin, *const m_ = m ? m + begin : nullptr, *const a_ = a + begin,
+                        *const b_ = b + begin;
+    Number *const moved_ = moved + begin, *const f_ = f + begin;
+    if (!summed) for_each_index(size, [&](Eigen::Index i) { moved_[i] = (a_[i] - z_[i]) + (b_[i] - z_[i]); });
+    if (m_)
+      for_each_index(size, [&](Eigen::Index i) { f_[i] = a_[i] - b_[i] + (m_[i] + m_[i]); });
+    else
+      for_each_index(size, [&](Eigen::Index i) { f_[i] = a_[i] - b_[i]; });
+  }
+};
+
+/// projection_residual() of a large system with near neighbours only, block by block through all kicks; the same operations.
+template <class H, class Scalar, class... Sum>
+SEMIEXPLICIT_NOINLINE void projection_in_waves(const H& hamiltonian, const Scheme<Scalar>& scheme,
+                                               const Scalar& dt, const ProjectionEnds<Scalar>& ends,
+                                               Waves waves, Eigen::Index d, Sum*... sum) {
+  const auto kicks = static_cast<Eigen::Index>(scheme.kicks());
+  in_waves(waves, kicks + 2, d, [&](Eigen::Index stage, Eigen::Index begin, Eigen::Index end) {
+    if (stage == 0 || stage > kicks) {
+      for (const Eigen::Index half : {begin, begin + d}) {
+        if (stage == 0)
+          ends.load(half, end - begin);
+        else
+          ends.finish(half, end - begin);
+      }
+    } else {
+      const auto i = static_cast<std::size_t>((stage - 1) / 2);
+      const bool is_a = stage % 2 == 1;
+      const Scalar t = dt * (is_a ? scheme.a[i] : scheme.b[i]);
+      Scalar gradient[2 * kick_block];  // always the same memory, in the nearest cache
+      kick_blocks(hamiltonian, t, is_a ? ends.a : ends.b, is_a ? ends.b : ends.a, gradient, begin, end, d,
+                  sum...);
+    }
+  });
+}
+
 /// The residual of the projection: all kicks from a = z + m, b = z - m (m = 0 where none is given); f becomes a - b + 2m, and
 /// `moved` what both copies moved together. With `summed` that is summed apart from the copies and has the rounding errors of
 /// the increments, else it has those of the copies.
@@ -100,25 +191,22 @@ SEMIEXPLICIT_INLINE void projection_residual(const H& hamiltonian, const Scheme<
                                              const Scalar& dt, bool summed, const Number* z, const Number* m,
                                              Number* a, Number* b, Number* gradient, Number* moved, Number* f,
                                              Size d) {
-  const auto size = twice_of(d);
-  if (m)
-    for_each_index(size, [&](Eigen::Index i) {
-      a[i] = z[i] + m[i];
-      b[i] = z[i] - m[i];
-    });
-  else
-    for_each_index(size, [&](Eigen::Index i) { a[i] = b[i] = z[i]; });
-  if (summed) {
-    for_each_index(size, [&](Eigen::Index i) { moved[i] = Number{}; });
+  const ProjectionEnds<Number> ends{z, m, a, b, moved, f, summed};
+  if constexpr (HasLocalGradient<H> && std::same_as<Number, Scalar> && std::same_as<Size, Eigen::Index>)
+    if (const Waves waves(d, static_cast<Eigen::Index>(scheme.kicks()) + 2, kick_block);
+        waves.pay() && hamiltonian.reach() <= kick_block) {
+      if (summed)
+        projection_in_waves(hamiltonian, scheme, dt, ends, waves, d, moved);
+      else
+        projection_in_waves(hamiltonian, scheme, dt, ends, waves, d);
+      return;
+    }
+  ends.load(0, twice_of(d));
+  if (summed)
     kicks(hamiltonian, scheme, dt, a, b, gradient, d, moved);
-  } else {
-    kicks(hamiltonian, scheme, dt, a, b, gradient, d);
-    for_each_index(size, [&](Eigen::Index i) { moved[i] = (a[i] - z[i]) + (b[i] - z[i]); });
-  }
-  if (m)
-    for_each_index(size, [&](Eigen::Index i) { f[i] = a[i] - b[i] + (m[i] + m[i]); });
   else
-    for_each_index(size, [&](Eigen::Index i) { f[i] = a[i] - b[i]; });
+    kicks(hamiltonian, scheme, dt, a, b, gradient, d);
+  ends.finish(0, twice_of(d));
 }
 
 /// A phase point on the stack: 2d numbers.

@@ -4,6 +4,7 @@
 #include <type_traits>
 
 #include <semiexplicit/core/lanes.hpp>
+#include <semiexplicit/core/threads.hpp>
 
 /// The sums over all pairs of vortices, which are nearly all of the time that a vortex code takes: with rᵢ the positions,
 ///
@@ -58,10 +59,10 @@ void add_each_pair(Eigen::Index n, const VortexScales<Scalar>& of, const T* __re
   }
 }
 
-/// Every i over one j at a time, which fills the SIMD lanes where there are many.
+/// Every i from `first` to `last` over one j at a time, which fills the SIMD lanes where there are many.
 template <class T, class Scalar>
-void add_rows(Eigen::Index n, const VortexScales<Scalar>& of, const T* __restrict q, const T* __restrict p,
-              T* __restrict sum_x, T* __restrict sum_y) {
+void add_rows(Eigen::Index first, Eigen::Index last, Eigen::Index n, const VortexScales<Scalar>& of,
+              const T* __restrict q, const T* __restrict p, T* __restrict sum_x, T* __restrict sum_y) {
   for (Eigen::Index j = 0; j < n; ++j) {
     const Scalar gj = of.gamma[j];
     const T xj = q[j] * of.x_per_q[j], yj = p[j] * of.y_per_p[j];
@@ -73,8 +74,8 @@ void add_rows(Eigen::Index n, const VortexScales<Scalar>& of, const T* __restric
         sum_y[i] += dy * weight;
       }
     };
-    add(0, j);
-    add(j + 1, n);
+    add(first, std::min(j, last));
+    add(std::max(j + 1, first), last);
   }
 }
 
@@ -159,9 +160,9 @@ void sum_vortex_pairs(const VortexScales<double>& of, const Lanes* q, const Lane
   }
 }
 
-/// Any number of vortices, in blocks of eight.
-inline void add_in_lanes(Eigen::Index n, const VortexScales<double>& of, const double* q, const double* p,
-                         double* sum_x, double* sum_y) {
+/// The vortices from `begin` to `end` of any number, in blocks of eight.
+inline void add_in_lanes(Eigen::Index begin, Eigen::Index end, Eigen::Index n, const VortexScales<double>& of,
+                         const double* q, const double* p, double* sum_x, double* sum_y) {
   constexpr Eigen::Index chunk = 64;
   double x[chunk], y[chunk];
   for (Eigen::Index first = 0; first < n; first += chunk) {
@@ -170,8 +171,8 @@ inline void add_in_lanes(Eigen::Index n, const VortexScales<double>& of, const d
       x[j] = q[first + j] * of.x_per_q[first + j];
       y[j] = p[first + j] * of.y_per_p[first + j];
     }
-    for (Eigen::Index i = 0; i < n; i += 8) {
-      const auto inside = static_cast<__mmask8>(n - i >= 8 ? 0xff : (1 << (n - i)) - 1);
+    for (Eigen::Index i = begin; i < end; i += 8) {
+      const auto inside = static_cast<__mmask8>(end - i >= 8 ? 0xff : (1 << (end - i)) - 1);
       const auto load = [&](const double* from) -> Lanes { return _mm512_maskz_loadu_pd(inside, from + i); };
       VortexBlock block{load(q) * load(of.x_per_q), load(p) * load(of.y_per_p), load(sum_x), load(sum_y)};
       for (Eigen::Index j = 0; j < others; ++j)
@@ -183,6 +184,9 @@ inline void add_in_lanes(Eigen::Index n, const VortexScales<double>& of, const d
 }
 #endif
 
+/// From so many vortices on several threads gain. (Measured.)
+inline constexpr Eigen::Index vortices_for_threads = 256;
+
 /// sum_x and sum_y of n vortices, with numbers of any kind.
 template <class T, class Scalar>
 void sum_vortex_pairs(Eigen::Index n, const VortexScales<Scalar>& of, const T* __restrict q,
@@ -190,12 +194,19 @@ void sum_vortex_pairs(Eigen::Index n, const VortexScales<Scalar>& of, const T* _
   for (Eigen::Index i = 0; i < n; ++i) sum_x[i] = sum_y[i] = T(0);
 #ifdef SEMIEXPLICIT_HAS_LANES
   if constexpr (std::is_same_v<T, double>)
-    if (n >= 6) return add_in_lanes(n, of, q, p, sum_x, sum_y);
+    if (n >= 6)
+      return in_parts(n, 8, vortices_for_threads, [&](Eigen::Index begin, Eigen::Index end) {
+        add_in_lanes(begin, end, n, of, q, p, sum_x, sum_y);
+      });
 #endif
   if (n <= 16 || !std::is_floating_point_v<T>)  // packs fill the lanes by themselves
-    add_each_pair(n, of, q, p, sum_x, sum_y);
-  else
-    add_rows(n, of, q, p, sum_x, sum_y);
+    return add_each_pair(n, of, q, p, sum_x, sum_y);
+  // Blocks of rows, for loops of other lengths could round in another way.
+  constexpr Eigen::Index block = 128;
+  in_parts(n, block, vortices_for_threads, [&](Eigen::Index begin, Eigen::Index end) {
+    for (Eigen::Index i = begin; i < end; i += block)
+      add_rows(i, std::min(i + block, end), n, of, q, p, sum_x, sum_y);
+  });
 }
 
 }  // namespace semiexplicit::systems::detail

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <concepts>
+
+#include <semiexplicit/core/phase_point.hpp>
+
+namespace semiexplicit {
+
+/// A monitor function g(q) > 0, the pace of time: g(q, dgdq) returns the value and writes the gradient.
+template <class G, class Scalar, int Dof>
+concept PositionMonitor = requires(const G& g, In<Scalar, Dof> q, Out<Scalar, Dof> dgdq) {
+  { g(q, dgdq) } -> std::convertible_to<Scalar>;
+};
+
+/// A monitor function g(q, p) > 0: g(q, p, dgdq, dgdp) returns the value and writes both halves of the gradient.
+template <class G, class Scalar, int Dof>
+concept PhaseMonitor = requires(const G& g, In<Scalar, Dof> q, In<Scalar, Dof> p, Out<Scalar, Dof> dgdq,
+                                Out<Scalar, Dof> dgdp) {
+  { g(q, p, dgdq, dgdp) } -> std::convertible_to<Scalar>;
+};
+
+namespace detail {
+
+template <class G, class Scalar, int Dof>
+concept HasMonitorValue = requires(const G& g, In<Scalar, Dof> q, In<Scalar, Dof> p) {
+  { g.value(q, p) } -> std::convertible_to<Scalar>;
+};
+template <class G, class Scalar, int Dof>
+concept ValueFunction = std::invocable < const G&,
+        const In<Scalar, Dof>
+&, const In<Scalar, Dof>& > ;
+
+}  // namespace detail
+
+/// A monitor function of which the value is all that is asked: `g.value(q, p)`, which a monitor with gradients may have beside
+/// them, or a PhaseMonitor, or any function g(q, p). A function of two arguments is taken as one of q and p.
+template <class G, class Scalar, int Dof>
+concept ValueMonitor = detail::HasMonitorValue<G, Scalar, Dof> || PhaseMonitor<G, Scalar, Dof> ||
+    detail::ValueFunction<G, Scalar, Dof>;
+
+namespace detail {
+
+/// g at z; `scratch` is for a gradient that comes with it.
+template <class G, class Scalar, int Dof>
+Scalar pace(const G& g, const PhasePoint<Scalar, Dof>& z, [[maybe_unused]] PhasePoint<Scalar, Dof>& scratch) {
+  if constexpr (HasMonitorValue<G, Scalar, Dof>)
+    return static_cast<Scalar>(g.value(z.q(), z.p()));
+  else if constexpr (PhaseMonitor<G, Scalar, Dof>)
+    return static_cast<Scalar>(g(z.q(), z.p(), scratch.q(), scratch.p()));
+  else
+    return static_cast<Scalar>(g(z.q(), z.p()));
+}
+
+}  // namespace detail
+}  // namespace semiexplicit

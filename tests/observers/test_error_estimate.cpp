@@ -1,0 +1,212 @@
+// A run that knows its error: estimates against closed forms.
+
+#include "catch.hpp"
+
+#include <cmath>
+#include <string>
+
+#include <semiexplicit/checkpoint.hpp>
+#include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/time.hpp>
+
+#include "folder.hpp"
+#include "refusal.hpp"
+
+namespace test_error_estimate {
+
+namespace {
+
+using namespace semiexplicit;
+using Point = PhasePoint<double, 2>;
+const double pi = std::acos(-1.0);
+
+/// H = |p|²/2 - 1/|q|.
+struct Kepler {
+  using Scalar = double;
+  static constexpr int Dof = 2;
+  void gradient(In<double, 2> q, In<double, 2> p, Out<double, 2> dHdq, Out<double, 2> dHdp) const {
+    const double rr = q.squaredNorm();
+    dHdq = q / (rr * std::sqrt(rr));
+    dHdp = p;
+  }
+};
+
+/// The orbit of semi-major axis 1 at the time t after the pericentre, from Kepler's equation.
+Point kepler_orbit(double e, double t) {
+  const double mean = std::remainder(t, 2 * pi);
+  double anomaly = mean;
+  for (int i = 0; i < 50; ++i)
+    anomaly -= (anomaly - e * std::sin(anomaly) - mean) / (1 - e * std::cos(anomaly));
+  const double c = std::cos(anomaly), s = std::sin(anomaly), b = std::sqrt(1 - e * e), rate = 1 / (1 - e * c);
+  return {{c - e, b * s}, {-s * rate, b * c * rate}};
+}
+
+/// How often the estimate is within a factor 3 of the true error, while both are small and above rounding.
+template <class Stepper, class Companion>
+void is_within_three(Stepper stepper, Companion companion, ErrorEstimateOptions options, double dt) {
+  const double e = 0.4;
+  Point z = kepler_orbit(e, 1);
+  auto estimate = with_error_estimate(companion, options);
+  int seen = 0, within = 0;
+  integrate(stepper, z, {.dt = dt, .t0 = 1, .t_end = 40}, estimate, [&](double t, const Point& at) {
+    const double error = (at.vector() - kepler_orbit(e, t).vector()).norm();
+    if (error < 1e-12 || error > 1e-2) return;
+    ++seen;
+    REQUIRE(estimate.error());
+    if (*estimate.error() < 3 * error && error < 3 * *estimate.error()) ++within;
+  });
+  CHECK(seen > 30);
+  CHECK(within == seen);
+  CHECK(estimate.gradients() > 0);
+}
+
+/// H = (|p|² + |q|²)/2 + x²y - y³/3, chaotic at the energy 1/6.
+struct HenonHeiles {
+  using Scalar = double;
+  static constexpr int Dof = 2;
+  void gradient(In<double, 2> q, In<double, 2> p, Out<double, 2> dHdq, Out<double, 2> dHdp) const {
+    dHdq[0] = q[0] + 2 * q[0] * q[1];
+    dHdq[1] = q[1] + q[0] * q[0] - q[1] * q[1];
+    dHdp = p;
+  }
+};
+
+/// An own stepper without anything but a step.
+struct Leapfrog {
+  using Scalar = double;
+  using State = Point;
+  StepReport step(Point& z, const double& dt) {
+    z.q() += dt / 2 * z.p();
+    z.p() -= dt * z.q() / std::pow(z.q().squaredNorm(), 1.5);
+    z.q() += dt / 2 * z.p();
+    return {.evaluations = 1, .gradients = 1};
+  }
+};
+
+}  // namespace
+
+TEST_CASE("The estimate is within a factor of three of the error of Kepler's orbit", "[error estimate]") {
+  const Kepler h;
+  const Semiexplicit strang(h, schemes::strang()), sixth(h, schemes::blanes_moan6());
+  is_within_three(strang, strang, {}, 0.002);
+  is_within_three(sixth, sixth, {}, 0.1);
+  const GaussLegendre gauss(h, {.stages = 2});
+  is_within_three(gauss, gauss, {}, 0.03);
+  is_within_three(Leapfrog(), Leapfrog(), {}, 0.002);
+  // By a better method with steps of the same size.
+  is_within_three(gauss, GaussLegendre(h, {.stages = 4}), {.parts = 1}, 0.03);
+  // Along steps that follow the motion.
+  const auto g = [](const auto& q, const auto&) { return std::pow(q.squaredNorm(), 0.75); };
+  is_within_three(ReversibleSteps(sixth, g), sixth, {}, 0.15);
+}
+
+TEST_CASE("Where orbits part the estimate says nothing, and when", "[error estimate]") {
+  const HenonHeiles h;
+  Semiexplicit stepper(h, schemes::blanes_moan6());
+  Point z({0, 0.1}, {0.5, 0.1});
+  z.p()[0] = std::sqrt(2 * (1.0 / 6 - 0.005 + 0.001 / 3) - 0.01);  // the energy is 1/6, nearly
+  auto estimate = with_error_estimate(stepper);
+  double before = 0;
+  integrate(stepper, z, {.dt = 0.2, .t_end = 2000}, estimate, [&](double t, const Point&) {
+    if (estimate.error()) before = t;
+  });
+  REQUIRE(estimate.parted_at());
+  CHECK_FALSE(estimate.error());
+  CHECK_FALSE(estimate.worst());
+  CHECK_FALSE(estimate.error_of([](const auto& q, const auto&) { return q[0]; }));
+  // An exponent of 0.1 or so takes an error of 1e-6 a unit of time to the size of the orbit within some hundreds.
+  CHECK(*estimate.parted_at() > 20);
+  CHECK(*estimate.parted_at() < 1000);
+  CHECK(before < *estimate.parted_at());
+  CHECK(before > *estimate.parted_at() - 0.5);
+}
+
+TEST_CASE("Figures that are measured on both runs have an error", "[error estimate]") {
+  // The time of the last passage of the pericentre, against whole periods.
+  const Kepler h;
+  const double e = 0.4;
+  Semiexplicit stepper(h, schemes::blanes_moan4());
+  double of_run = 0, of_companion = 0;
+  const auto radial = [](const auto& q, const auto& p) { return q.dot(p); };
+  auto section = poincare_section(h, radial, [&](double t, const Point&) { of_run = t; }, {.nodes = 6});
+  auto other = poincare_section(h, radial, [&](double t, const Point&) { of_companion = t; }, {.nodes = 6});
+  auto estimate = with_error_estimate(stepper, {}, other);
+  Point z = kepler_orbit(e, 1);
+  integrate(stepper, z, {.dt = 0.05, .t0 = 1, .t_end = 20 * 2 * pi + 1}, section, estimate);
+  const double error = std::abs(of_run - 20 * 2 * pi);
+  REQUIRE(estimate.error_of(of_run, of_companion));
+  CHECK(error > 1e-9);
+  CHECK(*estimate.error_of(of_run, of_companion) < 3 * error);
+  CHECK(error < 3 * *estimate.error_of(of_run, of_companion));
+  // The companion is the better one.
+  CHECK((estimate.companion().vector() - kepler_orbit(e, 1).vector()).norm() <
+        0.2 * (z.vector() - kepler_orbit(e, 1).vector()).norm());
+  const auto x = [](const auto& q, const auto&) { return q[0]; };
+  const double off = std::abs(z.q()[0] - kepler_orbit(e, 1).q()[0]);
+  CHECK(*estimate.error_of(x) < 3 * off);
+  CHECK(off < 3 * *estimate.error_of(x));
+}
+
+TEST_CASE("The run keeps its bits beside an estimate, and every() changes little of it", "[error estimate]") {
+  const Kepler h;
+  Semiexplicit stepper(h, schemes::blanes_moan6()), alone = stepper;
+  Point z = kepler_orbit(0.4, 1), x = z;
+  auto estimate = with_error_estimate(stepper), sparse = estimate;
+  integrate(stepper, z, {.dt = 0.1, .steps = 400}, estimate, every(10, sparse));
+  integrate(alone, x, {.dt = 0.1, .steps = 400});
+  CHECK(z.vector() == x.vector());
+  CHECK(*sparse.error() == Approx(*estimate.error()).epsilon(1e-3));
+}
+
+TEST_CASE("A resumed run has the same estimate", "[error estimate]") {
+  const Folder folder;
+  const Kepler h;
+  auto options = IntegrationOptions<double>{.dt = 0.1, .steps = 300};
+  Semiexplicit stepper(h, schemes::blanes_moan6()), first = stepper, second = stepper;
+  Point z = kepler_orbit(0.4, 1), x = z, y = z;
+  auto whole = with_error_estimate(stepper), one = whole, two = whole;
+  integrate(stepper, z, options, whole);
+  {
+    Checkpoints checkpoints(folder.path / "run", {.every = 100}, first, options, one);
+    checkpoints.resume(x);
+    integrate(first, x, options, one, checkpoints,
+              [](double, const Point&, const IntegrationReport& run) { return run.steps < 150; });
+  }
+  Checkpoints checkpoints(folder.path / "run", {.every = 100}, second, options, two);
+  options.done = checkpoints.resume(y);
+  integrate(second, y, options, two, checkpoints);
+  CHECK(*two.error() == *whole.error());
+  CHECK(*two.worst() == *whole.worst());
+  CHECK(two.companion().vector() == whole.companion().vector());
+}
+
+TEST_CASE("A companion that fails ends the estimate and not the run", "[error estimate]") {
+  struct Fails : Leapfrog {
+    int left = 50;
+    StepReport step(Point& z, const double& dt) {
+      if (left-- <= 0) return {.status = Status::no_convergence};
+      return Leapfrog::step(z, dt);
+    }
+  };
+  Leapfrog stepper;
+  Point z = kepler_orbit(0.4, 1);
+  auto estimate = with_error_estimate(Fails());
+  const auto report = integrate(stepper, z, {.dt = 0.01, .steps = 100}, estimate);
+  CHECK(report.steps == 100);
+  CHECK_FALSE(estimate.error());
+  CHECK(*estimate.parted_at() == Approx(0.26));
+}
+
+TEST_CASE("An estimate refuses senseless options and states that an event has changed", "[error estimate]") {
+  const Semiexplicit stepper(Kepler(), schemes::strang());
+  CHECK(refuses([&] { with_error_estimate(stepper, {.parts = 0}); }, "parts"));
+  CHECK(refuses([&] { with_error_estimate(stepper, {.parted = 0}); }, "parted"));
+  auto run = stepper;
+  auto estimate = with_error_estimate(stepper);
+  Point z = kepler_orbit(0.4, 1);
+  auto kick = events(Kepler(), on_event([](const auto& q, const auto&) { return q[1]; },
+                                        [](double, Point& at) { at.p() *= 0.9; }));
+  CHECK(refuses([&] { integrate(run, z, {.dt = 0.1, .steps = 100}, kick, estimate); }, "event"));
+}
+
+}  // namespace test_error_estimate

@@ -1,0 +1,359 @@
+// Events: surfaces that a run crosses, told of or acted upon.
+
+#include "catch.hpp"
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <semiexplicit/chaos.hpp>
+#include <semiexplicit/checkpoint.hpp>
+#include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/systems.hpp>
+#include <semiexplicit/time.hpp>
+
+#include "folder.hpp"
+#include "refusal.hpp"
+
+namespace test_events {
+
+namespace {
+
+using namespace semiexplicit;
+using Point = PhasePoint<double, 1>;
+const double pi = std::acos(-1.0);
+
+/// A ball in a field of strength 1: H = p²/2 + q.
+struct Ball {
+  using Scalar = double;
+  static constexpr int Dof = 1;
+  double energy(In<double, 1> q, In<double, 1> p) const { return p[0] * p[0] / 2 + q[0]; }
+  void gradient(In<double, 1>, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
+    dHdq[0] = 1;
+    dHdp[0] = p[0];
+  }
+};
+
+/// H = (p² + q²)/2.
+struct Oscillator {
+  using Scalar = double;
+  static constexpr int Dof = 1;
+  double energy(In<double, 1> q, In<double, 1> p) const { return (p[0] * p[0] + q[0] * q[0]) / 2; }
+  void gradient(In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
+    dHdq[0] = q[0];
+    dHdp[0] = p[0];
+  }
+};
+
+constexpr auto height = [](const auto& q, const auto&) { return q[0]; };
+constexpr auto speed = [](const auto&, const auto& p) { return p[0]; };
+
+/// Height at the time t of a ball that is let go at the height 1/2 and bounces without loss: bounces at t = 1, 3, 5, ...
+double elastic(double t) {
+  const double since = std::remainder(t, 2.0);
+  return 0.5 - since * since / 2;
+}
+
+template <class H>
+auto semiexplicit_of(const H& h) {
+  return Semiexplicit(h, schemes::blanes_moan6());
+}
+
+}  // namespace
+
+TEST_CASE("A ball that bounces without loss keeps to its closed form", "[events]") {
+  for (const double dt : {0.01, 0.3, 0.77}) {
+    CAPTURE(dt);
+    auto stepper = semiexplicit_of(Ball());
+    Point z(0.5, 0);
+    std::vector<double> bounces, times;
+    auto watch = events(Ball(), on_event(
+                                    height,
+                                    [&](double t, Point& at) {
+                                      bounces.push_back(t);
+                                      at.p()[0] = -at.p()[0];
+                                    },
+                                    CrossingDirection::falling));
+    double worst = 0, energy = 0;
+    const auto report =
+        integrate(stepper, z, {.dt = dt, .steps = 500}, watch, [&](double t, const Point& at) {
+          worst = std::max(worst, std::abs(at.q()[0] - elastic(t)));
+          energy = std::max(energy, std::abs(Ball().energy(at.q(), at.p()) - 0.5));
+        });
+    CHECK(report.steps == 500);
+    CHECK(report.t == 500 * dt);
+    CHECK(report.changes == std::int64_t(bounces.size()));
+    REQUIRE(bounces.size() == std::size_t(std::floor((500 * dt + 1) / 2)));
+    CHECK(watch.count() == report.changes);
+    for (std::size_t k = 0; k < bounces.size(); ++k)
+      CHECK(std::abs(bounces[k] - (1 + 2 * double(k))) <= 1e-12 * bounces[k]);
+    CHECK(worst < 1e-10);
+    CHECK(energy < 1e-12);
+  }
+}
+
+TEST_CASE("A ball that loses speed is stopped where its bounces pile up", "[events]") {
+  // Flights of lengths 2 r, 2 r², ...: after the bounce n the time is 1 + 2 (r + ... + r^n), and their sum is finite.
+  const double r = 0.7;
+  auto stepper = semiexplicit_of(Ball());
+  Point z(0.5, 0);
+  int n = 0;
+  double expected = 1, worst = 0;
+  auto watch = events(Ball(), on_event(
+                                  height,
+                                  [&](double t, Point& at) {
+                                    worst = std::max(worst, std::abs(t - expected));
+                                    at.p()[0] *= -r;
+                                    expected += 2 * std::pow(r, ++n);
+                                    return at.p()[0] > 1e-2;
+                                  },
+                                  CrossingDirection::falling));
+  const auto report = integrate(stepper, z, {.dt = 0.05, .t_end = 100}, watch);
+  CHECK(report.status == Status::stopped);
+  CHECK(n == 13);
+  CHECK(report.t == Approx(1 + 2 * r * (1 - std::pow(r, 12)) / (1 - r)).epsilon(1e-12));
+  CHECK(std::abs(z.q()[0]) < 1e-12);
+  CHECK(z.p()[0] == Approx(std::pow(r, 13)).epsilon(1e-10));
+  CHECK(worst < 1e-11);
+}
+
+TEST_CASE("Bounces that pile up are said, and no ball falls through the floor", "[events]") {
+  for (const double kept : {0.7, 0.9, 0.3}) {
+    auto stepper = semiexplicit_of(Ball());
+    Point z(0.5, 0);
+    auto watch = events(
+        Ball(), on_event(
+                    height, [&](double, Point& at) { at.p()[0] *= -kept; }, CrossingDirection::falling));
+    CHECK_THROWS_WITH(integrate(stepper, z, {.dt = 0.05, .t_end = 100}, watch), Catch::Contains("pile up"));
+    CHECK(z.q()[0] > -1e-12);
+  }
+}
+
+TEST_CASE("A rotor kicked at equal times is the standard map", "[events]") {
+  // H = p²/2 in the extended phase space, so that the time of the kick is a surface.
+  const Autonomous K(from_energy<1>([](const auto&, const auto&, const auto& p) { return p[0] * p[0] / 2; }));
+  using Extended = PhasePoint<double, 2>;
+  const double strength = 0.9;
+  auto stepper = semiexplicit_of(K);
+  auto Z = K.extended({0.4, 1.3}, 0.0);
+  auto watch =
+      events(K, on_event([](const auto& q, const auto&) { return std::sin(pi * q[1]); },
+                         [&](double, Extended& at) { at.p()[0] += strength * std::sin(at.q()[0]); }));
+  integrate(stepper, Z, {.dt = 0.13, .t_end = 20.5}, watch);
+  double angle = 0.4, p = 1.3;
+  for (int n = 0; n < 20; ++n) {
+    angle += p;
+    p += strength * std::sin(angle);
+  }
+  CHECK(watch.count() == 20);
+  CHECK(Z.q()[0] == Approx(angle + p / 2).epsilon(1e-10));
+  CHECK(Z.p()[0] == Approx(p).epsilon(1e-10));
+}
+
+TEST_CASE("Several surfaces are told in order of time, each in its direction", "[events]") {
+  // q = cos t: q falls through 0 at π/2, p = -sin t rises through 0 at π, q through 1/2 at π/3 and 5π/3.
+  for (const bool changing : {false, true}) {
+    CAPTURE(changing);
+    std::string order;
+    std::vector<double> times;
+    const auto told = [&](char kind) {
+      return [&order, &times, kind](double t, const Point&) {
+        order += kind;
+        times.push_back(t);
+      };
+    };
+    const auto half = [](const auto& q, const auto&) { return q[0] - 0.5; };
+    Point z(1, 0);
+    auto stepper = Semiexplicit(Oscillator(), schemes::low_defect8_s20());
+    if (changing) {  // a change that changes nothing, and the others are found in the same way
+      auto watch =
+          events(Oscillator(), on_event(height, told('q'), CrossingDirection::falling),
+                 on_event(speed, told('p'), CrossingDirection::rising), on_event(half, told('h')),
+                 on_event([](const auto& q, const auto&) { return q[0] - 5; }, [](double, Point&) {}));
+      integrate(stepper, z, {.dt = 0.7, .steps = 9}, watch);
+      CHECK(watch.count() == 4);
+    } else {
+      auto watch = events(Oscillator(), on_event(height, told('q'), CrossingDirection::falling),
+                          on_event(speed, told('p'), CrossingDirection::rising), on_event(half, told('h')));
+      integrate(stepper, z, {.dt = 0.07, .steps = 90}, watch);
+      CHECK(watch.count() == 4);
+      CHECK(watch.count(2) == 2);
+    }
+    REQUIRE(order == "hqph");
+    const double exact[] = {pi / 3, pi / 2, pi, 5 * pi / 3};
+    for (std::size_t k = 0; k < 4; ++k) CHECK(std::abs(times[k] - exact[k]) < 1e-9);
+  }
+}
+
+TEST_CASE("Two events within one step come in order of time", "[events]") {
+  std::string order;
+  Point z(1, 0);
+  auto stepper = semiexplicit_of(Oscillator());
+  auto watch = events(Oscillator(),
+                      on_event([](const auto& q, const auto&) { return q[0] + 0.02; },
+                               [&](double, const Point&) { order += 'b'; }),
+                      on_event([](const auto& q, const auto&) { return q[0] - 0.02; },
+                               [&](double, const Point&) { order += 'a'; }));
+  integrate(stepper, z, {.dt = 0.1, .steps = 60}, watch);
+  CHECK(order == "abba");
+}
+
+TEST_CASE("An event that is told of can end the run", "[events]") {
+  Point z(1, 0);
+  auto stepper = semiexplicit_of(Oscillator());
+  auto watch = events(Oscillator(), on_event(height, [](double, const Point&) { return false; }));
+  const auto report = integrate(stepper, z, {.dt = 0.01, .steps = 1000}, watch);
+  CHECK(report.status == Status::stopped);
+  CHECK(report.t == Approx(1.58).epsilon(1e-12));  // the end of its step
+}
+
+TEST_CASE("What interpolates does not reach across a change of the state", "[events]") {
+  for (const double dt : {0.05, 0.0499999999}) {
+    auto stepper = semiexplicit_of(Ball());
+    Point z(0.5, 0);
+    auto watch = events(
+        Ball(), on_event(
+                    height, [](double, Point& at) { at.p()[0] = -at.p()[0]; }, CrossingDirection::falling));
+    std::vector<double> times;
+    for (int i = 0; i <= 90; ++i) times.push_back(0.111 * i);
+    double worst = 0;
+    auto output = at_times(Ball(), times, [&](double t, const Point& at) {
+      worst = std::max(worst, std::abs(at.q()[0] - elastic(t)));
+    });
+    std::vector<double> tops;
+    auto top = poincare_section(Ball(), speed, [&](double t, const Point&) { tops.push_back(t); },
+                                {.direction = CrossingDirection::falling});
+    Record<double, 1> all, some;
+    auto every_third = every(3, some);
+    integrate(stepper, z, {.dt = dt, .steps = 201}, watch, output, top, all, every_third);
+    output.finish();
+    CHECK(output.served() == times.size());
+    CHECK(worst < 1e-11);
+    REQUIRE(tops.size() == 5);  // p jumps from -1 to 1 at the floor: no crossing
+    for (std::size_t k = 0; k < 5; ++k) CHECK(std::abs(tops[k] - 2 * double(k + 1)) < 1e-11);
+    CHECK(some.t.size() == 68);
+    CHECK(all.t.size() >= 202 + 5);
+    CHECK(std::is_sorted(all.t.begin(), all.t.end()));
+  }
+}
+
+TEST_CASE("Backward runs bounce, too", "[events]") {
+  auto stepper = semiexplicit_of(Ball());
+  Point z(0.5, 0);
+  const auto bounce = [](double, Point& at) { at.p()[0] = -at.p()[0]; };
+  auto there = events(Ball(), on_event(height, bounce, CrossingDirection::falling));
+  integrate(stepper, z, {.dt = 0.07, .t_end = 10.3}, there);
+  CHECK(z.q()[0] == Approx(elastic(10.3)).epsilon(1e-11));
+  auto back = events(Ball(), on_event(height, bounce, CrossingDirection::falling));
+  integrate(stepper, z, {.dt = -0.07, .t0 = 10.3, .t_end = 0}, back);
+  CHECK(back.count() == there.count());
+  CHECK(z.q()[0] == Approx(0.5).epsilon(1e-11));
+  CHECK(std::abs(z.p()[0]) < 1e-11);
+}
+
+TEST_CASE("Reversible steps are cut at events, too", "[events]") {
+  ReversibleSteps stepper(semiexplicit_of(Ball()),
+                          [](const auto& q, const auto& p) { return 1 / (1 + p[0] * p[0] + q[0] * q[0]); });
+  Point z(0.5, 0);
+  double worst = 0, last = -1;
+  auto watch = events(Ball(), on_event(
+                                  height,
+                                  [&](double t, Point& at) {
+                                    worst = std::max(worst, std::abs(t - (last += 2)));
+                                    at.p()[0] = -at.p()[0];
+                                  },
+                                  CrossingDirection::falling));
+  last = -1;
+  auto output = at_times(Ball(), {0.5, 1.5, 2.25, 7.75}, [&](double t, const Point& at) {
+    worst = std::max(worst, std::abs(at.q()[0] - elastic(t)));
+  });
+  const auto report = integrate(stepper, z, {.dt = 0.1, .t_end = 10}, watch, output);
+  CHECK(report.t == 10);
+  CHECK(watch.count() == 5);
+  CHECK(output.served() == 4);
+  CHECK(worst < 1e-10);
+  CHECK(z.q()[0] == Approx(0.5).epsilon(1e-10));
+}
+
+TEST_CASE("A resumed run with events has the same bits", "[events]") {
+  const Folder folder;
+  const IntegrationOptions<double> whole{.dt = 0.01, .steps = 1000};
+  const auto make = [](Record<double, 1>& record) {
+    return events(Oscillator(),
+                  on_event([](const auto& q, const auto&) { return q[0] + 0.3; },
+                           [](double, Point& at) { at.p()[0] = -at.p()[0]; }, CrossingDirection::falling),
+                  on_event(speed, record));
+  };
+  auto stepper = semiexplicit_of(Oscillator());
+  Point z(1, 0);
+  Record<double, 1> tops;
+  auto watch = make(tops);
+  const auto report = integrate(stepper, z, whole, watch);
+  CHECK(report.changes > 3);
+  for (const int part : {100, 500, 700}) {
+    auto first = semiexplicit_of(Oscillator()), second = first;
+    Record<double, 1> record_1, record_2;
+    auto options = whole;
+    {
+      auto events_1 = make(record_1);
+      Point x(1, 0);
+      Checkpoints checkpoints(folder.path / "run", {.every = part}, first, options, events_1);
+      checkpoints.resume(x);
+      integrate(first, x, options, events_1, checkpoints,
+                [&](double, const Point&, const IntegrationReport& run) { return run.steps < part + 50; });
+    }
+    auto events_2 = make(record_2);
+    Point y(1, 0);
+    Checkpoints checkpoints(folder.path / "run", {.every = part}, second, options, events_2);
+    options.done = checkpoints.resume(y);
+    const auto rest = integrate(second, y, options, events_2, checkpoints);
+    CHECK(y.vector() == z.vector());
+    CHECK(rest.changes == report.changes);
+    CHECK(record_2.t == tops.t);
+    checkpoints.remove();
+  }
+}
+
+TEST_CASE("A failure behind an event leaves the state of the event", "[events]") {
+  // Upwards no step succeeds.
+  struct OnlyDown {
+    using Scalar = double;
+    using State = Point;
+    StepReport step(Point& z, const double& dt) {
+      if (z.p()[0] > 0) return {.status = Status::no_convergence};
+      z.q()[0] += dt * z.p()[0] - dt * dt / 2;
+      z.p()[0] -= dt;
+      return {};
+    }
+  };
+  OnlyDown stepper;
+  Point z(0.5, 0);
+  auto watch =
+      events(Ball(), on_event(
+                         height, [](double, Point& at) { at.p()[0] = 1; }, CrossingDirection::falling));
+  const auto report = integrate(stepper, z, {.dt = 0.3, .steps = 10, .on_failure = OnFailure::stop}, watch);
+  CHECK(report.status == Status::no_convergence);
+  CHECK(report.t == Approx(1).epsilon(1e-12));
+  CHECK(std::abs(z.q()[0]) < 1e-12);
+  CHECK(z.p()[0] == 1);
+}
+
+TEST_CASE("Lyapunov exponents refuse a run whose state is changed", "[events]") {
+  auto stepper = semiexplicit_of(Ball());
+  Point z(0.5, 0);
+  LyapunovExponents lyapunov(stepper, 1);
+  auto watch =
+      events(Ball(), on_event(
+                         height, [](double, Point& at) { at.p()[0] = 1; }, CrossingDirection::falling));
+  CHECK_THROWS_AS(integrate(stepper, z, {.dt = 0.3, .steps = 10}, watch, lyapunov), std::invalid_argument);
+}
+
+TEST_CASE("An orbit that only touches a surface, or starts on it, makes no event", "[events]") {
+  auto stepper = semiexplicit_of(Ball());
+  Point z(0, 1);
+  auto watch = events(Ball(), on_event(height, [](double, Point& at) { at.p()[0] = -at.p()[0]; }));
+  integrate(stepper, z, {.dt = 0.1, .t_end = 1.9}, watch);
+  CHECK(watch.count() == 0);
+}
+
+}  // namespace test_events

@@ -1,0 +1,445 @@
+// Steps that follow a monitor function and can be undone.
+
+#include "catch.hpp"
+
+#include <cmath>
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <semiexplicit/chaos.hpp>
+#include <semiexplicit/checkpoint.hpp>
+#include <semiexplicit/scene.hpp>
+#include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/systems.hpp>
+#include <semiexplicit/time.hpp>
+
+#include "folder.hpp"
+#include "refusal.hpp"
+
+namespace test_reversible_steps {
+
+namespace {
+
+using namespace semiexplicit;
+const double pi = std::acos(-1.0);
+
+/// H = |p|²/2 - 1/|q|.
+struct Kepler {
+  using Scalar = double;
+  static constexpr int Dof = 2;
+  static constexpr bool separable = true;
+  using SeparableGradientOf = Kepler;
+  double energy(In<double, 2> q, In<double, 2> p) const { return p.squaredNorm() / 2 - 1 / q.norm(); }
+  void position_gradient(In<double, 2> q, Out<double, 2> dHdq) const {
+    const double rr = q.squaredNorm();
+    dHdq = q / (rr * std::sqrt(rr));
+  }
+  void momentum_gradient(In<double, 2> p, Out<double, 2> dHdp) const { dHdp = p; }
+  void gradient(In<double, 2> q, In<double, 2> p, Out<double, 2> dHdq, Out<double, 2> dHdp) const {
+    position_gradient(q, dHdq);
+    momentum_gradient(p, dHdp);
+  }
+};
+using Point = PhasePoint<double, 2>;
+
+/// The orbit of semi-major axis 1 at the time t after the pericentre, from Kepler's equation.
+Point kepler_orbit(double e, double t) {
+  const double mean = std::remainder(t, 2 * pi);
+  double anomaly = mean + (mean > 0 ? e : -e);
+  for (int i = 0; i < 50; ++i)
+    anomaly -= (anomaly - e * std::sin(anomaly) - mean) / (1 - e * std::cos(anomaly));
+  const double c = std::cos(anomaly), s = std::sin(anomaly), b = std::sqrt(1 - e * e), rate = 1 / (1 - e * c);
+  return {{c - e, b * s}, {-s * rate, b * c * rate}};
+}
+
+/// The free-fall time, up to a factor; no derivatives.
+const auto free_fall = [](const auto& q, const auto&) { return std::pow(q.squaredNorm(), 0.75); };
+
+/// An own stepper without anything but a step: leapfrog composed to order 4 (Suzuki).
+struct Leapfrogs {
+  using Scalar = double;
+  using State = Point;
+  StepReport step(Point& z, const double& dt) {
+    Point next = z;
+    const double s = 1 / (4 - std::cbrt(4.0));
+    for (const double part : {s, s, 1 - 4 * s, s, s}) {
+      next.q() += part * dt / 2 * next.p();
+      next.p() -= part * dt * next.q() / std::pow(next.q().squaredNorm(), 1.5);
+      next.q() += part * dt / 2 * next.p();
+    }
+    if (!next.vector().allFinite()) return {.status = Status::not_finite};
+    z = next;
+    return {.evaluations = 1, .gradients = 5};
+  }
+};
+
+/// Relative error of the energy after the run so far, its worst.
+struct Drift {
+  double worst = 0, sum = 0;
+  std::int64_t count = 0;
+  void operator()(double, const Point& z) {
+    const double error = Kepler().energy(z.q(), z.p()) / -0.5 - 1;
+    worst = std::max(worst, std::abs(error));
+    sum += error;
+    ++count;
+  }
+};
+
+template <class Stepper>
+double there_and_back(Stepper stepper, double ds) {
+  const Point start = kepler_orbit(0.9, 1);
+  Point z = start;
+  const auto there = integrate(stepper, z, {.dt = ds, .steps = 500, .t0 = 3});
+  const auto back = integrate(stepper, z, {.dt = -ds, .steps = 500, .t0 = there.t});
+  CHECK(std::abs(there.t - 3) > 10);
+  CHECK(back.t == Approx(3).margin(1e-10));
+  return (z.vector() - start.vector()).norm() / start.vector().norm();
+}
+
+}  // namespace
+
+TEST_CASE("Reversible steps lead there and back to rounding, with every symmetric stepper",
+          "[reversible steps]") {
+  const Kepler h;
+  CHECK(there_and_back(ReversibleSteps(Leapfrogs(), free_fall), 0.1) < 1e-10);
+  CHECK(there_and_back(ReversibleSteps(ExplicitSplitting(h, schemes::blanes_moan6()), free_fall), 0.1) <
+        1e-10);
+  CHECK(there_and_back(ReversibleSteps(Semiexplicit(h, schemes::blanes_moan6(),
+                                                    SimplifiedNewton{.stop = StoppingRule::paper(1e-15)}),
+                                       free_fall),
+                       0.1) < 1e-10);
+  CHECK(there_and_back(ReversibleSteps(GaussLegendre(h, {.stages = 4}), free_fall), 0.1) < 1e-10);
+  const Scene scene(effects::orbits::Kinetic<double, 2>{}, effects::orbits::Attraction<double, 2>{.gm = 1});
+  CHECK(there_and_back(ReversibleSteps(stepper_for(scene), free_fall), 0.1) < 1e-10);
+  // The midpoint projection is not symmetric, but its error is small where its steps are.
+  CHECK(there_and_back(ReversibleSteps(MidpointProjection(h, schemes::low_defect6_s13()), free_fall), 0.05) <
+        1e-5);
+}
+
+TEST_CASE("Eccentric orbits of Kepler keep their energy without drift under reversible steps",
+          "[reversible steps]") {
+  for (const double e : {0.9, 0.99}) {
+    CAPTURE(e);
+    ReversibleSteps stepper(ExplicitSplitting(Kepler(), schemes::suzuki_umeno8()), monitors::Distance{});
+    Point z = kepler_orbit(e, pi);
+    const auto part = [&](double t0, double t1) {
+      Drift drift;
+      integrate(stepper, z, {.dt = 0.15, .t0 = t0, .t_end = t1}, drift);
+      return drift;
+    };
+    const Drift early = part(0, 100 * 2 * pi);
+    part(100 * 2 * pi, 1900 * 2 * pi);
+    const Drift late = part(1900 * 2 * pi, 2000 * 2 * pi);
+    CHECK(early.worst < 1e-4);
+    CHECK(late.worst < 1.02 * early.worst);
+    // The mean of the error would move with a drift, however small its share of the worst.
+    const double mean = early.sum / double(early.count), later = late.sum / double(late.count);
+    CHECK(std::abs(later - mean) < 1e-2 * std::abs(early.worst));
+  }
+}
+
+TEST_CASE("Reversible steps have the order of their stepper, and end at the time asked for",
+          "[reversible steps]") {
+  for (const auto& scheme : {schemes::strang(), schemes::blanes_moan4(), schemes::blanes_moan6()}) {
+    CAPTURE(scheme.name);
+    const auto error = [&](double ds) {
+      ReversibleSteps stepper(Semiexplicit(Kepler(), scheme), free_fall);
+      Point z = kepler_orbit(0.7, 0.5);
+      const auto report = integrate(stepper, z, {.dt = ds, .t0 = 0.5, .t_end = 5.5});
+      CHECK(report.t == 5.5);
+      CHECK(stepper.time() == 5.5);
+      return (z.vector() - kepler_orbit(0.7, 5.5).vector()).norm();
+    };
+    CHECK(std::log2(error(0.06) / error(0.03)) == Approx(scheme.order).margin(0.5));
+  }
+}
+
+TEST_CASE("Reversible steps are proportional to the monitor function", "[reversible steps]") {
+  ReversibleSteps stepper(ExplicitSplitting(Kepler(), schemes::suzuki_umeno8()), free_fall);
+  Point z = kepler_orbit(0.9, 2), before = z;
+  double worst = 0;
+  const double ds = 0.05;
+  integrate(stepper, z, {.dt = ds, .steps = 2000},
+            [&](double, const Point& at, const IntegrationReport& report) {
+              if (report.taken != 0) {
+                const double g = std::sqrt(free_fall(at.q(), at.p()) * free_fall(before.q(), before.p()));
+                worst = std::max(worst, std::abs(report.taken / (ds * g) - 1));
+              }
+              before = at;
+            });
+  CHECK(worst < 0.02);
+}
+
+TEST_CASE("The clock of reversible steps sums times with compensation", "[reversible steps]") {
+  ReversibleSteps stepper(Leapfrogs(), free_fall);
+  Point z = kepler_orbit(0.5, 1);
+  long double sum = 1000;
+  const auto run =
+      integrate(stepper, z, {.dt = 0.01, .steps = 20'000, .t0 = 1000},
+                [&](double, const Point&, const IntegrationReport& so_far) { sum += so_far.taken; });
+  CHECK(std::abs(double(run.t - sum)) <= 1.2e-13);  // a rounding of the time itself
+}
+
+TEST_CASE("Output, sections and events of reversible steps are at physical times", "[reversible steps]") {
+  const Kepler h;
+  const double e = 0.9;
+  ReversibleSteps stepper(Semiexplicit(h, schemes::low_defect8_s20()), monitors::Distance{});
+  std::vector<double> times;
+  for (int i = 0; i <= 100; ++i) times.push_back(1 + 0.3 * i);
+  double worst = 0, worst_section = 0;
+  auto output = at_times(
+      h, times,
+      [&](double t, const Point& at) { worst = std::max(worst, (at.q() - kepler_orbit(e, t).q()).norm()); },
+      6);
+  int count = 0;
+  auto section = poincare_section(
+      h, [](const auto& q, const auto&) { return q[1]; },
+      [&](double t, const Point&) {
+        worst_section = std::max(worst_section, std::abs(t - 2 * pi * ++count));
+      },
+      {.nodes = 6});
+  Point z = kepler_orbit(e, 1);
+  integrate(stepper, z, {.dt = 0.03, .t0 = 1, .t_end = 32}, output, section);
+  output.finish();
+  CHECK(output.served() == times.size());
+  CHECK(count == 5);
+  CHECK(worst < 1e-9);
+  CHECK(worst_section < 1e-9);
+}
+
+TEST_CASE("Reversible steps, events and estimates take float and long double", "[reversible steps]") {
+  const auto run = []<class T>(T) {
+    // The solvable product: after a whole period the orbit is where it was.
+    const systems::Product<T> h;
+    // 4 K(3/√10)/√10 with the complete elliptic integral K by the mean of arithmetic and geometric means.
+    T a = T(1), b = 1 / std::sqrt(T(10));
+    for (int i = 0; i < 8; ++i) {
+      const T mean = (a + b) / 2;
+      b = std::sqrt(a * b);
+      a = mean;
+    }
+    const T period = 2 * T(std::acos(T(-1))) / (a * std::sqrt(T(10)));
+    ReversibleSteps stepper(Semiexplicit(h, schemes::blanes_moan6<T>()), [](const auto& q, const auto& p) {
+      return T(1) / (1 + q[0] * q[0] + p[0] * p[0]);
+    });
+    PhasePoint<T, 1> z(T(-3), T(0));
+    int crossings = 0;
+    auto estimate = with_error_estimate(stepper.stepper());
+    auto watch = events(h, on_event([](const auto& q, const auto&) { return q[0]; },
+                                    [&](const T&, const PhasePoint<T, 1>&) { ++crossings; }));
+    integrate(stepper, z, {.dt = T(0.1), .t_end = period}, estimate, watch);
+    CHECK(crossings == 2);
+    CHECK(double(z.q()[0]) == Approx(-3).epsilon(1e-5));
+    CHECK(std::abs(double(z.p()[0])) < 1e-4);
+    CHECK(*estimate.error() < T(1e-4));
+  };
+  run(1.0F);
+  run(1.0L);
+}
+
+TEST_CASE("A resumed run of reversible steps has the same bits", "[reversible steps]") {
+  const Folder folder;
+  const auto path = folder.path / "run.checkpoint";
+  const auto make = [] {
+    return ReversibleSteps(GaussLegendre(Kepler(), {.stages = 4}), monitors::Distance{});
+  };
+  for (const bool by_time : {false, true}) {
+    IntegrationOptions<double> options{.dt = 0.1, .t0 = 1};
+    if (by_time)
+      options.t_end = 40;
+    else
+      options.steps = 400;
+    auto whole = make();
+    Point z = kepler_orbit(0.9, 1);
+    const auto all = integrate(whole, z, options);
+
+    {
+      auto first = make();
+      Point x = kepler_orbit(0.9, 1);
+      Checkpoints checkpoints(path, {.every = 100}, first, options);
+      checkpoints.resume(x);
+      integrate(first, x, options, checkpoints, [](double t, const Point&) { return t < 20; });
+    }
+    auto second = make();
+    Point y = kepler_orbit(0.9, 1);
+    Checkpoints checkpoints(path, {.every = 100}, second, options);
+    options.done = checkpoints.resume(y);
+    CHECK(options.done.steps >= 100);
+    const auto rest = integrate(second, y, options, checkpoints);
+    CHECK(rest.t == all.t);
+    CHECK(rest.steps == all.steps);
+    CHECK((y.vector().array() == z.vector().array()).all());
+    checkpoints.remove();
+  }
+}
+
+TEST_CASE("A checkpoint of reversible steps by another monitor function is refused", "[reversible steps]") {
+  const Folder folder;
+  const IntegrationOptions<double> options{.dt = 0.1, .steps = 10};
+  Point z = kepler_orbit(0.9, 1);
+  {
+    ReversibleSteps one(GaussLegendre(Kepler(), {.stages = 4}), monitors::Distance{1.5});
+    Checkpoints checkpoints(folder.path / "run.checkpoint", {.every = 10}, one, options);
+    checkpoints.resume(z);
+    integrate(one, z, options, checkpoints);
+  }
+  ReversibleSteps other(GaussLegendre(Kepler(), {.stages = 4}), monitors::Distance{1});
+  Checkpoints checkpoints(folder.path / "run.checkpoint", {.every = 10}, other, options);
+  z = kepler_orbit(0.9, 1);
+  CHECK(refuses([&] { checkpoints.resume(z); }, "monitor"));
+}
+
+TEST_CASE("A reversible step that fails leaves the state, the time and the density", "[reversible steps]") {
+  // Everything stays where the monitor throws, is not positive, or the stepper fails; and the run goes on after.
+  struct Fault {
+    int* calls;
+    int at;
+    int kind;
+    double operator()(const In<double, 2>& q, const In<double, 2>&) const {
+      if (++*calls == at) {
+        if (kind == 0) throw std::runtime_error("monitor");
+        return kind == 1 ? -1.0 : std::nan("");
+      }
+      return std::pow(q.squaredNorm(), 0.75);
+    }
+  };
+  for (const int kind : {0, 1, 2}) {
+    int calls = 0, never = 0;
+    ReversibleSteps faulty(Leapfrogs(), Fault{&calls, 8, kind}), sound(Leapfrogs(), Fault{&never, 0, 0});
+    Point z = kepler_orbit(0.9, 1), x = z;
+    for (int i = 0; i < 4; ++i) REQUIRE((faulty.step(z, 0.1).ok() && sound.step(x, 0.1).ok()));
+    const Point before = z;
+    const double time = faulty.time();
+    if (kind == 0)
+      CHECK_THROWS_AS(faulty.step(z, 0.1), std::runtime_error);
+    else
+      CHECK(faulty.step(z, 0.1).status == Status::invalid_monitor);
+    CHECK(z.vector() == before.vector());
+    CHECK(faulty.time() == time);
+    for (int i = 0; i < 4; ++i) REQUIRE((faulty.step(z, 0.1).ok() && sound.step(x, 0.1).ok()));
+    CHECK(z.vector() == x.vector());
+    CHECK(faulty.time() == sound.time());
+  }
+}
+
+TEST_CASE("A monitor function that grows too fast for the step is said to", "[reversible steps]") {
+  ReversibleSteps stepper(Leapfrogs(), free_fall);
+  Point z = kepler_orbit(0.99, -0.3);
+  const auto report = integrate(stepper, z, {.dt = 2.5, .steps = 100, .on_failure = OnFailure::stop});
+  CHECK(report.status == Status::invalid_monitor);
+  CHECK(z.vector().allFinite());
+  CHECK(describe(report.status).find("reduce dt") != std::string::npos);
+}
+
+TEST_CASE("A reversible step cut into parts keeps time and density", "[reversible steps]") {
+  // Steps fail beyond a size, as those of an iteration would.
+  struct Short : Leapfrogs {
+    StepReport step(Point& z, const double& dt) {
+      if (std::abs(dt) > 0.5) return {.status = Status::no_convergence};
+      return Leapfrogs::step(z, dt);
+    }
+  };
+  ReversibleSteps stepper(Short(), free_fall);
+  Point z = kepler_orbit(0.9, 0);
+  const auto report = integrate(stepper, z, {.dt = 0.3, .subdivide = 3, .t_end = 4});
+  CHECK(report.subdivided > 0);
+  CHECK(report.t == 4);
+  CHECK((z.vector() - kepler_orbit(0.9, 4).vector()).norm() < 5e-2);
+}
+
+TEST_CASE("Lyapunov exponents under reversible steps are those of the motion", "[reversible steps]") {
+  // The hyperbolic fixed point at which the equations of motion are linear: q' = p, p' = q, exponents 1 and -1.
+  const auto h = from_energy<1>([](const auto& q, const auto& p) { return (p[0] * p[0] - q[0] * q[0]) / 2; });
+  ReversibleSteps stepper(Semiexplicit(h, schemes::blanes_moan6()),
+                          [](const auto& q, const auto&) { return 1 / (1 + q[0] * q[0]); });
+  PhasePoint<double, 1> z(1e-6, -1e-6);
+  LyapunovExponents lyapunov(stepper, 2);
+  Eigen::Matrix2d directions;
+  directions << 1, 1, 1, -1;
+  lyapunov.start_with(directions);
+  integrate(stepper, z, {.dt = 0.05, .t_end = 10}, lyapunov);
+  CHECK(lyapunov.exponents()[0] == Approx(1).epsilon(1e-8));
+  CHECK(lyapunov.exponents()[1] == Approx(-1).epsilon(1e-8));
+}
+
+TEST_CASE("The ready monitor functions have the values and gradients that they say", "[reversible steps]") {
+  const Eigen::Vector4d q(0.3, -0.4, 1.2, 0.5), p(0.1, 0.2, -0.3, 0.7);
+  const double r = std::hypot(0.9, 0.9);
+  CHECK(monitors::ClosestPair{.dimensions = 2, .power = 1.5}.value(q, p) == Approx(std::pow(r, 1.5)));
+  CHECK(monitors::Distance{}.value(q, p) == Approx(std::pow(q.norm(), 1.5)));
+  const Eigen::Vector4d centre(1, 0, 0, 2);
+  const monitors::DistanceFrom from(centre, 2);
+  CHECK(from.value(q, p) == Approx((q - centre).squaredNorm()));
+  const Kepler h;
+  CHECK(monitors::FieldSize(h).value(Eigen::Vector2d(3, 4), Eigen::Vector2d(0, 1)) ==
+        Approx(1 / std::hypot(1.0 / 25, 1.0)));
+
+  const auto slopes_match = [&](const auto& g) {
+    Eigen::Matrix<double, 6, 1> at, slope, shifted;
+    at << 0.3, -0.4, 1.2, 0.5, -0.2, 0.9;
+    const double value = g(at, slope);
+    CHECK(value == Approx(g.value(at, at)));
+    for (Eigen::Index i = 0; i < 6; ++i) {
+      shifted = at;
+      shifted[i] += 1e-6;
+      const double above = g.value(shifted, at);
+      shifted[i] -= 2e-6;
+      CHECK(slope[i] == Approx((above - g.value(shifted, at)) / 2e-6).epsilon(1e-6).margin(1e-8));
+    }
+  };
+  slopes_match(monitors::ClosestPair{.dimensions = 3, .power = 1.5});
+  slopes_match(monitors::ClosestPair{.dimensions = 2, .power = 1});
+  slopes_match(monitors::DistanceFrom(Eigen::Matrix<double, 6, 1>(Eigen::Matrix<double, 6, 1>::Ones()), 1.5));
+  CHECK(refuses([&] { monitors::ClosestPair{.dimensions = 3}.value(q, p); }, "4 coordinates"));
+}
+
+TEST_CASE("Two of three bodies that meet closely pass under reversible steps by the closest pair",
+          "[reversible steps]") {
+  // Three bodies of mass 1 at rest would collide in pairs; a little angular momentum keeps them apart.
+  const auto h = from_energy<6>([](const auto& q, const auto& p) {
+    auto sum = (p[0] * p[0] + p[1] * p[1] + p[2] * p[2] + p[3] * p[3] + p[4] * p[4] + p[5] * p[5]) / 2;
+    using std::sqrt;
+    for (int j = 2; j < 6; j += 2)
+      for (int i = 0; i < j; i += 2) {
+        const auto x = q[i] - q[j], y = q[i + 1] - q[j + 1];
+        sum = sum - 1 / sqrt(x * x + y * y);
+      }
+    return sum;
+  });
+  PhasePoint<double, 6> z({0, 0, 1, 0, 5, 0}, {0, -0.1, 0, 0.1, 0, 0.3});
+  Invariants invariants(h);
+  double closest = 1, farthest = 0;
+  ReversibleSteps stepper(Semiexplicit(h, schemes::low_defect8_s20()),
+                          monitors::ClosestPair{.dimensions = 2});
+  integrate(stepper, z, {.dt = 0.1, .t_end = 5}, invariants,
+            [&](double, const auto&, const IntegrationReport& report) {
+              if (report.taken == 0) return;
+              closest = std::min(closest, report.taken);
+              farthest = std::max(farthest, report.taken);
+            });
+  CHECK(farthest / closest > 100);
+  CHECK(invariants["energy"].worst < 1e-8);
+}
+
+TEST_CASE("Vortices and the vector field serve as monitors of reversible steps", "[reversible steps]") {
+  const systems::PointVortices<double, 3> h({2, 2, -1});
+  auto z = h.phase_point({-1, 1, 1.0003}, {0, 0, std::sqrt(2.0)});
+  const auto start = z;
+  Invariants invariants(h);
+  ReversibleSteps by_distance(Semiexplicit(h, schemes::low_defect8_s20()), monitors::VortexDistances(h));
+  integrate(by_distance, z, {.dt = 0.2, .steps = 900}, invariants);
+  CHECK(invariants["energy"].worst < 1e-9);
+  z = start;
+  Invariants again(h);
+  ReversibleSteps by_field(Semiexplicit(h, schemes::low_defect8_s20()), monitors::FieldSize(h));
+  const auto report = integrate(by_field, z, {.dt = 0.02, .steps = 100}, again);
+  CHECK(again["energy"].worst < 1e-9);
+  Semiexplicit plain(h, schemes::low_defect8_s20());
+  z = start;
+  const auto one = plain.step(z, 1e-6);
+  CHECK(report.gradients >= 100 * (one.gradients + 1));  // its own calls are counted
+}
+
+}  // namespace test_reversible_steps

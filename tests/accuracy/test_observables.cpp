@@ -78,7 +78,8 @@ void check_advice(const H& h, const PhasePoint<double, H::Dof>& z0, double T, do
   CHECK_FALSE(cost.invariant);
   CHECK(cost.reference_error < target);
   const Setting reference{.method = Setting::Method::gauss, .stages = 8, .dt = tight};
-  const auto exact = along(h, z0, T, reference, 50, f), found = along(h, z0, T, advice->setting, 50, f);
+  // In no simple ratio to a period, or every step that fits between two samples is in resonance with the motion.
+  const auto exact = along(h, z0, T, reference, 47, f), found = along(h, z0, T, advice->setting, 47, f);
   REQUIRE(exact.size() == found.size());
   double error = 0, size = 0;
   for (std::size_t i = 0; i < exact.size(); ++i) {
@@ -174,9 +175,16 @@ TEST_CASE("errors are relative to the largest value of the observable, or absolu
   const auto calls = [&](const auto& cost) { return cost.cheapest(1e-3)->gradients; };
   CHECK(calls(cost_of_accuracy(product, z0, 20, {.observable = hundred, .targets = {1e-3}})) ==
         Approx(calls(cost_of_accuracy(product, z0, 20, {.observable = one, .targets = {1e-3}}))));
-  CHECK(
-      calls(cost_of_accuracy(product, z0, 20, {.observable = hundred, .targets = {1e-3}, .absolute = true})) >
-      calls(cost_of_accuracy(product, z0, 20, {.observable = one, .targets = {1e-3}, .absolute = true})));
+  // Of one scheme: with more to choose from, a tighter target may happen to find something better.
+  const auto of_one_scheme = [&](const auto& f) {
+    return calls(cost_of_accuracy(product, z0, 20,
+                                  {.observable = f,
+                                   .targets = {1e-3},
+                                   .absolute = true,
+                                   .schemes = {"low_defect6_s13"},
+                                   .gauss_stages = {}}));
+  };
+  CHECK(of_one_scheme(hundred) > of_one_scheme(one));
 }
 
 TEST_CASE("a search for an observable keeps its bound on gradient calls") {

@@ -86,10 +86,13 @@ SEMIEXPLICIT_COLD CostOptionsOf<Scalar, Dof> options_for(const CostOptionsOf<Sca
 /// (CostTable says which), or absolute by request.
 ///
 /// A coarse pilot run finds where along the way the problem is hard. For an invariant every setting is tried there, at
-/// the start, and on some ordinary stretches; from the largest range in a stretch follows the error over T, on the assumption
-/// that it stays bounded, plus what unfinished solves and rounding may add. How much harder than the pilot run the rest of T
-/// gets is extrapolated from the tail of what the pilot met. For any other observable settings are compared with a
-/// reference, two runs that agree, from z0 on, and the error is extrapolated to T as it was seen to grow. Where neighbouring
+/// the start, and on some ordinary stretches; from the largest range in a stretch follows the error over T, plus what
+/// unfinished solves and rounding may add. How much harder than the pilot run the rest of T gets is extrapolated from the tail
+/// of what the pilot met. Only the energy of a symplectic method is taken to stay bounded: of other invariants, as the
+/// direction of a periapsis, the range is extrapolated from z0 to T as it was seen to grow. For any other observable settings
+/// are compared with a reference, two runs with steps in the time scale of the motion that agree, from z0 on, and extrapolated
+/// likewise. A trial lasts until the motion has come back to where it is hard, as to a periapsis; where the calls do not suffice
+/// for that, every target is refused. Where neighbouring
 /// orbits part exponentially a target beyond reach is refused, and the rate given. The choice is then confirmed on more of the
 /// run, and revised. Where rare events decide (chaos, close encounters) no short run can know them: expect errors off by
 /// more than a factor of three there, and aim lower. Resonances of the step with the motion that need long to build up go

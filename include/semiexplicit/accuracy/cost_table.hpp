@@ -82,10 +82,15 @@ struct CostTable {
   double rounding = 0;         ///< no error below this can be told from rounding, or noise
   double reference_error = 0;  ///< of the reference over the whole time; 0 for an invariant, which has none
   double reference_time = 0;   ///< how far the reference went; trials are extrapolated from there
-  double parting_rate = 0;     ///< neighbouring orbits part as e^{rate t}; 0: not so fast, or not looked for
+  double cycle =
+      0;  ///< when the motion had come back to where it is hard; 0: it is equally hard everywhere, or not looked for; infinite: it had not
+  double parting_rate = 0;  ///< neighbouring orbits part as e^{rate t}; 0: not so fast, or not looked for
   double horizon = std::numeric_limits<double>::infinity();    ///< when nothing of the orbit is left
   double orbit_end = std::numeric_limits<double>::infinity();  ///< time that no step tried got beyond
   double unfinished = 0;  ///< the loosest target whose search ended with the calls; 0: none
+
+  /// Whether the calls ended before the motion had come back to where it is hard: what it does then is not known.
+  bool cycles_unseen() const { return window_time < time && cycle > window_time; }
 
   /// Why a target is out of reach.
   SEMIEXPLICIT_COLD Reach reach(double target) const {
@@ -93,7 +98,7 @@ struct CostTable {
     if (cheapest(target)) return Reach::met;
     if (orbit_end < time) return Reach::orbit_ends;
     if (target < rounding) return Reach::rounding;
-    return target <= unfinished ? Reach::budget : Reach::no_step;
+    return target <= unfinished || cycles_unseen() ? Reach::budget : Reach::no_step;
   }
   /// The same in words, with what to do about it; empty where the target is met.
   SEMIEXPLICIT_COLD std::string why(double target) const {
@@ -107,7 +112,10 @@ struct CostTable {
                             "its terms"
                           : " are lost in rounding, which adds up over the time");
       case Reach::budget:
-        return "the gradient calls ended; raise options.budget, min_gradients or max_gradients";
+        return (cycles_unseen() ? "the gradient calls of a trial ended before the motion came back to where "
+                                  "it is hard; raise "
+                                : "the gradient calls ended; raise ") +
+               std::string("options.budget, min_gradients or max_gradients");
       case Reach::orbit_ends:
         return "the orbit ends near t = " + in_words(orbit_end, 3) +
                ": no step goes beyond; give a shorter T";
@@ -249,14 +257,21 @@ SEMIEXPLICIT_COLD inline std::ostream& operator<<(std::ostream& out, const CostT
       << std::to_string(cost.windows) << " windows, " << in_words(cost.window_time / cost.time_scale, 2)
       << " characteristic times of " << in_words(cost.time_scale, 3) << ".\n";
   if (cost.invariant)
-    out << "An invariant: the error is taken to stay bounded, but for rounding and unfinished solves; times "
+    out << "An invariant: a symplectic method is taken to keep the energy within bounds, any other error "
+           "grows with "
+           "the time\nas it was seen to; times "
         << in_words(cost.growth, 2)
-        << "\nfor what lies beyond a coarse run to t = " << in_words(cost.pilot_time, 3)
+        << " for what lies beyond a coarse run to t = " << in_words(cost.pilot_time, 3)
         << ", whose hardest stretches are among the windows.\n";
   else
     out << "No invariant: compared with a run that is known to " << figure(cost.reference_error, 1, 0, true)
         << " over T, to t = " << in_words(cost.reference_time, 3)
-        << ",\nand extrapolated as the error was seen to grow.\n";
+        << ",\nand extrapolated as the error was seen to grow"
+        << (cost.cycle > 0 && cost.window_time < cost.time
+                ? ", in trials of " + in_words(std::floor(cost.window_time / cost.cycle), 3) + " times the " +
+                      in_words(cost.cycle, 3) + " after which hard places came back"
+                : "")
+        << ".\n";
   return out << spent;
 }
 

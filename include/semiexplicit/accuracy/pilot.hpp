@@ -21,13 +21,13 @@ class Pilot {
   using State = typename Any::State;
 
   explicit Pilot(Problem<Any>& problem) : problem_(problem), energy_(problem, true), table_(problem.table) {
-    // An energy that is small beside its terms has large relative errors where nothing is wrong.
-    hopeless = std::max(1.0, problem.energy.terms / 100);
-    coarse_error_ = std::max(0.003 * hopeless, 10 * energy_rounding());
+    hopeless = hopeless_beside(problem.energy.terms);
+    coarse_error_ = coarse_beside(problem.energy.terms);
   }
 
   HardPlaces<State> places{};
   double rate = 0;          ///< gradient calls a unit of time
+  double rate_time = 0;     ///< how far from z0 on that was seen
   double segment_time = 0;  ///< length of a stretch
   double hopeless = 1;      ///< an error that a trial is given up at
 
@@ -45,7 +45,7 @@ class Pilot {
       cut = seen.cut;
       if (cut) break;
       const bool better = seen.works() && (rate == 0 || seen.rate < rate);
-      if (better) rate = seen.rate, best_step_ = dt;
+      if (better) rate = seen.rate, best_step_ = dt, rate_time = std::min(table_.time, 20 * dt);
       // A first step that works leaves room for larger ones; then on to smaller ones, as large ones take many evaluations.
       if (attempt == 0 && seen.works()) climbing = true;
       if (rate > 0 && !better) {
@@ -104,10 +104,12 @@ class Pilot {
   }
 
  private:
-  double energy_rounding() const {
-    return static_cast<double>(Eigen::NumTraits<Scalar>::epsilon()) / 2 * problem_.energy.terms *
-               std::sqrt(table_.time / table_.time_scale) +
-           problem_.energy.noise;
+  /// An energy that is small beside its terms has large relative errors where nothing is wrong.
+  static double hopeless_beside(double terms) { return std::max(1.0, terms / 100); }
+  double coarse_beside(double terms) const {
+    const double rounding = static_cast<double>(Eigen::NumTraits<Scalar>::epsilon()) / 2 * terms *
+                            std::sqrt(table_.time / table_.time_scale);
+    return std::max(0.003 * hopeless_beside(terms), 10 * (rounding + problem_.energy.noise));
   }
   bool watches_neighbour() const { return !problem_.options.observable.is_energy(); }
 
@@ -124,7 +126,9 @@ class Pilot {
         return false;
       }
       energy_.add(z);
-      if (!(energy_.range() <= 3 * coarse_error_)) return false;
+      if (!(energy_.range() <= 3 * coarse_error_) &&
+          !(energy_.range() <= 3 * coarse_beside(problem_.terms_of_energy(z))))
+        return false;
       farthest_ = std::max(farthest_, table_.pilot_time + static_cast<double>(n + 1) * setting_.dt);
       if (watches_neighbour() && !beside_it.step(neighbour_, setting_.dt, probe, false)) {
         cut_ = probe.cut;
@@ -153,7 +157,10 @@ class Pilot {
     const double apart = static_cast<double>(norm(neighbour_.vector() - z.vector()));
     if (apart_ == 0) apart_ = static_cast<double>(norm(beside(problem_.z0).vector() - problem_.z0.vector()));
     const double log = parted_ + (apart > 0 ? std::log(apart / apart_) : 0);
-    parting_.emplace_back(table_.pilot_time, log);
+    // Relative errors of an orbit that itself goes off as fast do not grow.
+    farthest_out_ = std::max(farthest_out_, static_cast<double>(norm(z.vector())));
+    parting_.emplace_back(table_.pilot_time,
+                          log - (table_.relative && farthest_out_ > 0 ? std::log(farthest_out_) : 0));
     if (!(apart > 0) || (apart < 100 * apart_ && apart > apart_ / 100)) return;
     neighbour_.vector() = z.vector() + Scalar(apart_ / apart) * (neighbour_.vector() - z.vector());
     parted_ = log;
@@ -183,7 +190,7 @@ class Pilot {
   double best_step_ = 0, coarse_error_ = 0.003, farthest_ = 0;
   bool cut_ = false;
   State neighbour_{};
-  double apart_ = 0, parted_ = 0;
+  double apart_ = 0, parted_ = 0, farthest_out_ = 0;
   std::vector<std::pair<double, double>> parting_{};  ///< time, logarithm of how far the neighbour has parted
 };
 

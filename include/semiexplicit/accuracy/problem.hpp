@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <limits>
 #include <stdexcept>
 #include <vector>
 
@@ -57,6 +58,17 @@ class Problem {
     return epsilon / 2 * judged.terms * std::sqrt(table.time / dt) + judged.noise;
   }
 
+  /// The size of the energy's terms at z, in its unit.
+  SEMIEXPLICIT_COLD double terms_of_energy(const State& z) const {
+    return static_cast<double>(size_of_energy(z).terms) / energy.unit;
+  }
+
+  /// Makes errors of the observable relative to `unit`.
+  void measure_in(double unit) {
+    judged.terms *= judged.unit / unit;
+    table.unit = judged.unit = unit;
+  }
+
   /// Notes the size of the observable's terms at a later state of the orbit.
   void meet(const State& z) { met_.push_back(terms_at(z)); }
 
@@ -75,6 +87,16 @@ class Problem {
         last > 2 * first ? last * std::max(1.0, table.time / t) / std::sqrt(3.0) : std::max(first, last);
     if (later > judged.terms && std::isfinite(later)) judged.terms = later;
     table.rounding = std::max(table.rounding, rounding(table.time_scale));
+  }
+
+  /// ‖X‖/‖dX/dt‖ at z, for two gradient calls: what it is in an Euler step of `h`.
+  SEMIEXPLICIT_COLD double time_scale_at(const State& z, double h) {
+    const State velocity = velocity_at(z);
+    State moved = z;
+    moved.vector() += Scalar(h) * velocity.vector();
+    const double change = static_cast<double>(norm(velocity_at(moved).vector() - velocity.vector()));
+    return change > 0 ? h * (static_cast<double>(norm(velocity.vector())) / change)
+                      : std::numeric_limits<double>::infinity();
   }
 
   /// One more gradient call, or several.
@@ -137,11 +159,9 @@ class Problem {
     if (!isfinite(first))
       throw std::invalid_argument(
           "cost_of_accuracy: the energy at z0 is NaN or Inf; give another initial state");
-    const auto reference = reference_size(
-        [this](const auto& q, const auto& p) { return Scalar(hamiltonian.energy(q, p)); }, first, z0);
     const Scalar noise = require_right_gradient("cost_of_accuracy", hamiltonian, z0, velocity_at(z0),
                                                 table.time_scale, table.spent_gradients);
-    energy = judge(reference, options.absolute && options.observable.is_energy());
+    energy = judge(size_of_energy(z0), options.absolute && options.observable.is_energy());
     if (isfinite(noise))
       energy.noise = 4 * static_cast<double>(noise) / energy.unit;  // a level, and the largest counts
     judged = energy;
@@ -162,6 +182,10 @@ class Problem {
     return {.unit = table.unit, .terms = absolute ? terms : std::max(1.0, terms)};
   }
 
+  SEMIEXPLICIT_COLD ReferenceSize<Scalar> size_of_energy(const State& z) const {
+    return reference_size([this](const auto& q, const auto& p) { return Scalar(hamiltonian.energy(q, p)); },
+                          Scalar(hamiltonian.energy(z.q(), z.p())), z);
+  }
   /// The same for ‖f‖ as for a number.
   SEMIEXPLICIT_COLD ReferenceSize<Scalar> size_of_observable(const State& z) const {
     const auto size = [this](const auto& q, const auto& p) {

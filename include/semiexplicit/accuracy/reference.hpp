@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <vector>
 
 #include <semiexplicit/accuracy/trial.hpp>
@@ -9,48 +11,121 @@
 
 namespace semiexplicit::detail {
 
-/// The observable along a run that is known to be better than those that are compared with it, at a few hundred times.
+/// Gauss-Legendre with eight stages, whose steps are a fraction of the time scale of the motion where it is: a hard place does
+/// not make the whole run dear.
+template <class Any>
+class PacedGauss {
+ public:
+  using State = typename Any::State;
+
+  static Setting method() { return {.method = Setting::Method::gauss, .stages = 8}; }
+
+  SEMIEXPLICIT_COLD PacedGauss(Problem<Any>& problem, double fraction)
+      : problem_(problem),
+        fraction_(fraction),
+        walker_(problem, method()),
+        here_(problem.time_scale_at(problem.z0, 0.01 * problem.table.time_scale)) {}
+
+  /// Time scale of the motion after the last step.
+  double scale() const { return here_; }
+
+  /// One step from t, not beyond `end`. Returns the time after it: t where no step works, or the calls ended.
+  SEMIEXPLICIT_COLD double step(State& z, double t, double end, Probe& probe) {
+    const double wanted = fraction_ * here_;
+    // Only a step that stays the same starts near its stages.
+    if (wanted > 0 && !(wanted > dt_ / 1.4 && wanted < 1.4 * dt_))
+      dt_ = rounded(std::min(wanted, dt_ > 0 ? 2 * dt_ : end - t));
+    for (int attempt = 0; attempt < 40; ++attempt, dt_ /= 2) {
+      const double dt = std::min(dt_, end - t);
+      State next = z;
+      probe = Probe();
+      if (!walker_.step(next, dt, probe, false)) {
+        if (probe.cut) break;
+        continue;
+      }
+      const double there = problem_.time_scale_at(next, 0.01 * dt);
+      if (fraction_ * there < dt / 3 && attempt < 3) continue;  // ran into what is harder
+      z = next, here_ = there;
+      return dt < dt_ ? end : t + dt;
+    }
+    return t;
+  }
+
+ private:
+  /// To ten bits: the times then add up without rounding.
+  static double rounded(double dt) {
+    int exponent = 0;
+    const double part = std::frexp(dt, &exponent);
+    return std::ldexp(std::floor(std::ldexp(part, 10)), exponent - 10);
+  }
+
+  Problem<Any>& problem_;
+  double fraction_;
+  Walker<Any> walker_;
+  double here_, dt_ = 0;
+};
+
+/// The observable along a run that is known to be better than those that are compared with it, at some hundred times.
 template <class Any>
 class Reference {
  public:
   using Value = typename Problem<Any>::Value;
 
-  /// Two runs of Gauss-Legendre with eight stages whose steps differ by a factor 1.5, over and over until they agree to `enough`
-  /// at the time `length`, or a smaller step no longer makes them. `dt`: where to begin. False: the calls ended, or no step works.
-  SEMIEXPLICIT_COLD bool make(Problem<Any>& problem, double dt, double length, double enough) {
+  struct Wish {
+    double calls;     ///< gradient calls, about
+    double length;    ///< time to go to
+    double end;       ///< time to go to until the motion comes back to where it is hard
+    double tried;     ///< time from the start that the rate of calls is known from
+    double trial;     ///< how long settings are to be tried
+    double tightest;  ///< target
+  };
+
+  /// Two runs whose steps differ by a factor 1.5, over and over until they agree to what the tightest target needs, or smaller
+  /// steps no longer make them. False: the calls ended, or no step works.
+  SEMIEXPLICIT_COLD bool make(Problem<Any>& problem, const Wish& wish) {
+    const double begin = problem.table.spent_gradients;
+    double fraction = 3;
     // A short stretch tells the step, for a fraction of the calls.
-    for (const double part : {length / 10, length}) {
-      times_ = sample_times(part);
+    for (const double share : {0.04, 0.36}) {
       double last = 0;
-      std::vector<Value> coarse;
-      for (int attempt = 0; attempt < 24; ++attempt, dt /= 1.5) {
-        Setting setting{.method = Setting::Method::gauss, .stages = 8, .dt = std::min(dt, part)};
-        Probe probe;
-        values_ = values_along(problem, setting, times_, probe);
-        if (probe.cut) return false;
-        if (values_.size() < times_.size()) {
-          coarse.clear();
+      for (int attempt = 0; attempt < 24; ++attempt) {
+        apart_.clear();
+        std::vector<Value> coarse;
+        const bool made = explore(problem, fraction, share * wish.calls, wish) &&
+                          (coarse = choose_times(wish.trial), follow(problem, fraction / 1.5));
+        const bool enough_calls = problem.table.spent_gradients - begin < 3 * wish.calls;
+        if (!made) {
+          if (cut_ || !enough_calls) return false;
+          fraction /= 1.5;
           continue;
         }
-        if (coarse.size() == values_.size()) {
-          const double unit = find_unit(problem);
-          apart_.assign(times_.size(), 0);
-          for (std::size_t i = 0; i < times_.size(); ++i)
-            apart_[i] = static_cast<double>(norm(values_[i] - coarse[i])) / unit;
-          const double now = *std::max_element(apart_.begin(), apart_.end());
-          const bool rounded = last > 0 && now > 0.3 * last && now < 1e-6;
-          if (now <= enough * part / length || rounded) break;
-          last = now;
-        }
-        coarse = values_;
+        const double unit = find_unit(problem);
+        apart_.assign(times_.size(), 0);
+        for (std::size_t i = 0; i < times_.size(); ++i)
+          apart_[i] = static_cast<double>(norm(values_[i] - coarse[i])) / unit;
+        const double whole = std::min(wish.length, length() * 0.36 / share);
+        const double enough =
+            wish.tightest / 10 * std::pow(whole / problem.table.time, 1.5) * (length() / whole);
+        const bool rounded = last > 0 && error() > 0.3 * last && error() < 1e-6;
+        if (error() <= enough || rounded || !enough_calls) break;
+        last = error();
+        fraction *= std::clamp(std::pow(enough / last, 1.0 / 16), 0.3, 1 / 1.5);
       }
-      if (apart_.size() != times_.size()) return false;
-      dt *= 1.5;  // the larger of the two that agreed
+      if (apart_.empty()) {  // no step goes on from there, in any of the runs
+        problem.table.orbit_end = stuck_at_;
+        return false;
+      }
     }
     return true;
   }
 
   double length() const { return times_.back(); }
+  /// How long settings are tried: for as long as asked, and until the motion has come back to where it is hard.
+  double trial() const { return trial_; }
+  /// When it has; 0: it is equally hard everywhere; infinite: it was not seen to.
+  double cycle() const { return cycle_; }
+  /// How much finer steps must be in hard places than at the start.
+  double hardness() const { return hardness_; }
   /// How far the two runs are apart at worst: the error of the coarser one.
   double error() const { return *std::max_element(apart_.begin(), apart_.end()); }
   /// Whether the observable is constant as far as the reference knows: an invariant.
@@ -58,16 +133,24 @@ class Reference {
     double range = 0;
     for (const Value& value : values_)
       range = std::max(range, static_cast<double>(norm(value - values_.front())) / problem.table.unit);
-    return range <= std::max(10 * error(), 1e-9);
+    const double rounding =
+        50 * static_cast<double>(Eigen::NumTraits<typename Any::Scalar>::epsilon()) * problem.judged.terms;
+    return range <= std::max(10 * error(), rounding);
   }
 
-  /// Runs a setting as far as `part` of the length; the largest errors in both halves go to the probe.
-  SEMIEXPLICIT_COLD Probe compare(Problem<Any>& problem, const Setting& setting, double part) const {
+  /// Runs a setting as far as `length`; the largest errors in both halves go to the probe.
+  SEMIEXPLICIT_COLD Probe compare(Problem<Any>& problem, const Setting& setting, double length) const {
     Probe probe;
     std::vector<double> times;
     for (const double t : times_)
-      if (t <= part * length()) times.push_back(t);
-    const auto values = values_along(problem, setting, times, probe);
+      if (t <= length) times.push_back(t);
+    Walker<Any> walker(problem, setting);
+    std::int64_t n = 0;
+    const auto values = values_along(problem, times, setting, probe, [&](auto& z) {
+      const double begin = static_cast<double>(n) * setting.dt, end = static_cast<double>(++n) * setting.dt;
+      return end >= times.back() || walker.step(z, setting.dt, probe, n > 1) ? end : begin;
+    });
+    walker.finish(probe);
     probe.length = times.back();
     for (std::size_t i = 0; i < values.size(); ++i) {
       const double error = static_cast<double>(norm(values[i] - values_[i])) / problem.table.unit;
@@ -79,15 +162,101 @@ class Reference {
   }
 
  private:
-  /// Denser near the start, where shorter trials end; not in step with any period.
-  static std::vector<double> sample_times(double length) {
-    std::vector<double> times;
-    constexpr int count = 96;
-    for (int i = 1; i <= count; ++i) {
-      const double x = (i - 0.3 * std::fmod(0.618034 * i, 1.0)) / count;
-      times.push_back(i == count ? length : length * x * (0.4 + 0.6 * x));
+  struct Point {
+    double t, scale;
+    Value value;
+  };
+
+  /// A run as far as the calls go; notes every step, or every second, fourth ... of many.
+  SEMIEXPLICIT_COLD bool explore(Problem<Any>& problem, double fraction, double calls, const Wish& wish) {
+    const double begin = problem.table.spent_gradients;
+    PacedGauss<Any> run(problem, fraction);
+    auto z = problem.z0;
+    Probe probe;
+    double t = 0, length = wish.length;
+    way_.clear();
+    goes_to_end_ = false;
+    first_scale_ = run.scale();
+    for (std::size_t n = 1, stride = 1; way_.empty() || problem.table.spent_gradients - begin < calls; ++n) {
+      if (t >= length) {
+        find_cycle();
+        if (!std::isinf(cycle_) || t >= wish.end) break;
+        length = wish.end;  // on, for what comes then
+      }
+      const double after = run.step(z, t, length, probe);
+      cut_ = probe.cut;
+      stuck_at_ = after;
+      if (!(after > t)) return false;
+      t = after;
+      if (n % stride != 0) continue;
+      if (t <= wish.tried) first_scale_ = std::min(first_scale_, run.scale());
+      way_.push_back({t, run.scale(), problem.measured(z)});
+      if (way_.size() < most_points) continue;
+      for (std::size_t i = 0; i < most_points / 2; ++i) way_[i] = way_[2 * i + 1];
+      way_.resize(most_points / 2);
+      stride *= 2;
     }
-    return times;
+    goes_to_end_ = t >= wish.end;
+    find_cycle();
+    return true;
+  }
+
+  /// The second way out of what is hard, or into it, from a start there or elsewhere; the last where the run ends before.
+  SEMIEXPLICIT_COLD void find_cycle() {
+    cycle_ = 0;
+    std::vector<double> scales;
+    for (const Point& point : way_) scales.push_back(point.scale);
+    std::sort(scales.begin(), scales.end());
+    const double least = scales[scales.size() / 20], most = scales[scales.size() - 1 - scales.size() / 10];
+    hardness_ = std::max(1.0, first_scale_ / least);
+    if (!(most > 3 * least)) return;
+    const double level = std::sqrt(least * most);
+    bool hard = way_.front().scale < level;
+    int changes = 0;
+    for (const Point& point : way_) {
+      if (hard ? point.scale < 1.2 * level : point.scale > level / 1.2) continue;
+      hard = !hard;
+      cycle_ = point.t;
+      if (++changes == 3) return;
+    }
+    if (!goes_to_end_) cycle_ = std::numeric_limits<double>::infinity();
+  }
+
+  /// As many ends of steps in the trial as beyond it, not in step with any period. Returns the values there.
+  SEMIEXPLICIT_COLD std::vector<Value> choose_times(double trial) {
+    trial /= hardness_;  // which makes it as dear
+    trial_ = std::clamp(std::max(trial, std::min(1.05 * cycle_, 16 * trial)), way_.front().t, way_.back().t);
+    times_.clear();
+    std::vector<Value> values;
+    const auto choose = [&](std::size_t from, std::size_t to, std::size_t most) {
+      const double count = static_cast<double>(std::min(most, to - from));
+      std::size_t next = from;
+      for (double i = 1; i <= count; ++i) {
+        const double x = i == count ? 1 : (i - 0.3 * std::fmod(0.618034 * i, 1.0)) / count;
+        const auto at = from + static_cast<std::size_t>(std::ceil(x * static_cast<double>(to - from))) - 1;
+        if (at < next) continue;
+        next = at + 1;
+        times_.push_back(way_[at].t);
+        values.push_back(way_[at].value);
+      }
+    };
+    std::size_t in_trial = 1;
+    while (in_trial < way_.size() && way_[in_trial - 1].t < trial_) ++in_trial;
+    choose(0, in_trial, in_trial < way_.size() ? 96 : 160);
+    choose(in_trial, way_.size(), 64);
+    trial_ = std::min(trial_, times_.back());
+    return values;
+  }
+
+  /// The observable at the chosen times of a run; false: a step failed.
+  SEMIEXPLICIT_COLD bool follow(Problem<Any>& problem, double fraction) {
+    PacedGauss<Any> run(problem, fraction);
+    Probe probe;
+    double t = 0;
+    values_ = values_along(problem, times_, run.method(), probe,
+                           [&](auto& z) { return t = run.step(z, t, times_.back(), probe); });
+    cut_ = probe.cut;
+    return values_.size() == times_.size();
   }
 
   /// Relative errors are so to the largest ‖f‖; where that grows with the time, to what it will be.
@@ -100,13 +269,18 @@ class Reference {
       if (times_[i] < times_.back() / 2) half = std::max(half, size);
     }
     if (whole > 1.6 * half) whole *= std::max(1.0, problem.table.time / times_.back());
-    problem.table.unit = problem.judged.unit = whole > 0 ? whole : 1;
+    problem.measure_in(whole > 0 ? whole : 1);
     problem.table.relative = whole > 0;
     return problem.table.unit;
   }
 
+  static constexpr std::size_t most_points = 2048;
+
+  std::vector<Point> way_{};
   std::vector<double> times_{}, apart_{};
   std::vector<Value> values_{};
+  double trial_ = 0, cycle_ = 0, stuck_at_ = 0, first_scale_ = 0, hardness_ = 1;
+  bool cut_ = false, goes_to_end_ = false;
 };
 
 }  // namespace semiexplicit::detail

@@ -45,7 +45,8 @@ class Search {
       return;
     }
     plan();
-    if (!pilot_.follow(table_.time, trial_time_ / window_count, pilot_share * budget_)) return;
+    if (!pilot_.follow(table_.time, std::min(table_.time, trial_time_) / window_count, pilot_share * budget_))
+      return;
     if (!table_.invariant && !make_reference()) return;
     choose_windows();
     const double begin = table_.spent_gradients;
@@ -76,9 +77,7 @@ class Search {
     budget_ =
         std::min(std::max(least, options().budget * run_rates * table_.time), options().max_gradients / 3);
     table_.budget = budget_;
-    trial_time_ = std::min(table_.time, trial_share * budget_ / (run_rates * trials_a_target));
-    const double by_reference = 2.5 * pilot_.rate * run_over_pilot(1e-12);
-    reference_time_ = std::min(table_.time, reference_share * budget_ / (by_reference + 2 * run_rates));
+    trial_time_ = trial_share * budget_ / (run_rates * trials_a_target);
   }
 
   /// How many times the gradient calls of the pilot a run to a target takes, in the same time: a rule of thumb.
@@ -93,15 +92,26 @@ class Search {
 
   /// False: there is nothing to compare with. An observable that turns out to be constant becomes an invariant.
   SEMIEXPLICIT_COLD bool make_reference() {
-    double tightest = 1;
-    for (const double target : options().targets) tightest = std::min(tightest, target);
-    // Within some time after which nothing is left, the whole of it has to be seen.
-    if (table_.horizon < table_.time) reference_time_ = std::min(reference_time_, table_.horizon / 2);
-    if (!reference_.make(problem_, 3 * table_.time_scale, reference_time_,
-                         tightest / 10 * std::pow(reference_time_ / table_.time, 1.5))) {
-      table_.unfinished = 1e300;
+    const auto [tightest, loosest] = std::minmax_element(options().targets.begin(), options().targets.end());
+    // Beyond what a choice is confirmed on nothing is compared. Within some time after which nothing is left of the orbit,
+    // the whole of it has to be seen.
+    const double end = std::min(table_.time, table_.horizon / 2);
+    const double length =
+        std::min(end, std::max(8 * trial_time_, 2 * confirm_share * budget_ / run_rate(*loosest)));
+    if (!reference_.make(problem_, {.calls = reference_share * budget_,
+                                    .length = length,
+                                    .end = end,
+                                    .tried = pilot_.rate_time,
+                                    .trial = trial_time_,
+                                    .tightest = *tightest})) {
+      if (!(table_.orbit_end < table_.time)) table_.unfinished = 1e300;
       return false;
     }
+    pilot_.rate *= reference_.hardness();
+    plan();
+    trial_time_ = table_.window_time = reference_.trial();
+    table_.cycle = reference_.cycle();
+    if (table_.cycles_unseen()) return false;
     if (reference_.is_constant(problem_)) {
       table_.invariant = true;
       table_.parting_rate = 0;
@@ -132,13 +142,18 @@ class Search {
     if (trial_time_ >= table_.time) {
       windows_ = {{problem_.z0, table_.time, true}};
     } else {
-      const double each = trial_time_ / window_count;
-      windows_.push_back({problem_.z0, each, true});
+      // What need not be bounded is followed for longer.
+      const bool energy = options().observable.is_energy();
+      const double each = trial_time_ / window_count / (energy ? 1 : 2);
+      windows_.push_back(
+          {problem_.z0, energy ? each : std::max(trial_time_ / 2, std::min(trial_time_, 1.05 * table_.cycle)),
+           true});
       const auto& all = pilot_.places.all();
       for (std::size_t i = 1; i <= 2; ++i) windows_.push_back({all[all.size() * i / 3].start, each, true});
       for (std::size_t i = 0; i < 5 && i < pilot_.places.count(); ++i)
         windows_.push_back({pilot_.places.hardest(i), std::max(each, pilot_.segment_time), false});
     }
+    table_.window_time = 0;
     for (const auto& window : windows_) table_.window_time += window.length;
     table_.windows = static_cast<int>(windows_.size());
     table_.growth = pilot_.places.growth(4, table_.time / table_.pilot_time);
@@ -156,10 +171,11 @@ class Search {
   SEMIEXPLICIT_COLD Probe tried(const Setting& setting, bool confirming, double rate = 1) {
     Probe result =
         !table_.invariant
-            ? reference_.compare(problem_, setting, confirming ? 1 : trial_time_ / reference_.length())
+            ? reference_.compare(
+                  problem_, setting,
+                  confirming ? std::max(2 * trial_time_, confirm_share * budget_ / rate) : trial_time_)
             : try_on_windows(problem_, setting, confirming ? confirming_windows(rate) : windows_,
                              pilot_.hopeless, false);
-    if (!confirming) result.trend = 0;  // too short to tell a trend from a slow motion
     exhausted_ = exhausted_ || result.cut;
     return result;
   }
@@ -173,23 +189,31 @@ class Search {
   SEMIEXPLICIT_COLD Estimate estimate(const Candidate& candidate, const Probe& probe, double dt) const {
     const double T = table_.time;
     const bool explicit_ = candidate.setting.method == Setting::Method::midpoint;
-    if (table_.invariant)
-      return {probe.range * probe.spread * pilot_.places.growth(candidate.order, T / table_.pilot_time),
-              (explicit_ ? std::max(probe.drift, probe.trend) : probe.drift) * T, problem_.rounding(dt),
-              false};
-    const double ratio = probe.early > 0 ? probe.late / probe.early : 1;
-    double step = std::max(probe.early, probe.late);
-    if (probe.length < 0.999 * T) {
-      // In t² grows what a method that is not symplectic makes; of another only a long trial is believed that.
-      const bool squared = ratio > 2.8 && (explicit_ || probe.length > 0.05 * T);
-      if (table_.parting_rate > 0 || ratio > 1.4)
-        step = beyond(step, probe.length, squared ? 2 : 1);
-      else
-        step += std::max(0.0, probe.late - probe.early) * 2 / probe.length * (T - probe.length);
-    }
+    const bool energy = options().observable.is_energy();
+    const double hard =
+        probe.range * probe.spread * pilot_.places.growth(candidate.order, T / table_.pilot_time);
+    // A symplectic method keeps the energy within bounds. The trials of another are too short to tell its drift.
+    const double grown = !energy || (explicit_ && probe.confirmed) ? at_the_end(probe, explicit_) : 0;
     // The energy that drifts takes the frequencies along.
-    const double drift = explicit_ ? 0.1 * probe.drift * T * T / (2 * table_.time_scale) : 0;
-    return {step, drift, table_.reference_error, step > 1.2 * probe.late || ratio > 1.4};
+    const double drift = table_.invariant ? probe.drift * T
+                         : explicit_      ? 0.1 * probe.drift * T * T / (2 * table_.time_scale)
+                                          : 0;
+    return {std::max(hard, grown), drift, table_.invariant ? problem_.rounding(dt) : table_.reference_error,
+            grown > std::max(hard, 1.2 * std::max(probe.early, probe.late))};
+  }
+  /// What an error that was seen to grow from z0 on, or not, comes to at T.
+  SEMIEXPLICIT_COLD double at_the_end(const Probe& probe, bool explicit_) const {
+    const double seen = std::max(probe.early, probe.late), T = table_.time;
+    if (probe.length >= 0.999 * T) return seen;
+    // A few passages of a hard place may all be lucky.
+    const double cycles = table_.cycle > 0 ? std::floor(probe.length / table_.cycle) : 1e9;
+    const double spread = 1 + 2 / std::max(1.0, cycles * cycles);
+    const double ratio = probe.early > 0 ? probe.late / probe.early : 1;
+    // In t² grows what a method that is not symplectic makes; of another only a long trial is believed that.
+    const bool squared = ratio > 2.8 && (explicit_ || (probe.length > 0.05 * T && cycles > 1));
+    if (table_.parting_rate > 0 || ratio > 1.4 || cycles < 2)
+      return spread * beyond(seen, probe.length, squared ? 2 : 1);
+    return spread * seen + std::max(0.0, probe.late - probe.early) * 2 / probe.length * (T - probe.length);
   }
   double error(const Candidate& candidate, const Probe& probe, double dt) const {
     return estimate(candidate, probe, dt).sum();
@@ -424,7 +448,6 @@ class Search {
       seen.evaluations = std::max(seen.evaluations, again.evaluations);
     }
     seen.drift = std::max(seen.drift, again.drift);
-    seen.trend = again.trend;
   }
 
   /// Processor time of a gradient call in this method, its share of the step included: measured.
@@ -488,7 +511,7 @@ class Search {
   Pilot<Any> pilot_;
   Reference<Any> reference_{};
   std::vector<Window<State>> windows_{};
-  double budget_ = 0, trial_time_ = 0, reference_time_ = 0, best_rate_ = 0, searched_part_ = 0;
+  double budget_ = 0, trial_time_ = 0, best_rate_ = 0, searched_part_ = 0;
   bool exhausted_ = false;  ///< the search for a target has met the limit
   std::map<std::string, double> seconds_per_call_{};
 };

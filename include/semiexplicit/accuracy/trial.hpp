@@ -24,12 +24,11 @@ struct Probe {
   double range = 0;   ///< of an invariant: the largest of all windows, in its unit
   double spread = 1;  ///< how much the ranges differ among the hard windows, as a factor
   double early = 0,
-         late = 0;         ///< of any other: largest error in the first half of the trial, and in the second
+         late = 0;         ///< largest error in the first half of the trial from z0, and in the second
   double length = 0;       ///< of that trial
   double rate = 0;         ///< gradient calls a unit of time, in typical windows
   double evaluations = 0;  ///< a step, likewise
   double drift = 0;        ///< relative error a unit of time that unfinished solves may add up to
-  double trend = 0;  ///< of an invariant: by how much a unit of time its range was seen to grow from z0 on
   bool confirmed = false;  ///< on more of the run than the others
   bool cut = false;        ///< the calls ended before the trial
   bool works() const { return status == Status::success && !cut; }
@@ -140,8 +139,10 @@ SEMIEXPLICIT_COLD Probe try_on_windows(Problem<Any>& problem, const Setting& set
       invariant.add(z);
       if (2 * n < steps) half = invariant.range();
     }
-    if (&window == &windows.front() && invariant.range() > 1.25 * half)
-      result.trend = (invariant.range() - half) * 2 / window.length;
+    if (&window == &windows.front()) {
+      result.early = half, result.late = invariant.range();
+      result.length = static_cast<double>(steps) * setting.dt;
+    }
     if (!window.typical) hard.push_back(invariant.range());
     if (!(invariant.range() <= result.range)) result.range = invariant.range();
     if (!(result.range <= hopeless)) {
@@ -158,27 +159,27 @@ SEMIEXPLICIT_COLD Probe try_on_windows(Problem<Any>& problem, const Setting& set
   return result;
 }
 
-/// The observable along a run with a setting from z0, at the given rising times. Between the steps' ends it is found by
-/// shorter steps of the same method, which leave the run alone. Fewer values than times: a step failed.
-template <class Any>
+/// The observable at the given rising times of a run from z0. advance(z) makes a step and returns the time after it, or the same
+/// as before where it failed. Between the steps' ends it is found by shorter steps of `method`, which leave the run alone. Fewer
+/// values than times: a step failed.
+template <class Any, class Advance>
 SEMIEXPLICIT_COLD std::vector<typename Problem<Any>::Value> values_along(Problem<Any>& problem,
-                                                                         const Setting& setting,
                                                                          const std::vector<double>& times,
-                                                                         Probe& probe) {
+                                                                         const Setting& method, Probe& probe,
+                                                                         const Advance& advance) {
   std::vector<typename Problem<Any>::Value> values;
-  Walker<Any> walker(problem, setting), between(problem, setting);
-  auto z = problem.z0;
-  for (std::int64_t n = 0; values.size() < times.size(); ++n) {
-    const double t = static_cast<double>(n) * setting.dt;
-    while (values.size() < times.size() && times[values.size()] <= t + setting.dt) {
-      const double part = times[values.size()] - t;
-      auto at = z;
-      if (part > 0 && !between.step(at, part, probe, false)) return values;
-      values.push_back(problem.measured(at));
+  Walker<Any> between(problem, method);
+  auto z = problem.z0, last = z, at = z;
+  for (double t = 0, end = 0; values.size() < times.size(); t = end) {
+    last.vector() = z.vector();
+    end = advance(z);
+    if (!(end > t)) break;
+    for (; values.size() < times.size() && times[values.size()] <= end;
+         values.push_back(problem.measured(at))) {
+      at.vector() = last.vector();
+      if (!between.step(at, times[values.size()] - t, probe, false)) return values;
     }
-    if (values.size() < times.size() && !walker.step(z, setting.dt, probe, n > 0)) return values;
   }
-  walker.finish(probe);
   return values;
 }
 

@@ -33,7 +33,7 @@ ReferenceSize<Scalar> reference_size(const F& f, const Scalar& value, const Phas
   using std::sqrt;
   const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon(), change = sqrt(epsilon);
   ReferenceSize<Scalar> result;
-  if (value == Scalar(0) || !isfinite(value)) return result;
+  if (!isfinite(value)) return result;
   std::uint64_t random = 1;
   for (int attempt = 0; attempt < 4; ++attempt) {
     PhasePoint<Scalar, Dof> near = z;

@@ -1,0 +1,160 @@
+// What lies beyond the trials: slow drift, hard places that come back, and errors that are rounding. Advice is judged by closed
+// forms over the whole time.
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <string>
+
+#include <semiexplicit/accuracy.hpp>
+
+#include "catch.hpp"
+
+namespace test_long_advice {
+
+using namespace semiexplicit;
+
+namespace {
+
+/// p²/2 - 1/r: separable.
+struct Kepler {
+  using Scalar = double;
+  static constexpr int Dof = 2;
+  static constexpr bool separable = true;
+  using SeparableGradientOf = Kepler;
+  double energy(In<double, 2> q, In<double, 2> p) const { return p.squaredNorm() / 2 - 1 / q.norm(); }
+  void position_gradient(In<double, 2> q, Out<double, 2> half) const { half = q / std::pow(q.norm(), 3); }
+  void momentum_gradient(In<double, 2> p, Out<double, 2> half) const { half = p; }
+  void gradient(In<double, 2> q, In<double, 2> p, Out<double, 2> dHdq, Out<double, 2> dHdp) const {
+    position_gradient(q, dHdq);
+    momentum_gradient(p, dHdp);
+  }
+};
+PhasePoint<double, 2> at_periapsis(double e) { return {{1 - e, 0}, {0, std::sqrt((1 + e) / (1 - e))}}; }
+
+Eigen::Vector2d eccentricity(const auto& q, const auto& p) {
+  const double turn = q[0] * p[1] - q[1] * p[0], r = q.norm();
+  return {p[1] * turn - q[0] / r, -p[0] * turn - q[1] / r};
+}
+
+/// The largest error of a run that is advised for Kepler's motion: f against exact(t), relative to the largest of the latter.
+template <class Cost, class F, class Exact>
+double reached(const Cost& cost, const CostRow& advice, PhasePoint<double, 2> z, const F& f,
+               const Exact& exact) {
+  double worst = 0, size = 0;
+  cost.run(z, advice, [&](double t, const auto& now) {
+    const Eigen::Vector2d value = exact(t);
+    worst = std::max(worst, (f(now.q(), now.p()) - value).norm());
+    size = std::max(size, value.norm());
+  });
+  return worst / size;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "advice on a constant that every method lets drift is right: the direction of a planet's periapsis") {
+  const auto vector = [](const auto& q, const auto& p) { return eccentricity(q, p); };
+  const auto angle = [](const auto& q, const auto& p) {
+    const Eigen::Vector2d e = eccentricity(q, p);
+    return Eigen::Vector2d(3 + std::atan2(e[1], e[0]), 0);
+  };
+  const auto check = [](double e, double T, double target, const auto& f) {
+    CAPTURE(e, T, target);
+    const PhasePoint<double, 2> z0 = at_periapsis(e);
+    const auto cost = cost_of_accuracy(Kepler(), z0, T, {.observable = f, .targets = {target}});
+    CHECK(cost.invariant);
+    const auto advice = cost.cheapest(target);
+    REQUIRE(advice);
+    CHECK(advice->limit == LimitedBy::growth);
+    const Eigen::Vector2d first = f(z0.q(), z0.p());
+    const double error = reached(cost, *advice, z0, f, [&](double) { return first; });
+    CHECK(error <= 3 * target);
+    CHECK(error >= target / 30);
+  };
+  check(0.6, 1e3, 1e-4, vector);
+  check(0.6, 1e4, 1e-4, vector);
+  check(0.2, 1e4, 1e-6, vector);
+  check(0.6, 1e4, 1e-5, angle);
+}
+
+TEST_CASE("a start in a hard place gives right advice, or none with the reason: a planet at its periapsis") {
+  const auto position = [](const auto& q, const auto&) { return Eigen::Vector2d(q); };
+  const auto distance = [](const auto& q, const auto&) { return Eigen::Vector2d(q.norm(), 0); };
+  const auto check = [](double e, double T, double target, const auto& f) {
+    CAPTURE(e, T, target);
+    const PhasePoint<double, 2> z0 = at_periapsis(e);
+    const auto exact = [&](double t) {
+      double angle = t;  // Kepler's equation by Newton's method
+      for (int i = 0; i < 60; ++i) angle -= (angle - e * std::sin(angle) - t) / (1 - e * std::cos(angle));
+      return f(Eigen::Vector2d(std::cos(angle) - e, std::sqrt(1 - e * e) * std::sin(angle)), 0);
+    };
+    const auto cost = cost_of_accuracy(Kepler(), z0, T, {.observable = f, .targets = {target}});
+    INFO(cost.why(target));
+    const auto advice = cost.cheapest(target);
+    if (!advice) {
+      CHECK(cost.reach(target) == Reach::budget);
+      return false;
+    }
+    CHECK(cost.reference_time > 2 * std::acos(-1));
+    CHECK(reached(cost, *advice, z0, f, exact) <= 3 * target);
+    return true;
+  };
+  CHECK(check(0.8, 100, 1e-4, position));
+  CHECK(check(0.9, 100, 1e-4, position));
+  CHECK(check(0.9, 300, 1e-5, distance));
+  CHECK(check(0.97, 100, 1e-4, position));
+  check(0.97, 100, 1e-2, distance);
+  // A revolution is too dear for a trial.
+  const auto cost = cost_of_accuracy(Kepler(), at_periapsis(0.99), 100,
+                                     {.observable = observables::Positions{}, .targets = {1e-4}});
+  CHECK_FALSE(cost.cheapest(1e-4));
+  CHECK(cost.cycles_unseen());
+  CHECK(cost.why(1e-4).find("before the motion came back") != std::string::npos);
+}
+
+TEST_CASE("an energy that rounding hides beside its terms does not end the orbit: an inverted oscillator") {
+  const auto inverted = make_hamiltonian<double, 1>(
+      [](const auto& q, const auto& p) { return (p[0] * p[0] - q[0] * q[0]) / 2; },
+      [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) { dHdq = -q, dHdp = p; });
+  const PhasePoint<double, 1> z0(1, 0.5);
+  for (const double T : {25.0, 60.0}) {
+    CAPTURE(T);
+    const auto cost =
+        cost_of_accuracy(inverted, z0, T, {.observable = observables::Coordinate{0}, .targets = {1e-3}});
+    INFO(cost.why(1e-3));
+    const auto advice = cost.cheapest(1e-3);
+    REQUIRE(advice);
+    auto z = z0;
+    double worst = 0;
+    cost.run(z, *advice, [&](double t, const auto& now) {
+      worst = std::max(worst, std::abs(now.q()[0] - std::cosh(t) - 0.5 * std::sinh(t)));
+    });
+    CHECK(worst / std::cosh(T) <= 3e-3 * 1.5);
+    // The energy is out of reach, and for what reason.
+    const auto energy = cost_of_accuracy(inverted, z0, T, {.targets = {1e-6}});
+    CHECK(energy.reach(1e-6) == Reach::rounding);
+  }
+}
+
+TEST_CASE("what varies by a small part of its size is no constant where the target is smaller still") {
+  const auto oscillator = make_hamiltonian<double, 1>(
+      [](const auto& q, const auto& p) { return (p[0] * p[0] + q[0] * q[0]) / 2; },
+      [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) { dHdq = q, dHdp = p; });
+  const auto f = [](const auto& q, const auto&) { return 1 + 1e-10 * q[0]; };
+  const PhasePoint<double, 1> z0(1, 0);
+  for (const bool absolute : {true, false}) {
+    const auto cost =
+        cost_of_accuracy(oscillator, z0, 500, {.observable = f, .targets = {1e-12}, .absolute = absolute});
+    CHECK_FALSE(cost.invariant);
+    const auto advice = cost.cheapest(1e-12);
+    REQUIRE(advice);
+    auto z = z0;
+    double worst = 0;
+    cost.run(z, *advice, [&](double t, const auto& now) {
+      worst = std::max(worst, std::abs(f(now.q(), now.p()) - 1 - 1e-10 * std::cos(t)));
+    });
+    CHECK(worst <= 3e-12);
+  }
+}
+
+}  // namespace test_long_advice

@@ -1,5 +1,5 @@
-// What lies beyond the trials: slow drift, hard places that come back, and errors that are rounding. Advice is judged by closed
-// forms over the whole time.
+// What lies beyond the trials: slow drift, hard places that come back, and errors that are rounding. Advice
+// is judged by closed forms over the whole time.
 #include <algorithm>
 #include <cmath>
 #include <sstream>
@@ -36,7 +36,8 @@ Eigen::Vector2d eccentricity(const auto& q, const auto& p) {
   return {p[1] * turn - q[0] / r, -p[0] * turn - q[1] / r};
 }
 
-/// The largest error of a run that is advised for Kepler's motion: f against exact(t), relative to the largest of the latter.
+/// The largest error of a run that is advised for Kepler's motion: f against exact(t), relative to the
+/// largest of the latter.
 template <class Cost, class F, class Exact>
 double reached(const Cost& cost, const CostRow& advice, PhasePoint<double, 2> z, const F& f,
                const Exact& exact) {

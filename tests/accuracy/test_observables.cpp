@@ -1,4 +1,5 @@
-// What accuracy costs for something else than the energy. Advice is judged against runs with a far smaller step.
+// What accuracy costs for something else than the energy. Advice is judged against runs with a far smaller
+// step.
 #include <algorithm>
 #include <cmath>
 #include <sstream>
@@ -78,7 +79,8 @@ void check_advice(const H& h, const PhasePoint<double, H::Dof>& z0, double T, do
   CHECK_FALSE(cost.invariant);
   CHECK(cost.reference_error < target);
   const Setting reference{.method = Setting::Method::gauss, .stages = 8, .dt = tight};
-  // In no simple ratio to a period, or every step that fits between two samples is in resonance with the motion.
+  // In no simple ratio to a period, or every step that fits between two samples is in resonance with the
+  // motion.
   const auto exact = along(h, z0, T, reference, 47, f), found = along(h, z0, T, advice->setting, 47, f);
   REQUIRE(exact.size() == found.size());
   double error = 0, size = 0;

@@ -20,8 +20,9 @@ namespace semiexplicit::detail {
 template <class Scalar>
 struct OrdinaryPhaseSpace {};
 
-/// A Hamiltonian whose type and size do not show: what uses one is compiled once for all with the same numbers. `Timed`: its
-/// last coordinate is the time, see InExtendedPhaseSpace. Must not outlive the Hamiltonian.
+/// A Hamiltonian whose type and size do not show: what uses one is compiled once for all with the same
+/// numbers. `Timed`: its last coordinate is the time, see InExtendedPhaseSpace. Must not outlive the
+/// Hamiltonian.
 template <class ScalarType, bool Timed>
 class AnyHamiltonian : public std::conditional_t<Timed, ExtendedPhaseSpace<ScalarType, Eigen::Dynamic>,
                                                  OrdinaryPhaseSpace<ScalarType>> {
@@ -88,8 +89,8 @@ class AnyHamiltonian : public std::conditional_t<Timed, ExtendedPhaseSpace<Scala
     }
   }
 
-  /// The stepper of a setting. Throws std::invalid_argument for an unknown scheme, a number of stages outside 1 to 8, and a
-  /// method that this Hamiltonian cannot have.
+  /// The stepper of a setting. Throws std::invalid_argument for an unknown scheme, a number of stages outside
+  /// 1 to 8, and a method that this Hamiltonian cannot have.
   SEMIEXPLICIT_COLD AnyStepper<Scalar> stepper(const Setting& setting) const {
     if (setting.is_gauss()) {
       const bool lanes = setting.method == Setting::Method::gauss_lanes;

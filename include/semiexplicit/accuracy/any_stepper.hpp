@@ -9,8 +9,8 @@
 
 namespace semiexplicit::detail {
 
-/// A stepper of phase points whose type does not show: what uses one is compiled once, whichever method it is. A step takes a
-/// virtual call more.
+/// A stepper of phase points whose type does not show: what uses one is compiled once, whichever method it
+/// is. A step takes a virtual call more.
 template <class ScalarType>
 class AnyStepper {
  public:

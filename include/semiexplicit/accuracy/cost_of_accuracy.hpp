@@ -11,11 +11,11 @@
 
 namespace semiexplicit {
 
-/// Integrates z over the time T with a setting: in the fewest equal steps that are no longer than setting.dt. Observers,
-/// report and failures as integrate() has them. The stepper works on a Hamiltonian whose type is hidden, which saves a
-/// compiler much, and takes a small system some time: a program that is all about speed makes its own from the setting. Throws
-/// std::invalid_argument unless T and setting.dt are finite and positive, for an unknown scheme, a number of stages outside
-/// 1 to 8, and a method that H cannot have.
+/// Integrates z over the time T with a setting: in the fewest equal steps that are no longer than setting.dt.
+/// Observers, report and failures as integrate() has them. The stepper works on a Hamiltonian whose type is
+/// hidden, which saves a compiler much, and takes a small system some time: a program that is all about speed
+/// makes its own from the setting. Throws std::invalid_argument unless T and setting.dt are finite and
+/// positive, for an unknown scheme, a number of stages outside 1 to 8, and a method that H cannot have.
 ///
 ///     const CostRow advice = cost.cheapest(1e-8).value();
 ///     Invariants invariants(H);
@@ -74,34 +74,37 @@ SEMIEXPLICIT_COLD CostOptionsOf<Scalar, Dof> options_for(const CostOptionsOf<Sca
 
 }  // namespace detail
 
-/// What accuracy costs for *your* Hamiltonian and what you measure: which scheme or method, which step, how long it takes, for
-/// an error of the observable that stays below a target over the time T. Short trial runs find out; see CostOptionsOf for
-/// how much they may cost.
+/// What accuracy costs for *your* Hamiltonian and what you measure: which scheme or method, which step, how
+/// long it takes, for an error of the observable that stays below a target over the time T. Short trial runs
+/// find out; see CostOptionsOf for how much they may cost.
 ///
-///     auto cost = cost_of_accuracy(H, z0, 1000, {.observable = [](const auto& q, const auto&) { return q[0]; }});
+///     const auto first = [](const auto& q, const auto&) { return q[0]; };
+///     auto cost = cost_of_accuracy(H, z0, 1000, {.observable = first});
 ///     std::cout << cost;                              // the table, and what it rests on
 ///     if (const auto advice = cost.cheapest(1e-8)) cost.run(z, *advice);
 ///
-/// Without an observable it is the energy. The error is the largest over [0, T], relative to the size of the observable
-/// (CostTable says which), or absolute by request.
+/// Without an observable it is the energy. The error is the largest over [0, T], relative to the size of the
+/// observable (CostTable says which), or absolute by request.
 ///
-/// A coarse pilot run finds where along the way the problem is hard. For an invariant every setting is tried there, at
-/// the start, and on some ordinary stretches; from the largest range in a stretch follows the error over T, plus what
-/// unfinished solves and rounding may add. How much harder than the pilot run the rest of T gets is extrapolated from the tail
-/// of what the pilot met. Only the energy of a symplectic method is taken to stay bounded: of other invariants, as the
-/// direction of a periapsis, the range is extrapolated from z0 to T as it was seen to grow. For any other observable settings
-/// are compared with a reference, two runs with steps in the time scale of the motion that agree, from z0 on, and extrapolated
-/// likewise. A trial lasts until the motion has come back to where it is hard, as to a periapsis; where the calls do not suffice
-/// for that, every target is refused. Where neighbouring
-/// orbits part exponentially a target beyond reach is refused, and the rate given. The choice is then confirmed on more of the
-/// run, and revised. Where rare events decide (chaos, close encounters) no short run can know them: expect errors off by
-/// more than a factor of three there, and aim lower. Resonances of the step with the motion that need long to build up go
+/// A coarse pilot run finds where along the way the problem is hard. For an invariant every setting is tried
+/// there, at the start, and on some ordinary stretches; from the largest range in a stretch follows the error
+/// over T, plus what unfinished solves and rounding may add. How much harder than the pilot run the rest of T
+/// gets is extrapolated from the tail of what the pilot met. Only the energy of a symplectic method is taken
+/// to stay bounded: of other invariants, as the direction of a periapsis, the range is extrapolated from z0
+/// to T as it was seen to grow. For any other observable settings are compared with a reference, two runs
+/// with steps in the time scale of the motion that agree, from z0 on, and extrapolated likewise. A trial
+/// lasts until the motion has come back to where it is hard, as to a periapsis; where the calls do not
+/// suffice for that, every target is refused. Where neighbouring orbits part exponentially a target beyond
+/// reach is refused, and the rate given. The choice is then confirmed on more of the run, and revised. Where
+/// rare events decide (chaos, close encounters) no short run can know them: expect errors off by more than a
+/// factor of three there, and aim lower. Resonances of the step with the motion that need long to build up go
 /// unseen.
 ///
-/// H needs an energy(q, p), which the gradient is compared with first. That of a TimeTransformed is K, near zero: for the
-/// energy of its H give that as the observable. z0 is not changed. Throws std::invalid_argument, naming the quantity and
-/// the remedy, unless T is finite and positive, z0 finite and of the size of H and not at rest, the targets positive, the
-/// observable finite at z0, and something is left to try. An exception of the gradient or the observable passes through.
+/// H needs an energy(q, p), which the gradient is compared with first. That of a TimeTransformed is K, near
+/// zero: for the energy of its H give that as the observable. z0 is not changed. Throws
+/// std::invalid_argument, naming the quantity and the remedy, unless T is finite and positive, z0 finite and
+/// of the size of H and not at rest, the targets positive, the observable finite at z0, and something is left
+/// to try. An exception of the gradient or the observable passes through.
 template <class H>
 auto cost_of_accuracy(
     const H& hamiltonian,

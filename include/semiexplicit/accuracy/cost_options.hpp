@@ -11,34 +11,37 @@
 
 namespace semiexplicit {
 
-/// What cost_of_accuracy() judges by, what it tries, and how hard. Scalar and Dof are those of H, and follow from it where the
-/// options are written in braces in the call: {.observable = f, .by = CostBy::seconds}.
+/// What cost_of_accuracy() judges by, what it tries, and how hard. Scalar and Dof are those of H, and follow
+/// from it where the options are written in braces in the call: {.observable = f, .by = CostBy::seconds}.
 template <class Scalar, int Dof>
 struct CostOptionsOf {
   Observable<Scalar, Dof> observable{};  ///< what is to be accurate; without one, the energy
   std::vector<double> targets{1e-4, 1e-6, 1e-8,
                               1e-10};  ///< errors to find the cheapest setting for; see CostTable
   bool absolute = false;               ///< errors are in the observable's own unit, instead of relative
-  /// Gradient calls to spend, as a fraction of those of the runs to the targets, added up. A guide, which hard problems
-  /// overrun by a factor of two or so: CostTable::spent_gradients says what it came to.
+  /// Gradient calls to spend, as a fraction of those of the runs to the targets, added up. A guide, which
+  /// hard problems overrun by a factor of two or so: CostTable::spent_gradients says what it came to.
   double budget = 0.1;
-  /// But no less: where the run is shorter, advice costs a larger part of it. Ten times as many for an observable that is no
-  /// invariant, whose errors add up over more of the run than those of the energy.
+  /// But no less: where the run is shorter, advice costs a larger part of it. Ten times as many for an
+  /// observable that is no invariant, whose errors add up over more of the run than those of the energy.
   double min_gradients = 30'000;
-  /// Bound on the gradient calls that the search takes, which is kept whatever the Hamiltonian; the guide above ends at a
-  /// third of it. What it leaves unfinished counts as out of reach, and CostTable::why() says so.
+  /// Bound on the gradient calls that the search takes, which is kept whatever the Hamiltonian; the guide
+  /// above ends at a third of it. What it leaves unfinished counts as out of reach, and CostTable::why() says
+  /// so.
   double max_gradients = 1e7;
   CostBy by = CostBy::gradients;  ///< what is to be cheap
   /// Schemes of the semiexplicit method and of the midpoint projection, from loose to tight targets.
   std::vector<std::string> schemes{"low_defect4_s7",  "low_defect4_s11", "low_defect6_s13",
                                    "low_defect6_s15", "low_defect8_s20", "sofroniou_spaletta10"};
   std::vector<int> gauss_stages{2, 3, 4, 6, 8};  ///< of the Gauss-Legendre method, rising
-  /// Schemes of the explicit splitting, for a Hamiltonian that is separable (SeparableHamiltonian), from loose to tight.
+  /// Schemes of the explicit splitting, for a Hamiltonian that is separable (SeparableHamiltonian), from
+  /// loose to tight.
   std::vector<std::string> splittings{"blanes_moan4", "blanes_moan6", "sofroniou_spaletta8",
                                       "sofroniou_spaletta10"};
 };
 
-/// Options to be kept in a variable, whatever the Hamiltonian: an observable then sees columns of dynamic size.
+/// Options to be kept in a variable, whatever the Hamiltonian: an observable then sees columns of dynamic
+/// size.
 using CostOptions = CostOptionsOf<double, Eigen::Dynamic>;
 
 namespace detail {

@@ -58,9 +58,10 @@ enum class Reach {
   no_step       ///< none of the settings that were tried meets it
 };
 
-/// The curve of accuracy against cost for one problem; made by cost_of_accuracy(). An error is the largest over [0, T] of
-/// ‖f(z(t)) - f(exact z(t))‖, f being the observable (Euclidean norm), divided by `unit`. For an invariant (the energy, or
-/// what a tight run finds constant) that unit is |f(z0)|, for others the largest ‖f‖ along the orbit.
+/// The curve of accuracy against cost for one problem; made by cost_of_accuracy(). An error is the largest
+/// over [0, T] of ‖f(z(t)) - f(exact z(t))‖, f being the observable (Euclidean norm), divided by `unit`. For
+/// an invariant (the energy, or what a tight run finds constant) that unit is |f(z0)|, for others the largest
+/// ‖f‖ along the orbit.
 struct CostTable {
   std::vector<CostRow> rows{};  ///< every setting that was tried: method by method, the largest step first
   std::vector<double> targets{};
@@ -82,14 +83,15 @@ struct CostTable {
   double rounding = 0;         ///< no error below this can be told from rounding, or noise
   double reference_error = 0;  ///< of the reference over the whole time; 0 for an invariant, which has none
   double reference_time = 0;   ///< how far the reference went; trials are extrapolated from there
-  double cycle =
-      0;  ///< when the motion had come back to where it is hard; 0: it is equally hard everywhere, or not looked for; infinite: it had not
+  double cycle = 0;  ///< when the motion had come back to where it is hard; 0: it is equally hard everywhere,
+                     ///< or not looked for; infinite: it had not
   double parting_rate = 0;  ///< neighbouring orbits part as e^{rate t}; 0: not so fast, or not looked for
   double horizon = std::numeric_limits<double>::infinity();    ///< when nothing of the orbit is left
   double orbit_end = std::numeric_limits<double>::infinity();  ///< time that no step tried got beyond
   double unfinished = 0;  ///< the loosest target whose search ended with the calls; 0: none
 
-  /// Whether the calls ended before the motion had come back to where it is hard: what it does then is not known.
+  /// Whether the calls ended before the motion had come back to where it is hard: what it does then is not
+  /// known.
   bool cycles_unseen() const { return window_time < time && cycle > window_time; }
 
   /// Why a target is out of reach.
@@ -130,8 +132,9 @@ struct CostTable {
     return "";
   }
 
-  /// The cheapest setting whose error is expected to stay below `target`, or nothing where none was found: `best()` says
-  /// how near one comes. Where two trials of a scheme lie far apart the step between them is interpolated.
+  /// The cheapest setting whose error is expected to stay below `target`, or nothing where none was found:
+  /// `best()` says how near one comes. Where two trials of a scheme lie far apart the step between them is
+  /// interpolated.
   SEMIEXPLICIT_COLD std::optional<CostRow> cheapest(double target) const {
     if (!(target > 0))
       throw std::invalid_argument("CostTable::cheapest: target is not a positive error; give one");
@@ -167,8 +170,8 @@ struct CostTable {
            time > horizon + std::log(std::min(target, 1.0)) / parting_rate;
   }
 
-  /// The setting between two of the same scheme, a with the larger step, whose error is `target`: errors and costs follow
-  /// powers of the step.
+  /// The setting between two of the same scheme, a with the larger step, whose error is `target`: errors and
+  /// costs follow powers of the step.
   SEMIEXPLICIT_COLD static CostRow between(const CostRow& a, const CostRow& b, double target) {
     const double w = std::log(a.error / target) / std::log(a.error / b.error);
     const auto mean = [w](double x, double y) { return std::pow(x, 1 - w) * std::pow(y, w); };

@@ -10,7 +10,8 @@
 
 namespace semiexplicit::detail {
 
-/// Where along a coarse run of the fourth order its energy varied most, and how much worse a longer run may get.
+/// Where along a coarse run of the fourth order its energy varied most, and how much worse a longer run may
+/// get.
 template <class State>
 class HardPlaces {
  public:
@@ -59,8 +60,9 @@ class HardPlaces {
     tail_top_ = std::log(segments_[hardest_[0]].hardness / threshold);
   }
 
-  /// How much larger than in the hardest segment of the pilot run the error of a method of that order gets in a run
-  /// `stretch` times as long. Errors go with the power `order` of the local time scale, those of the pilot with its fourth power.
+  /// How much larger than in the hardest segment of the pilot run the error of a method of that order gets in
+  /// a run `stretch` times as long. Errors go with the power `order` of the local time scale, those of the
+  /// pilot with its fourth power.
   SEMIEXPLICIT_COLD double growth(int order, double stretch) const {
     if (tail_count_ == 0 || !(tail_square_ > 0)) return 1;
     const double power = order / 4.0, mean = power * tail_mean_;

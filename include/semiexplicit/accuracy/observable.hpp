@@ -21,16 +21,17 @@ struct Energy {};
 struct Trajectory {};
 /// All positions.
 struct Positions {};
-/// One entry of (q, p), counted from 0: the momenta follow the d positions. Beyond 2d - 1: std::out_of_range where it is used.
+/// One entry of (q, p), counted from 0: the momenta follow the d positions. Beyond 2d - 1: std::out_of_range
+/// where it is used.
 struct Coordinate {
   Eigen::Index index;
 };
 
 }  // namespace observables
 
-/// A function of (q, p) that is measured along a run: a number or a vector. Made of any callable f(q, p) whose arguments are
-/// `const auto&`, In<Scalar, Dof> or columns, and whose result is a number or an Eigen column. Has no jumps: of an angle that is
-/// wrapped, return sine and cosine.
+/// A function of (q, p) that is measured along a run: a number or a vector. Made of any callable f(q, p)
+/// whose arguments are `const auto&`, In<Scalar, Dof> or columns, and whose result is a number or an Eigen
+/// column. Has no jumps: of an angle that is wrapped, return sine and cosine.
 template <class ScalarType, int D>
 class Observable {
  public:

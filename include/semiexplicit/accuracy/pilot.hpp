@@ -12,8 +12,8 @@
 
 namespace semiexplicit::detail {
 
-/// A coarse run as far as a part of the calls goes. It finds where along the way the energy varies most, how large the
-/// observable becomes, and how fast a neighbouring orbit parts from this one.
+/// A coarse run as far as a part of the calls goes. It finds where along the way the energy varies most, how
+/// large the observable becomes, and how fast a neighbouring orbit parts from this one.
 template <class Any>
 class Pilot {
  public:
@@ -46,7 +46,8 @@ class Pilot {
       if (cut) break;
       const bool better = seen.works() && (rate == 0 || seen.rate < rate);
       if (better) rate = seen.rate, best_step_ = dt, rate_time = std::min(table_.time, 20 * dt);
-      // A first step that works leaves room for larger ones; then on to smaller ones, as large ones take many evaluations.
+      // A first step that works leaves room for larger ones; then on to smaller ones, as large ones take many
+      // evaluations.
       if (attempt == 0 && seen.works()) climbing = true;
       if (rate > 0 && !better) {
         if (!climbing) break;
@@ -64,8 +65,8 @@ class Pilot {
     return rate > 0;
   }
 
-  /// The run proper, to the time `length` or until `calls` are spent. A segment that fails, or whose energy goes astray, is done
-  /// again with a smaller step. False where no step gets through a segment.
+  /// The run proper, to the time `length` or until `calls` are spent. A segment that fails, or whose energy
+  /// goes astray, is done again with a smaller step. False where no step gets through a segment.
   SEMIEXPLICIT_COLD bool follow(double length, double least_segment, double calls) {
     const double affordable = calls / (watches_neighbour() ? 2 : 1) / rate;
     // What a short run leaves over makes it more faithful.
@@ -166,7 +167,8 @@ class Pilot {
     parted_ = log;
   }
 
-  /// Regular orbits part as t or t², by a factor of 16 at most in the last three quarters; chaotic ones as e^{rate t}.
+  /// Regular orbits part as t or t², by a factor of 16 at most in the last three quarters; chaotic ones as
+  /// e^{rate t}.
   SEMIEXPLICIT_COLD void judge_parting() {
     if (parting_.size() < 8) return;
     const auto at = [&](double part) {

@@ -14,8 +14,8 @@
 
 namespace semiexplicit::detail {
 
-/// What the parts of the search share: the Hamiltonian, where it starts, what is measured and in which unit, and the table that
-/// is being made.
+/// What the parts of the search share: the Hamiltonian, where it starts, what is measured and in which unit,
+/// and the table that is being made.
 template <class Any>
 class Problem {
  public:
@@ -51,8 +51,9 @@ class Problem {
     return value;
   }
 
-  /// What rounding adds to the error of an invariant over the whole time: that of the states, which differ from the exact
-  /// ones by an epsilon where the gradient is taken, step after step, and the noise of the observable.
+  /// What rounding adds to the error of an invariant over the whole time: that of the states, which differ
+  /// from the exact ones by an epsilon where the gradient is taken, step after step, and the noise of the
+  /// observable.
   double rounding(double dt) const {
     const double epsilon = static_cast<double>(Eigen::NumTraits<Scalar>::epsilon());
     return epsilon / 2 * judged.terms * std::sqrt(table.time / dt) + judged.noise;
@@ -115,8 +116,8 @@ class Problem {
   double limit;               ///< on gradient calls, at present
 
  private:
-  /// ‖X‖/‖dX/dt‖ at z0, by an explicit Euler step that is just long enough to change X visibly. (‖z‖/‖X‖ says nothing near
-  /// the origin, or far from it.)
+  /// ‖X‖/‖dX/dt‖ at z0, by an explicit Euler step that is just long enough to change X visibly. (‖z‖/‖X‖ says
+  /// nothing near the origin, or far from it.)
   SEMIEXPLICIT_COLD void find_time_scale() {
     const State velocity = velocity_at(z0);
     const double speed = static_cast<double>(norm(velocity.vector()));

@@ -11,8 +11,8 @@
 
 namespace semiexplicit::detail {
 
-/// Gauss-Legendre with eight stages, whose steps are a fraction of the time scale of the motion where it is: a hard place does
-/// not make the whole run dear.
+/// Gauss-Legendre with eight stages, whose steps are a fraction of the time scale of the motion where it is:
+/// a hard place does not make the whole run dear.
 template <class Any>
 class PacedGauss {
  public:
@@ -65,7 +65,8 @@ class PacedGauss {
   double here_, dt_ = 0;
 };
 
-/// The observable along a run that is known to be better than those that are compared with it, at some hundred times.
+/// The observable along a run that is known to be better than those that are compared with it, at some
+/// hundred times.
 template <class Any>
 class Reference {
  public:
@@ -80,8 +81,8 @@ class Reference {
     double tightest;  ///< target
   };
 
-  /// Two runs whose steps differ by a factor 1.5, over and over until they agree to what the tightest target needs, or smaller
-  /// steps no longer make them. False: the calls ended, or no step works.
+  /// Two runs whose steps differ by a factor 1.5, over and over until they agree to what the tightest target
+  /// needs, or smaller steps no longer make them. False: the calls ended, or no step works.
   SEMIEXPLICIT_COLD bool make(Problem<Any>& problem, const Wish& wish) {
     const double begin = problem.table.spent_gradients;
     double fraction = 3;
@@ -120,7 +121,8 @@ class Reference {
   }
 
   double length() const { return times_.back(); }
-  /// How long settings are tried: for as long as asked, and until the motion has come back to where it is hard.
+  /// How long settings are tried: for as long as asked, and until the motion has come back to where it is
+  /// hard.
   double trial() const { return trial_; }
   /// When it has; 0: it is equally hard everywhere; infinite: it was not seen to.
   double cycle() const { return cycle_; }
@@ -201,7 +203,8 @@ class Reference {
     return true;
   }
 
-  /// The second way out of what is hard, or into it, from a start there or elsewhere; the last where the run ends before.
+  /// The second way out of what is hard, or into it, from a start there or elsewhere; the last where the run
+  /// ends before.
   SEMIEXPLICIT_COLD void find_cycle() {
     cycle_ = 0;
     std::vector<double> scales;

@@ -21,9 +21,10 @@ struct GradientGlance {
   int gradients = 3;         ///< calls that it took
 };
 
-/// Compares the gradient with the energy along six fixed directions that change every entry: some 300 energies, whatever the
-/// dimension, and more where they say little. A difference counts where neither noise nor the last half of the digits
-/// explains it. Three directions change every entry by its own size, three also those by more that may be zero up to rounding.
+/// Compares the gradient with the energy along six fixed directions that change every entry: some 300
+/// energies, whatever the dimension, and more where they say little. A difference counts where neither noise
+/// nor the last half of the digits explains it. Three directions change every entry by its own size, three
+/// also those by more that may be zero up to rounding.
 template <HasEnergy H>
 SEMIEXPLICIT_COLD GradientGlance<typename H::Scalar> glance_at_gradient(
     const H& hamiltonian, const PhasePoint<typename H::Scalar, H::Dof>& z) {
@@ -74,9 +75,9 @@ SEMIEXPLICIT_COLD GradientGlance<typename H::Scalar> glance_at_gradient(
   return result;
 }
 
-/// Throws std::invalid_argument, in the name of `who`, where the gradient at z or near it is not the energy's. `velocity` is the
-/// vector field at z: an Euler step of a twentieth of `time_scale` leaves a state at rest, where wrong signs hide. Returns
-/// the noise of the energy; adds the gradient calls to `gradients`.
+/// Throws std::invalid_argument, in the name of `who`, where the gradient at z or near it is not the
+/// energy's. `velocity` is the vector field at z: an Euler step of a twentieth of `time_scale` leaves a state
+/// at rest, where wrong signs hide. Returns the noise of the energy; adds the gradient calls to `gradients`.
 template <HasEnergy H>
 SEMIEXPLICIT_COLD typename H::Scalar require_right_gradient(
     const std::string& who, const H& hamiltonian, const PhasePoint<typename H::Scalar, H::Dof>& z,

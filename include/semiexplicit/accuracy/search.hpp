@@ -25,8 +25,8 @@ inline double cpu_seconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-/// The work of cost_of_accuracy(): a pilot run, trials of settings on parts of the orbit, and for each target a search for the
-/// step and the scheme.
+/// The work of cost_of_accuracy(): a pilot run, trials of settings on parts of the orbit, and for each target
+/// a search for the step and the scheme.
 template <class Any>
 class Search {
  public:
@@ -80,7 +80,8 @@ class Search {
     trial_time_ = trial_share * budget_ / (run_rates * trials_a_target);
   }
 
-  /// How many times the gradient calls of the pilot a run to a target takes, in the same time: a rule of thumb.
+  /// How many times the gradient calls of the pilot a run to a target takes, in the same time: a rule of
+  /// thumb.
   static double run_over_pilot(double target) { return 1.5 * std::pow(target / 1e-4, -0.12); }
   double run_rate(double target) const { return run_over_pilot(local(target)) * pilot_.rate; }
 
@@ -90,11 +91,12 @@ class Search {
     return std::max(1e-15, target * std::min(1.0, 10 * table_.time_scale / table_.time));
   }
 
-  /// False: there is nothing to compare with. An observable that turns out to be constant becomes an invariant.
+  /// False: there is nothing to compare with. An observable that turns out to be constant becomes an
+  /// invariant.
   SEMIEXPLICIT_COLD bool make_reference() {
     const auto [tightest, loosest] = std::minmax_element(options().targets.begin(), options().targets.end());
-    // Beyond what a choice is confirmed on nothing is compared. Within some time after which nothing is left of the orbit,
-    // the whole of it has to be seen.
+    // Beyond what a choice is confirmed on nothing is compared. Within some time after which nothing is left
+    // of the orbit, the whole of it has to be seen.
     const double end = std::min(table_.time, table_.horizon / 2);
     const double length =
         std::min(end, std::max(8 * trial_time_, 2 * confirm_share * budget_ / run_rate(*loosest)));
@@ -192,7 +194,8 @@ class Search {
     const bool energy = options().observable.is_energy();
     const double hard =
         probe.range * probe.spread * pilot_.places.growth(candidate.order, T / table_.pilot_time);
-    // A symplectic method keeps the energy within bounds. The trials of another are too short to tell its drift.
+    // A symplectic method keeps the energy within bounds. The trials of another are too short to tell its
+    // drift.
     const double grown = !energy || (explicit_ && probe.confirmed) ? at_the_end(probe, explicit_) : 0;
     // The energy that drifts takes the frequencies along.
     const double drift = table_.invariant ? probe.drift * T
@@ -280,7 +283,8 @@ class Search {
            now > 0.7 * error(candidate, larger->second, larger->first);
   }
 
-  /// The cheapest rate of a candidate for a target; infinity where it does not reach it, or cannot be worth it.
+  /// The cheapest rate of a candidate for a target; infinity where it does not reach it, or cannot be worth
+  /// it.
   SEMIEXPLICIT_COLD double solve(Candidate& candidate, double target, double best) {
     const double infinity = std::numeric_limits<double>::infinity();
     auto& trials = candidate.trials;
@@ -294,7 +298,8 @@ class Search {
       const double dt = next_step(candidate, known, target), from = known.has_low() ? known.low : known.high;
       if (std::isfinite(from) && trials[from].works() &&
           (!candidate.projects() || trials[from].evaluations < 1.3)) {
-        // Not worth more where even the step that is promised is dearer. Larger ones of Gauss take more iterations.
+        // Not worth more where even the step that is promised is dearer. Larger ones of Gauss take more
+        // iterations.
         const double power = candidate.setting.is_gauss() ? 0.6 : 1.0;
         if (cost_rate(candidate, trials[from]) * std::pow(from / dt, power) > 1.15 * best) return infinity;
       }
@@ -312,7 +317,8 @@ class Search {
                                 : cheapest;
   }
 
-  /// Where the projection takes several evaluations, a smaller step may be cheaper; with one it costs `single` a kick.
+  /// Where the projection takes several evaluations, a smaller step may be cheaper; with one it costs
+  /// `single` a kick.
   SEMIEXPLICIT_COLD double with_fewer_evaluations(Candidate& candidate, double target, double dt, double best,
                                                   double cheapest) {
     const double single = options().by == CostBy::seconds ? seconds_per_call(candidate) : 1.0;
@@ -359,8 +365,8 @@ class Search {
         std::clamp(std::round(place), 0.0, static_cast<double>(family.size() - 1)));
   }
 
-  /// Looks for the cheapest of each family: from where it is expected to both sides, for as long as it gets cheaper. `wanted` is
-  /// what the user asked for, where rounding forbids that.
+  /// Looks for the cheapest of each family: from where it is expected to both sides, for as long as it gets
+  /// cheaper. `wanted` is what the user asked for, where rounding forbids that.
   SEMIEXPLICIT_COLD void search(double target, double wanted) {
     exhausted_ = false;
     best_rate_ = std::numeric_limits<double>::infinity();
@@ -401,8 +407,8 @@ class Search {
     return !std::isfinite(best_rate_) || problem_.left() > 0.7 * search_limit * budget_;
   }
 
-  /// Whether it is the projection that keeps the cheapest projected step for a target from being larger: it takes several
-  /// evaluations, or would. Else the midpoint projection, which takes one, is the same.
+  /// Whether it is the projection that keeps the cheapest projected step for a target from being larger: it
+  /// takes several evaluations, or would. Else the midpoint projection, which takes one, is the same.
   SEMIEXPLICIT_COLD bool projection_limits(double target) {
     double least = std::numeric_limits<double>::infinity();
     bool limits = true;

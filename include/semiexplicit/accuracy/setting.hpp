@@ -8,8 +8,9 @@
 
 namespace semiexplicit {
 
-/// An integrator with everything that it needs but the Hamiltonian: the coordinates of a point on the curve of accuracy
-/// against work. A plain value, to be kept, printed, edited, and run by run() or CostOfAccuracy::run().
+/// An integrator with everything that it needs but the Hamiltonian: the coordinates of a point on the curve
+/// of accuracy against work. A plain value, to be kept, printed, edited, and run by run() or
+/// CostOfAccuracy::run().
 struct Setting {
   enum class Method {
     semiexplicit,  ///< Semiexplicit with simplified Newton: `scheme` and `rule` count
@@ -27,8 +28,8 @@ struct Setting {
 
   bool is_gauss() const { return method == Method::gauss || method == Method::gauss_lanes; }
 
-  /// "low_defect6_s13", "midpoint low_defect4_s7", "splitting blanes_moan6", "gauss_s4", "gauss_lanes_s4" (four stages): what
-  /// tells two settings apart beside dt and rule.
+  /// "low_defect6_s13", "midpoint low_defect4_s7", "splitting blanes_moan6", "gauss_s4", "gauss_lanes_s4"
+  /// (four stages): what tells two settings apart beside dt and rule.
   SEMIEXPLICIT_COLD std::string name() const {
     switch (method) {
       case Method::midpoint:
@@ -45,7 +46,8 @@ struct Setting {
     return scheme;
   }
 
-  /// "product(1e-16)" for the semiexplicit method, "fixed point" for Gauss-Legendre, "none" for what is explicit.
+  /// "product(1e-16)" for the semiexplicit method, "fixed point" for Gauss-Legendre, "none" for what is
+  /// explicit.
   SEMIEXPLICIT_COLD std::string solver() const {
     if (is_gauss()) return "fixed point";
     if (method != Method::semiexplicit) return "none";

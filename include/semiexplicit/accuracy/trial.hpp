@@ -44,7 +44,8 @@ class Walker {
   SEMIEXPLICIT_COLD Walker(Problem<Any>& problem, const Setting& setting)
       : problem_(problem), setting_(setting), stepper_(problem.hamiltonian.stepper(setting)) {}
 
-  /// One step; `counts`: among what the run is expected to cost. False: it failed, or the calls may not suffice.
+  /// One step; `counts`: among what the run is expected to cost. False: it failed, or the calls may not
+  /// suffice.
   bool step(State& z, double dt, Probe& probe, bool counts) {
     if (static_cast<double>(stepper_.max_gradients()) > problem_.left()) {
       probe.cut = true;
@@ -76,7 +77,8 @@ class Walker {
   }
 
  private:
-  /// What the step's unfinished solve may add to the error of the invariants, e (‖m‖ + e)/‖z‖²: see StoppingRule::product.
+  /// What the step's unfinished solve may add to the error of the invariants, e (‖m‖ + e)/‖z‖²: see
+  /// StoppingRule::product.
   static double unfinished(const StepReport& report, const State& z) {
     const double e = report.correction, size = static_cast<double>(norm(z.vector()));
     const double m = report.evaluations > 1 && report.rate > 0 ? e / report.rate : 0;
@@ -119,7 +121,8 @@ class Range {
   Value low_{}, high_{}, now_{};
 };
 
-/// Tries a setting on windows, for the observable where that is an invariant, or the energy. Gives up at the first step that fails, or when the error exceeds `hopeless`.
+/// Tries a setting on windows, for the observable where that is an invariant, or the energy. Gives up at the
+/// first step that fails, or when the error exceeds `hopeless`.
 template <class Any>
 SEMIEXPLICIT_COLD Probe try_on_windows(Problem<Any>& problem, const Setting& setting,
                                        const std::vector<Window<typename Any::State>>& windows,
@@ -159,9 +162,9 @@ SEMIEXPLICIT_COLD Probe try_on_windows(Problem<Any>& problem, const Setting& set
   return result;
 }
 
-/// The observable at the given rising times of a run from z0. advance(z) makes a step and returns the time after it, or the same
-/// as before where it failed. Between the steps' ends it is found by shorter steps of `method`, which leave the run alone. Fewer
-/// values than times: a step failed.
+/// The observable at the given rising times of a run from z0. advance(z) makes a step and returns the time
+/// after it, or the same as before where it failed. Between the steps' ends it is found by shorter steps of
+/// `method`, which leave the run alone. Fewer values than times: a step failed.
 template <class Any, class Advance>
 SEMIEXPLICIT_COLD std::vector<typename Problem<Any>::Value> values_along(Problem<Any>& problem,
                                                                          const std::vector<double>& times,

@@ -5,6 +5,7 @@
 
 #include <semiexplicit/core/hamiltonian.hpp>
 #include <semiexplicit/core/phase_point.hpp>
+#include <semiexplicit/core/ranks.hpp>
 #include <semiexplicit/core/report.hpp>
 #include <semiexplicit/derivatives/from_energy.hpp>
 #include <semiexplicit/integrate.hpp>

@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 
 #include <semiexplicit/core/extended_phase_space.hpp>
+#include <semiexplicit/core/ranks.hpp>
 #include <semiexplicit/derivatives/hessian.hpp>
 #include <semiexplicit/steppers/semiexplicit.hpp>
 
@@ -34,6 +35,7 @@ class TangentMap {
   static constexpr int Dof = detail::HamiltonianDoor<H>::Dof;
   using State = PhasePoint<Scalar, Dof>;
   using Matrix = Eigen::Matrix<Scalar, twice(Dof), twice(Dof)>;
+  static_assert(detail::is_in_one_process<H>());
 
   TangentMap(H hamiltonian, Scheme<Scalar> scheme)
       : hamiltonian_(std::move(hamiltonian)),

@@ -5,6 +5,7 @@
 #include <cstddef>
 
 #include <semiexplicit/core/phase_point.hpp>
+#include <semiexplicit/core/ranks.hpp>
 
 namespace semiexplicit {
 
@@ -62,11 +63,11 @@ namespace detail {
 /// The size that tolerances are relative to: ‖z‖, in an extended phase space without the last degree of
 /// freedom, (t, p_t). After a long time t would outweigh all else, and every tolerance with it.
 template <class H, class Scalar, int Dof>
-Scalar state_size(const H&, const PhasePoint<Scalar, Dof>& z) {
+Scalar state_size([[maybe_unused]] const H& h, const PhasePoint<Scalar, Dof>& z) {
   if constexpr (InExtendedPhaseSpace<H>)
     return norm(Vector<Scalar, 2>(norm(z.q().head(z.dof() - 1)), norm(z.p().head(z.dof() - 1))));
   else
-    return norm(z.vector());
+    return norm_over_ranks(h, z.vector());
 }
 
 /// What the rounding of a sum of `kicks` terms leaves of a difference of the copies in the last degree of

@@ -105,16 +105,21 @@ SEMIEXPLICIT_NOINLINE typename Derived::Scalar norm_of_extreme(const Eigen::Matr
   return largest * sqrt(dot(v / largest, v / largest));
 }
 
+/// Whether a sum of squares is right as it is: none of them left the range of normal numbers, or it is NaN.
+template <class Scalar>
+bool is_plain_square(const Scalar& squared) {
+  const Scalar small = (std::numeric_limits<Scalar>::min)() / std::numeric_limits<Scalar>::epsilon();
+  const Scalar large = (std::numeric_limits<Scalar>::max)() * std::numeric_limits<Scalar>::epsilon();
+  return (squared >= small && squared <= large) || squared != squared;
+}
+
 /// Euclidean norm that neither underflows nor overflows: states of size 1e-200 or 1e200 have a norm, too.
 template <class Derived>
 typename Derived::Scalar norm(const Eigen::MatrixBase<Derived>& v) {
   using Scalar = typename Derived::Scalar;
   using std::sqrt;
-  // The plain sum is right wherever no square left the range of normal numbers.
   const Scalar squared = dot(v, v);
-  const Scalar small = (std::numeric_limits<Scalar>::min)() / std::numeric_limits<Scalar>::epsilon();
-  const Scalar large = (std::numeric_limits<Scalar>::max)() * std::numeric_limits<Scalar>::epsilon();
-  if ((squared >= small && squared <= large) || squared != squared) return sqrt(squared);
+  if (is_plain_square(squared)) return sqrt(squared);
   return norm_of_extreme(v);
 }
 

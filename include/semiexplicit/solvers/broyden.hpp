@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <semiexplicit/core/ranks.hpp>
 #include <semiexplicit/core/vector.hpp>
 #include <semiexplicit/solvers/stopping.hpp>
 
@@ -21,6 +22,7 @@ namespace semiexplicit {
 /// 1995), section 7.3.
 struct Broyden {
   static constexpr const char* name = "Broyden";
+  static constexpr bool over_ranks = true;  ///< takes norms by norm_over_ranks()
   StoppingRule stop = StoppingRule::product();
   int max_iterations = 100;  ///< evaluations of f before it gives up; the step is refused then
   int memory = 20;  ///< corrections kept; when they are used up the method starts anew from the current m
@@ -60,7 +62,7 @@ struct Broyden {
     detail::Convergence<Scalar> convergence(stop, max_iterations);
     residual(work.f);
     work.u = work.f / -4;
-    Scalar length = detail::norm(work.u);
+    Scalar length = norm_over_ranks(residual, work.u);
     if (convergence.done(length, Scalar(0), residual)) return convergence.report();
     m.setZero();
     Eigen::Index kept = 0;
@@ -75,17 +77,17 @@ struct Broyden {
       m += work.u;
 
       residual(m, work.f);
-      const Scalar size_f = detail::norm(work.f);
+      const Scalar size_f = norm_over_ranks(residual, work.f);
       work.u = work.f / -4;
       for (Eigen::Index j = 0; j + 1 < kept; ++j) {
-        const Scalar share =
-            detail::dot(work.directions.col(j), work.u) * (work.lengths[j + 1] / work.lengths[j]);
+        const Scalar share = dot_over_ranks(residual, work.directions.col(j), work.u) *
+                             (work.lengths[j + 1] / work.lengths[j]);
         work.u += share * work.directions.col(j + 1);
       }
       // The newest update would need s_{k+1}, the vector wanted: solved for it, it is a mere scaling.
       if (kept > 0) {
         const Scalar divisor =
-            1 - detail::dot(work.directions.col(kept - 1), work.u) / work.lengths[kept - 1];
+            1 - dot_over_ranks(residual, work.directions.col(kept - 1), work.u) / work.lengths[kept - 1];
         if (abs(divisor) <= Scalar(1e-6)) {  // the update is singular: start anew
           work.u = work.f / -4;
           kept = 0;
@@ -93,9 +95,9 @@ struct Broyden {
           work.u /= divisor;
         }
       }
-      length = detail::norm(work.u);
+      length = norm_over_ranks(residual, work.u);
       // The updates may cancel what f still has, so that a short correction alone says nothing.
-      if (convergence.done(std::max(length, size_f / 4), detail::norm(m), residual))
+      if (convergence.done(std::max(length, size_f / 4), norm_over_ranks(residual, m), residual))
         return convergence.report();
     }
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <semiexplicit/core/ranks.hpp>
 #include <semiexplicit/core/vector.hpp>
 #include <semiexplicit/solvers/stopping.hpp>
 
@@ -20,6 +21,7 @@ namespace semiexplicit {
 /// 8; Y. Saad, M. H. Schultz, SIAM J. Sci. Stat. Comput. 7 (1986) 856.
 struct NewtonKrylov {
   static constexpr const char* name = "NewtonKrylov";
+  static constexpr bool over_ranks = true;  ///< takes norms by norm_over_ranks()
   StoppingRule stop = StoppingRule::product();
   int max_iterations = 500;  ///< evaluations of f before it gives up, those for products included
   int directions = 30;       ///< largest number of GMRES directions in a Newton iteration
@@ -63,7 +65,7 @@ struct NewtonKrylov {
     using Scalar = typename Vec::Scalar;
     detail::Convergence<Scalar> convergence(stop, max_iterations);
     residual(work.f);
-    Scalar size_f = detail::norm(work.f);
+    Scalar size_f = norm_over_ranks(residual, work.f);
     if (convergence.done(size_f / 4, Scalar(0), residual)) return convergence.report();
     m.setZero();
     for (;;) {
@@ -74,7 +76,7 @@ struct NewtonKrylov {
       for (int halvings = 0;; ++halvings) {
         work.trial = m + part * work.step;
         residual(work.trial, work.f);
-        size_trial = detail::norm(work.f);
+        size_trial = norm_over_ranks(residual, work.f);
         const bool smaller = size_trial <= (1 - part / 10000) * size_f;
         if (smaller || halvings == 8 || size_trial <= 4 * residual.rounding_level() ||
             convergence.exhausted())
@@ -84,7 +86,7 @@ struct NewtonKrylov {
       }
       m = work.trial;
       size_f = size_trial;
-      if (convergence.done(size_f / 4, detail::norm(m), residual)) return convergence.report();
+      if (convergence.done(size_f / 4, norm_over_ranks(residual, m), residual)) return convergence.report();
     }
   }
 
@@ -98,13 +100,13 @@ struct NewtonKrylov {
     using std::sqrt;
     // Of the length at which rounding and curvature spoil a difference alike.
     const Scalar shift =
-        sqrt(Eigen::NumTraits<Scalar>::epsilon()) * (residual.state_size() + detail::norm(m));
+        sqrt(Eigen::NumTraits<Scalar>::epsilon()) * (residual.state_size() + norm_over_ranks(residual, m));
     const Eigen::Index most = work.basis.cols() - 1;
     work.basis.col(0) = work.f / -size_f;
     work.rotated.setZero();
     work.rotated[0] = size_f;
     Eigen::Index k = 0;
-    while (k < most && !convergence.exhausted()) {
+    while (on_all_ranks<Scalar>(residual, k < most) && !convergence.exhausted()) {
       work.trial = m + shift * work.basis.col(k);
       residual(work.trial, work.shifted);
       convergence.count();
@@ -112,10 +114,10 @@ struct NewtonKrylov {
       next = (work.shifted - work.f) / shift;
       auto column = work.triangle.col(k);
       for (Eigen::Index i = 0; i <= k; ++i) {  // modified Gram-Schmidt
-        column[i] = detail::dot(work.basis.col(i), next);
+        column[i] = dot_over_ranks(residual, work.basis.col(i), next);
         next -= column[i] * work.basis.col(i);
       }
-      const Scalar length = detail::norm(next);
+      const Scalar length = norm_over_ranks(residual, next);
       if (length > Scalar(0)) next /= length;
       for (Eigen::Index i = 0; i < k; ++i) {
         const Scalar above = work.cosine[i] * column[i] + work.sine[i] * column[i + 1];

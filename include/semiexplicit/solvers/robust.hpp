@@ -12,6 +12,7 @@ namespace semiexplicit {
 /// Broyden and NewtonKrylov.
 struct Robust {
   static constexpr const char* name = "Robust";
+  static constexpr bool over_ranks = true;  ///< takes norms by norm_over_ranks()
   StoppingRule stop = StoppingRule::product();
   int newton_iterations =
       15;  ///< evaluations of f for the simplified Newton method; a good step takes one or two

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <semiexplicit/core/ranks.hpp>
 #include <semiexplicit/core/vector.hpp>
 #include <semiexplicit/solvers/stopping.hpp>
 
@@ -12,6 +13,7 @@ namespace semiexplicit {
 /// Source: Jayawardana and Ohsawa, Math. Comp. 92 (2023) 251, eq. (simplified_Newton).
 struct SimplifiedNewton {
   static constexpr const char* name = "SimplifiedNewton";
+  static constexpr bool over_ranks = true;  ///< takes norms by norm_over_ranks()
   StoppingRule stop = StoppingRule::product();
   int max_iterations = 100;  ///< evaluations of f before it gives up; the step is refused then
 
@@ -40,10 +42,10 @@ struct SimplifiedNewton {
     detail::Convergence<Scalar> convergence(stop, max_iterations);
     residual(work.f);
     Scalar size_m(0);
-    while (!convergence.done(detail::norm(work.f) / 4, size_m, residual)) {
+    while (!convergence.done(norm_over_ranks(residual, work.f) / 4, size_m, residual)) {
       if (size_m == Scalar(0)) m.setZero();
       m -= work.f / 4;
-      size_m = detail::norm(m);
+      size_m = norm_over_ranks(residual, m);
       residual(m, work.f);
     }
     return convergence.report();

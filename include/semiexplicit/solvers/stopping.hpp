@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include <semiexplicit/core/ranks.hpp>
 #include <semiexplicit/core/solver.hpp>
 
 namespace semiexplicit {
@@ -109,8 +110,12 @@ struct ResidualSizes {
   /// An iteration that no longer shrinks is allowed the rounding of differences; one that does is not.
   bool within_rounding(double multiple) const {
     const auto unit = static_cast<double>(rounding / Eigen::NumTraits<Scalar>::epsilon());
-    return detail::within_rounding(f_data, z_data, count, norms.distance(),
-                                   multiple < 1 ? multiple : multiple * unit);
+    return on_all_ranks<Scalar>(norms, detail::within_rounding(f_data, z_data, count, norms.distance(),
+                                                               multiple < 1 ? multiple : multiple * unit));
+  }
+  /// Of a state in blocks; see SumsOverRanks.
+  Scalar sum_over_ranks(const Scalar& x) const requires SumsOverRanks<Norms, Scalar> {
+    return norms.sum_over_ranks(x);
   }
 };
 

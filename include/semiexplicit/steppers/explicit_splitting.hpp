@@ -7,6 +7,7 @@
 #include <semiexplicit/core/checkpointable.hpp>
 #include <semiexplicit/core/gradient_size.hpp>
 #include <semiexplicit/core/hamiltonian_door.hpp>
+#include <semiexplicit/core/ranks.hpp>
 #include <semiexplicit/core/stepper.hpp>
 #include <semiexplicit/steppers/detail/compensated_update.hpp>
 #include <semiexplicit/steppers/detail/sweep.hpp>
@@ -56,14 +57,16 @@ class ExplicitSplitting {
   /// One step of size dt, which may be negative; z is untouched unless the report is ok(). No heap use.
   /// `gradients` counts whole gradients, as for the other steppers: the 2s + 1 halves make s + 1, rounded up.
   StepReport step(State& z, const Scalar& dt) {
-    StepReport report{.status =
-                          detail::status_at_start(dt, !scheme_.b.empty(), z.vector().size() == at_.size())};
+    const auto everywhere = [this](bool here) { return on_all_ranks<Scalar>(hamiltonian_, here); };
+    StepReport report{.status = detail::status_at_start(dt, !scheme_.b.empty(),
+                                                        everywhere(z.vector().size() == at_.size()))};
     if (!report.ok()) return report;
     detail::inlined<Scalar>([&] { run(z, dt); });
     report.evaluations = 1;
     report.gradients = position_gradients() + 1;
-    if (!update_.update(z, [moved = moved_.data()](Eigen::Index i) { return moved[i]; }))
-      report.status = z.vector().allFinite() ? Status::not_finite : Status::invalid_state;
+    if (!update_.update(
+            z, [moved = moved_.data()](Eigen::Index i) { return moved[i]; }, everywhere))
+      report.status = everywhere(z.vector().allFinite()) ? Status::not_finite : Status::invalid_state;
     return report;
   }
 

@@ -12,6 +12,7 @@
 #include <semiexplicit/core/gradient_size.hpp>
 #include <semiexplicit/core/hamiltonian_door.hpp>
 #include <semiexplicit/core/phase_point.hpp>
+#include <semiexplicit/core/ranks.hpp>
 #include <semiexplicit/core/solver.hpp>
 #include <semiexplicit/core/stepper.hpp>
 #include <semiexplicit/schemes/near_integrable.hpp>
@@ -114,6 +115,7 @@ class FlowSplitting {
  public:
   using Scalar = typename detail::HamiltonianDoor<H>::Scalar;
   static constexpr int Dof = detail::HamiltonianDoor<H>::Dof;
+  static_assert(detail::is_in_one_process<H>());
   static_assert(SplitHamiltonian<H>,
                 "FlowSplitting needs a Hamiltonian with an exact flow of a part: take stepper_for(scene, "
                 "exactly<...>()), or see SplitHamiltonian");

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include <semiexplicit/core/ranks.hpp>
 #include <semiexplicit/steppers/detail/doubled_step.hpp>
 
 namespace semiexplicit {
@@ -31,7 +32,7 @@ class MidpointProjection {
     report.evaluations = 1;
     report.gradients = doubled_.gradients();
     using std::isfinite;
-    const Scalar correction = detail::norm(difference_) / 4;
+    const Scalar correction = norm_over_ranks(hamiltonian(), difference_) / 4;
     report.correction = static_cast<double>(correction);
     if (!isfinite(correction) || !doubled_.finish(z)) report.status = doubled_.diagnose(z);
     return report;

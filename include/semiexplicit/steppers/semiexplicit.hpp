@@ -5,6 +5,7 @@
 #include <utility>
 
 #include <semiexplicit/core/extended_phase_space.hpp>
+#include <semiexplicit/core/ranks.hpp>
 #include <semiexplicit/core/solver.hpp>
 #include <semiexplicit/solvers/simplified_newton.hpp>
 #include <semiexplicit/steppers/detail/doubled_step.hpp>
@@ -31,6 +32,7 @@ class Semiexplicit {
   using Scalar = typename detail::HamiltonianDoor<H>::Scalar;
   static constexpr int Dof = detail::HamiltonianDoor<H>::Dof;
   using State = PhasePoint<Scalar, Dof>;
+  static_assert(detail::solver_goes_with<H, Solver>());
   static constexpr const char* name = "Semiexplicit";
 
   /// Throws std::invalid_argument, saying what is wrong, unless the scheme passes its own check and the
@@ -94,6 +96,9 @@ class Semiexplicit {
     const State& z;
     Scalar size() const { return detail::state_size(step.hamiltonian(), z); }
     Scalar distance() const { return step.distance(); }
+    Scalar sum_over_ranks(const Scalar& x) const requires SumsOverRanks<H> {
+      return step.hamiltonian().sum_over_ranks(x);
+    }
   };
   /// f as the solvers see it: a function of m that also knows the sizes that their stopping is judged by.
   struct Residual : detail::ResidualSizes<Scalar, Norms> {

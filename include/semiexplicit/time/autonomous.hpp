@@ -8,6 +8,7 @@
 #include <semiexplicit/core/extended_phase_space.hpp>
 #include <semiexplicit/core/hamiltonian.hpp>
 #include <semiexplicit/core/phase_point.hpp>
+#include <semiexplicit/core/ranks.hpp>
 
 namespace semiexplicit {
 
@@ -40,6 +41,7 @@ class Autonomous : public ExtendedPhaseSpace<typename H::Scalar, H::Dof> {
   using typename Space::Point;
   using typename Space::State;
   static constexpr int Dof = Space::Dof;
+  static_assert(detail::is_in_one_process<H>());
 
   /// Whether H says ∂H/∂t, so that p_t is followed, and whether there is K to check the run by.
   static constexpr bool follows_work =

@@ -7,6 +7,7 @@
 #include <semiexplicit/core/extended_phase_space.hpp>
 #include <semiexplicit/core/hamiltonian.hpp>
 #include <semiexplicit/core/phase_point.hpp>
+#include <semiexplicit/core/ranks.hpp>
 #include <semiexplicit/time/pace.hpp>
 
 namespace semiexplicit {
@@ -42,6 +43,7 @@ requires(PositionMonitor<G, typename H::Scalar, H::Dof> ||
   using typename Space::Point;
   using typename Space::State;
   static constexpr int Dof = Space::Dof;
+  static_assert(detail::is_in_one_process<H>());
 
   TimeTransformed(H hamiltonian, G monitor, Scalar energy)
       : hamiltonian_(std::move(hamiltonian)),

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include <semiexplicit/core/ranks.hpp>
 #include <semiexplicit/derivatives/dual.hpp>
 #include <semiexplicit/derivatives/hessian.hpp>
 
@@ -35,6 +36,7 @@ class HessianProduct {
   using Scalar = typename H::Scalar;
   using State = PhasePoint<Scalar, H::Dof>;
   using Vec = typename State::Storage;
+  static_assert(is_in_one_process<H>());
   static constexpr bool exact = HasHessianTimes<H> || HasDualGradient<H>;
   /// A product by duals comes with the gradient at the point.
   static constexpr bool gives_gradient = HasDualGradient<H> && !HasHessianTimes<H>;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <concepts>
+#include <functional>
 #include <limits>
 
 #include <semiexplicit/core/phase_point.hpp>
@@ -41,20 +42,22 @@ class CompensatedUpdate {
   }
 
   /// z += increment(i) in every component i < 2d, or nothing at all and false where one would not be finite.
-  template <class Increment>
-  bool update(PhasePoint<Scalar, Dof>& z, const Increment& increment) {
+  /// agreed(ok) may turn an update that is fine into one that is dropped; see on_all_ranks().
+  template <class Increment, class Agreed = std::identity>
+  bool update(PhasePoint<Scalar, Dof>& z, const Increment& increment, const Agreed& agreed = {}) {
     if (!continues(z)) carry_.setZero();
     // Small results stay in registers until they count.
     if constexpr (detail::fits_on_stack(Dof)) {
       Scalar sums[std::size_t(2 * Dof)], lost[std::size_t(2 * Dof)];
-      if (!add(z.vector().data(), sums, lost, std::integral_constant<int, 2 * Dof>(), increment))
-        return false;
+      if (!agreed(add(z.vector().data(), sums, lost, std::integral_constant<int, 2 * Dof>(), increment)))
+        return drop();
       detail::for_each_index(std::integral_constant<int, 2 * Dof>(), [&](Eigen::Index i) {
         z.vector()[i] = next_[i] = sums[i];
         carry_[i] = lost[i];
       });
     } else {
-      if (!add(z.vector().data(), next_.data(), carry_.data(), next_.size(), increment)) return false;
+      if (!agreed(add(z.vector().data(), next_.data(), carry_.data(), next_.size(), increment)))
+        return drop();
       detail::for_many(next_.size(),
                        [to = z.vector().data(), from = next_.data()](Eigen::Index i) { to[i] = from[i]; });
     }
@@ -80,7 +83,9 @@ class CompensatedUpdate {
       });
     else
       failed = !add_part(state, carry, sums, lost, 0, size, increment);
-    if (!failed) return true;
+    return !failed;
+  }
+  bool drop() {
     next_.setConstant(std::numeric_limits<Scalar>::quiet_NaN());  // no state equals it: the carry is dropped
     return false;
   }

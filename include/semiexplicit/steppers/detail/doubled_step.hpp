@@ -6,6 +6,7 @@
 #include <semiexplicit/core/extended_phase_space.hpp>
 #include <semiexplicit/core/gradient_size.hpp>
 #include <semiexplicit/core/hamiltonian_door.hpp>
+#include <semiexplicit/core/ranks.hpp>
 #include <semiexplicit/core/stepper.hpp>
 #include <semiexplicit/steppers/detail/compensated_update.hpp>
 #include <semiexplicit/steppers/detail/kick.hpp>
@@ -33,12 +34,14 @@ class DoubledStep {
   /// Whether a step of size dt can start from z: Status::success if so. Costs nothing: a state that is not
   /// finite shows in the result, and diagnose() tells it from a gradient that is not.
   Status check(const State& z, const Scalar& dt) const {
-    return status_at_start(dt, !scheme_.b.empty(), z.vector().size() == moved_.size());
+    return status_at_start(dt, !scheme_.b.empty(),
+                           on_all_ranks<Scalar>(hamiltonian_, z.vector().size() == moved_.size()));
   }
 
   /// The status of a step from z that came out NaN or Inf.
-  static Status diagnose(const State& z) {
-    return z.vector().allFinite() ? Status::not_finite : Status::invalid_state;
+  Status diagnose(const State& z) const {
+    return on_all_ranks<Scalar>(hamiltonian_, z.vector().allFinite()) ? Status::not_finite
+                                                                      : Status::invalid_state;
   }
 
   /// f becomes the residual of the projection at m, or at m = 0 where it is null.
@@ -61,14 +64,16 @@ class DoubledStep {
   }
 
   /// How far the mean of the copies moved, in the Euclidean norm.
-  Scalar distance() const { return norm(moved_) / 2; }
+  Scalar distance() const { return norm_over_ranks(hamiltonian_, moved_) / 2; }
 
   /// z becomes the mean of the copies; false, and z untouched, where that is not finite.
   bool finish(State& z) {
     if (summation_ == Summation::compensated)
-      return update_.update(z, [moved = moved_.data()](Eigen::Index i) { return moved[i] / 2; });
+      return update_.update(
+          z, [moved = moved_.data()](Eigen::Index i) { return moved[i] / 2; },
+          [this](bool ok) { return on_all_ranks<Scalar>(hamiltonian_, ok); });
     moved_ = z.vector() + moved_ / 2;
-    if (!moved_.allFinite()) return false;
+    if (!on_all_ranks<Scalar>(hamiltonian_, moved_.allFinite())) return false;
     z.vector() = moved_;
     return true;
   }

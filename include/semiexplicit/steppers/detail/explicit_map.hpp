@@ -5,6 +5,7 @@
 
 #include <semiexplicit/core/gradient_size.hpp>
 #include <semiexplicit/core/hamiltonian_door.hpp>
+#include <semiexplicit/core/ranks.hpp>
 #include <semiexplicit/core/stepper.hpp>
 #include <semiexplicit/steppers/detail/kick.hpp>
 
@@ -33,7 +34,8 @@ class ExplicitMap {
   /// them; only a finite result becomes the new state.
   template <class Run>
   StepReport step(State& zeta, const Scalar& dt, std::int64_t gradients, const Run& run) {
-    const bool fits = zeta.a.vector().size() == a.size() && zeta.b.vector().size() == b.size();
+    const bool fits = on_all_ranks<Scalar>(
+        hamiltonian, zeta.a.vector().size() == a.size() && zeta.b.vector().size() == b.size());
     StepReport report{.status = status_at_start(dt, !scheme.b.empty(), fits)};
     if (!report.ok()) return report;
     a = zeta.a.vector();
@@ -53,8 +55,11 @@ class ExplicitMap {
       }
     });
     report = {.status = Status::not_finite, .evaluations = 1, .gradients = gradients};
-    if (!a.allFinite() || !b.allFinite()) {
-      if (!zeta.a.vector().allFinite() || !zeta.b.vector().allFinite()) report.status = Status::invalid_state;
+    const auto finite = [this](const Vec& u, const Vec& v) {
+      return on_all_ranks<Scalar>(hamiltonian, u.allFinite() && v.allFinite());
+    };
+    if (!finite(a, b)) {
+      if (!finite(zeta.a.vector(), zeta.b.vector())) report.status = Status::invalid_state;
     } else {
       zeta.a.vector() = a;
       zeta.b.vector() = b;

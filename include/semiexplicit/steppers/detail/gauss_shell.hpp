@@ -11,6 +11,7 @@
 #include <semiexplicit/core/gradient_size.hpp>
 #include <semiexplicit/core/hamiltonian_door.hpp>
 #include <semiexplicit/core/inlined.hpp>
+#include <semiexplicit/core/ranks.hpp>
 #include <semiexplicit/core/stepper.hpp>
 #include <semiexplicit/derivatives/hessian.hpp>
 #include <semiexplicit/steppers/detail/compensated_update.hpp>
@@ -61,6 +62,7 @@ class GaussShell {
   using Scalar = typename HamiltonianDoor<H>::Scalar;
   static constexpr int Dof = HamiltonianDoor<H>::Dof;
   using State = PhasePoint<Scalar, Dof>;
+  static_assert(is_in_one_process<H>());
 
   /// One step of size dt, which may be negative; z is untouched unless the report is ok(). `evaluations` are
   /// iterations, `correction` is the sum of the absolute values of what they last changed in the stages.

@@ -1,0 +1,135 @@
+// One large lattice of the nonlinear Schrödinger equation over any number of processes (MPI), each with a
+// range of the sites. The steps, their evaluations and the errors are those of one process but for rounding.
+// A run that was killed goes on from its checkpoints when it is started again with the same settings.
+//
+//     mpirun -n 4 nls_mpi --sites 1000000
+#include <chrono>
+#include <cstdint>
+#include <ctime>
+#include <filesystem>
+#include <iostream>
+#include <string>
+
+#ifdef _OPENMP
+#include <omp.h>
+#endif
+
+#include <mpi.h>
+#include <CLI/CLI.hpp>
+#include <semiexplicit/checkpoint.hpp>
+#include <semiexplicit/semiexplicit.hpp>
+
+#include "common/arguments.hpp"
+#include "nls_mpi/block_lattice.hpp"
+#include "nls_mpi/generations.hpp"
+#include "nls_mpi/ranks.hpp"
+
+namespace {
+
+using namespace examples;
+
+struct Job {
+  std::int64_t sites = 100'000;
+  std::int64_t checkpoint = 0;  ///< steps between two
+  int threads = 1;
+  double tolerance = StoppingRule::product().tolerance;
+  Settings settings{.dt = 0.05, .time = 5};
+};
+
+int run(const Ranks& ranks, Job& job) {
+#ifdef _OPENMP
+  omp_set_num_threads(job.threads);
+#endif
+  const BlockLattice lattice(ranks, job.sites);
+  const std::int64_t steps = job.settings.fit_steps();
+  if (job.checkpoint > 0) job.settings.make_output_folder();
+
+  Semiexplicit stepper(lattice, schemes::low_defect6_s13<double>(),
+                       SimplifiedNewton{.stop = StoppingRule::product(job.tolerance)});
+  auto z = lattice.start();
+  Invariants invariants(lattice);
+  invariants.add("mass", [&](const auto& q, const auto& p) { return lattice.mass(q, p); });
+  auto sometimes = every(10, invariants);
+  IntegrationOptions<double> options{.dt = job.settings.dt, .steps = steps, .on_failure = OnFailure::stop};
+  Generations checkpoints(
+      job.settings.output, job.checkpoint, "nls_mpi, " + std::to_string(job.sites) + " sites", ranks,
+      [&] { return lattice.start(); }, stepper, options, sometimes);
+  options.done = checkpoints.resume(z);
+  if (ranks.first() && options.done.steps > 0)
+    std::cout << "resumed: " << options.done.steps << " of " << steps << " steps are done already"
+              << std::endl;
+
+  const auto start = std::chrono::steady_clock::now();
+  const std::clock_t processor_start = std::clock();
+  const IntegrationReport report = integrate(stepper, z, options, sometimes, checkpoints);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double processor_seconds =
+      ranks.sum(static_cast<double>(std::clock() - processor_start) / CLOCKS_PER_SEC);
+  const auto site_steps = static_cast<double>(job.sites * (report.steps - options.done.steps));
+  invariants(report.t, z);
+  const double spread = lattice.participation(z.q(), z.p());
+  if (!report.ok()) {  // on all, with their states of the last good step
+    if (ranks.first()) std::cerr << "nls_mpi: " << IntegrationError(report, job.settings.dt).what() << '\n';
+    return 1;
+  }
+  checkpoints.finish();
+  if (!ranks.first()) return 0;
+  std::cout << "sites: " << job.sites << ", steps: " << report.steps
+            << ", evaluations: " << report.evaluations << '\n'
+            << "participation number: " << formatted("%.15g", spread) << '\n'
+            << "worst energy error: " << formatted("%.1e", invariants["energy"].worst)
+            << ", worst mass error: " << formatted("%.1e", invariants["mass"].worst) << '\n'
+            << ranks.size() << (ranks.size() > 1 ? " processes: " : " process: ")
+            << formatted("%.2f", seconds) << " s, " << formatted("%.2e", site_steps / seconds)
+            << " site-steps a second, " << formatted("%.2e", site_steps / processor_seconds)
+            << " a second of a processor" << std::endl;
+  return 0;
+}
+
+int run_job(int argc, char** argv) {
+  const Ranks ranks;
+  if (!ranks.first()) {  // what is said of bad arguments is said once
+    std::cout.setstate(std::ios::failbit);
+    std::cerr.setstate(std::ios::failbit);
+  }
+  CLI::App app{
+      "One lattice of the nonlinear Schrödinger equation over many processes, each with a range of "
+      "its sites: mpirun -n 4 nls_mpi."};
+  Job job;
+  add_value(app, "--sites", job.sites, "size of the lattice", whole_number(1, 1'000'000'000'000), "N");
+  add_value(app, "--dt", job.settings.dt, "step size; made a little smaller where the time is no multiple",
+            positive());
+  add_value(app, "--time", job.settings.time, "time to integrate to", positive());
+  add_value(app, "--tolerance", job.tolerance, "of a step's projection, see StoppingRule::product",
+            positive());
+  add_value(app, "--checkpoint", job.checkpoint,
+            "steps between two checkpoints, a file of each process in --output; 0: none",
+            whole_number(0, 1'000'000'000), "N");
+  add_value(app, "--threads", job.threads, "of each process, where the program is built with OpenMP",
+            whole_number(1, 4096), "N");
+  add_value(app, "--output", job.settings.output, "folder for the checkpoints", CLI::Validator(), "DIR");
+  return run_program(app, argc, argv, [&] {
+    steps_in(job.settings.time, job.settings.dt);  // refuses a step that is longer
+    std::cerr.clear();
+    try {
+      return run(ranks, job);
+    } catch (const std::exception& error) {
+      // The others wait for this process: only all together can end.
+      std::cerr << "nls_mpi, process " << ranks.rank() << ": " << error.what() << std::endl;
+      MPI_Abort(MPI_COMM_WORLD, 1);
+      return 1;
+    }
+  });
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  int provided = MPI_THREAD_SINGLE;
+  MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED,
+                  &provided);  // only the first thread of a process calls MPI
+  const int code = run_job(argc, argv);
+  MPI_Barrier(MPI_COMM_WORLD);  // what the first one says is out before another one's exit code ends all
+  MPI_Finalize();
+  return code;
+}

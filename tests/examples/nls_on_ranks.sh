@@ -1,0 +1,61 @@
+#!/usr/bin/env bash
+# nls_on_ranks.sh MPIEXEC PROGRAM FOLDER: one lattice by 1, 2 and 3 processes takes the same evaluations to the same state but for
+# rounding; a run of which a process was killed goes on from what all had saved, to the very figures of an undisturbed one; a step
+# that does not converge ends on all.
+set -euo pipefail
+mpiexec=$1 program=$2 folder=$3
+rm -rf "$folder"
+mkdir -p "$folder"
+cd "$folder"
+fail() {
+  echo "FAILED: $1" >&2
+  exit 1
+}
+# More processes than cores, and as root where that is how tests run; other MPIs than Open MPI do not listen to these.
+export OMPI_MCA_rmaps_base_oversubscribe=1 OMPI_MCA_hwloc_base_binding_policy=none OMPI_MCA_mpi_yield_when_idle=1
+export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
+
+# figures FILE: all but the timing.
+figures() { grep -E '^(sites|participation|worst)' "$1"; }
+for n in 1 2 3; do
+  timeout 100 "$mpiexec" -n $n "$program" --sites 1000 --time 3 --tolerance 1e-24 >ranks$n.log || fail "$n processes: $(cat ranks$n.log)"
+  cat ranks$n.log
+  [ "$(grep ^sites ranks$n.log)" = "$(grep ^sites ranks1.log)" ] || fail "$n processes took other evaluations"
+  paste <(grep ^participation ranks$n.log) <(grep ^participation ranks1.log) |
+    awk '{ d = $3 - $6; if (d < 0) d = -d; exit !($3 > 0 && d <= 1e-12 * $6) }' || fail "$n processes came elsewhere"
+  sed -nE 's/^worst energy error: ([0-9.e+-]+), worst mass error: ([0-9.e+-]+)$/\1 \2/p' ranks$n.log |
+    awk '{ seen = 1; bad = !($1 < 1e-6 && $2 < 1e-12) } END { exit bad || !seen }' || fail "$n processes: the invariants drift"
+done
+
+settings=(--sites 3000 --dt 0.005 --time 40 --checkpoint 400 --output "$folder/saved")
+timeout 200 "$mpiexec" -n 2 "$program" --sites 3000 --dt 0.005 --time 40 >whole.log
+"$mpiexec" -n 2 "$program" "${settings[@]}" >killed.log 2>&1 &
+launcher=$!
+for _ in $(seq 3000); do
+  if [ "$(find saved -name '*of2-step*0.checkpoint' 2>/dev/null | wc -l)" -ge 4 ]; then break; fi
+  sleep 0.01
+done
+victim=
+for process in /proc/[0-9]*; do
+  if [ "$process/exe" -ef "$program" ] && grep -qzFx "$folder/saved" "$process/cmdline"; then
+    victim=${process#/proc/}
+  fi
+done 2>/dev/null
+[ -n "$victim" ] || fail "no process to kill; did the run end too early? $(cat killed.log)"
+kill -KILL "$victim"
+if wait "$launcher"; then fail "mpiexec did not notice that process $victim was killed"; fi
+# As if it had been killed between the saves of the two: one rank lacks the latest.
+latest=$(find saved -name 'rank0of2-*' | sed -E 's/.*step([0-9]+).*/\1/' | sort -n | tail -1)
+rm -f "saved/rank1of2-step$latest.checkpoint"
+timeout 200 "$mpiexec" -n 2 "$program" "${settings[@]}" >resumed.log 2>&1 || fail "$(cat resumed.log)"
+cat resumed.log
+common=$(sed -nE 's/^resumed: ([0-9]+) of 8000 steps .*/\1/p' resumed.log)
+[ -n "$common" ] && [ "$common" -gt 0 ] && [ "$common" -lt "$latest" ] || fail "it went on from step '$common', not before $latest"
+[ "$(figures resumed.log)" = "$(figures whole.log)" ] || fail "the resumed run has other figures: $(cat whole.log)"
+[ -z "$(ls saved)" ] || fail "checkpoints were left behind"
+
+if timeout 100 "$mpiexec" -n 3 "$program" --sites 100 --dt 20 --time 20 >failed.log 2>&1; then fail "a step of 20 was taken"; fi
+cat failed.log
+grep -q "nls_mpi: .* failed at t = 0" failed.log || fail "a step that fails did not say so"
+if timeout 100 "$mpiexec" -n 3 "$program" --sites 2 >few.log 2>&1; then fail "a process without sites went unnoticed"; fi
+grep -q -- "--sites: fewer than processes" few.log || fail "$(cat few.log)"

@@ -56,7 +56,8 @@ std::vector<std::int64_t> missing_blocks(const World& world, const Job& job,
     for (std::int64_t b = 0; b < job.blocks(); ++b) try {
         if (!checkpoints.load(b)) missing.push_back(b);
       } catch (const std::runtime_error& damage) {
-        std::cerr << damage.what() << "; this block is computed anew\n";
+        // In one piece: mpirun mixes what processes write.
+        std::cerr << std::string(damage.what()) + "; this block is computed anew\n";
         missing.push_back(b);
       }
   auto count = static_cast<std::int64_t>(missing.size());

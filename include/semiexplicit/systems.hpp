@@ -20,5 +20,6 @@
 #include <semiexplicit/systems/product.hpp>
 #include <semiexplicit/systems/relativistic_charges.hpp>
 #include <semiexplicit/systems/rotating_flow.hpp>
+#include <semiexplicit/systems/spin_orbit.hpp>
 #include <semiexplicit/systems/vortex_walls.hpp>
 #include <semiexplicit/systems/vortices.hpp>

@@ -28,11 +28,7 @@ struct PostNewtonian1 {
   auto energy(const auto& q, const auto& p) const {
     auto sum = 0 * q[0];
     for (Eigen::Index i = 1; i < bodies.size(); ++i) {
-      const auto [inverse_r, square, u, s] =
-          orbits::detail::radial_form<3>(bodies.up_to(i), detail::triple(q, i), velocity(p, i));
-      const Scalar nu = ratio(i);
-      sum += bodies.reduced(i) / (c * c) *
-             (-(1 - 3 * nu) * square * square / 8 - u * ((3 + nu) * square + nu * s * s) / 2 + u * u / 2);
+      sum += bodies.reduced(i) * pair(i).energy(detail::triple(q, i), velocity(p, i));
     }
     return sum;
   }
@@ -41,8 +37,7 @@ struct PostNewtonian1 {
     for (Eigen::Index i = 1; i < bodies.size(); ++i) {
       const detail::Triple<Number> x = detail::triple(q, i), w = velocity(p, i);
       detail::Triple<Number> by_q{Number(0), Number(0), Number(0)}, by_p = by_q;
-      orbits::PostNewtonian1<Scalar, 3>{.gm = bodies.up_to(i), .c = c, .nu = ratio(i)}.add_gradient(
-          x, w, by_q, by_p);
+      pair(i).add_gradient(x, w, by_q, by_p);
       for (Eigen::Index k = 0; k < 3; ++k) {
         dHdq[3 * i - 3 + k] += bodies.reduced(i) * by_q[k];
         dHdp[3 * i - 3 + k] += by_p[k];
@@ -51,7 +46,9 @@ struct PostNewtonian1 {
   }
 
  private:
-  Scalar ratio(Eigen::Index i) const { return bodies.reduced(i) / bodies.up_to(i); }
+  orbits::PostNewtonian1<Scalar, 3> pair(Eigen::Index i) const {
+    return {.gm = bodies.up_to(i), .c = c, .nu = bodies.reduced(i) / bodies.up_to(i)};
+  }
   auto velocity(const auto& p, Eigen::Index i) const {
     auto w = detail::triple(p, i);
     for (auto& of_w : w.of) of_w = of_w / bodies.reduced(i);

@@ -28,7 +28,7 @@ struct Kinetic {
   static constexpr const char* name = "kinetic";
   static constexpr const char* about = "p²/2";
 
-  Scalar energy(const auto& p) const { return detail::dot<Dim>(p, p) / 2; }
+  auto energy(const auto& p) const { return detail::dot<Dim>(p, p) / 2; }
   void add_gradient(const auto& p, auto& dHdp) const {
     for (int i = 0; i < Dim; ++i) dHdp[i] += p[i];
   }
@@ -43,7 +43,7 @@ struct Attraction {
   static constexpr const char* about = "Newton's attraction by a centre, -GM/r";
   Scalar gm = Scalar(1);  ///< length³/time²
 
-  Scalar energy(const auto& q) const {
+  auto energy(const auto& q) const {
     using std::sqrt;
     return -gm / sqrt(detail::dot<Dim>(q, q));
   }
@@ -71,7 +71,7 @@ struct TwoCentres {
   /// Masses 1 - μ and μ at distance 1, the origin at their centre of mass.
   static TwoCentres restricted(Scalar mu) { return {.gm1 = 1 - mu, .x1 = -mu, .gm2 = mu, .x2 = 1 - mu}; }
 
-  Scalar energy(const auto& q) const {
+  auto energy(const auto& q) const {
     using std::sqrt;
     return -gm1 / sqrt(distance2(q, x1)) - gm2 / sqrt(distance2(q, x2));
   }
@@ -105,7 +105,7 @@ struct Oblateness {
   Scalar j2 = Scalar(0);      ///< a number: Earth 1.08263e-3, Sun 2e-7
   Scalar radius = Scalar(1);  ///< equatorial, that J₂ refers to; length
 
-  Scalar energy(const auto& q) const {
+  auto energy(const auto& q) const {
     using std::sqrt;
     const auto r2 = detail::dot<Dim>(q, q);
     const auto r3 = r2 * sqrt(r2);
@@ -139,7 +139,7 @@ struct RotatingFrame {
   static constexpr const char* about = "Coriolis and centrifugal force, -ω(q1 p2 - q2 p1)";
   Scalar omega = Scalar(1);  ///< radians/time
 
-  Scalar energy(const auto& q, const auto& p) const { return -omega * (q[0] * p[1] - q[1] * p[0]); }
+  auto energy(const auto& q, const auto& p) const { return -omega * (q[0] * p[1] - q[1] * p[0]); }
   void add_gradient(const auto& q, const auto& p, auto& dHdq, auto& dHdp) const {
     dHdq[0] -= omega * p[1];
     dHdq[1] += omega * p[0];

@@ -56,7 +56,7 @@ struct PostNewtonian1 {
   Scalar c = Scalar(1);   ///< speed of light, length/time
   Scalar nu = Scalar(0);  ///< symmetric mass ratio, 0 to 1/4
 
-  Scalar energy(const auto& q, const auto& p) const {
+  auto energy(const auto& q, const auto& p) const {
     const auto [inverse_r, square, u, s] = detail::radial_form<Dim>(gm, q, p);
     return (-(1 - 3 * nu) * square * square / 8 - u * ((3 + nu) * square + nu * s * s) / 2 + u * u / 2) /
            (c * c);
@@ -85,7 +85,7 @@ struct PostNewtonian2 {
   Scalar c = Scalar(1);
   Scalar nu = Scalar(0);
 
-  Scalar energy(const auto& q, const auto& p) const {
+  auto energy(const auto& q, const auto& p) const {
     const auto [inverse_r, square, u, s] = detail::radial_form<Dim>(gm, q, p);
     const auto [a, b, d] = coefficients();
     const auto ss = nu * s * s;
@@ -130,7 +130,7 @@ struct SpinOrbit {
   Scalar gs = Scalar(1);  ///< G times the spin, length⁵/time³
   Scalar c = Scalar(1);   ///< length/time
 
-  Scalar energy(const auto& q, const auto& p) const { return weight(q) * (q[0] * p[1] - q[1] * p[0]); }
+  auto energy(const auto& q, const auto& p) const { return weight(q) * (q[0] * p[1] - q[1] * p[0]); }
   void add_gradient(const auto& q, const auto& p, auto& dHdq, auto& dHdp) const {
     const auto k = weight(q), l = q[0] * p[1] - q[1] * p[0];
     const auto pull = 3 * k * l / detail::dot<Dim>(q, q);

@@ -2,7 +2,6 @@
 // case gauss: what is asked of it here takes norms of one process's state
 // case transformed: what is asked of it here takes norms of one process's state
 // case solver_of_one_process: has sum_over_ranks(), so that the solver has to take norms by
-// norm_over_ranks(residual, v)
 #include <semiexplicit/semiexplicit.hpp>
 #include <semiexplicit/time.hpp>
 

@@ -115,7 +115,9 @@ int run_job(int argc, char** argv) {
       return run(ranks, job);
     } catch (const std::exception& error) {
       // The others wait for this process: only all together can end.
-      std::cerr << "nls_mpi, process " << ranks.rank() << ": " << error.what() << std::endl;
+      // In one piece: mpirun mixes what processes write.
+      std::cerr << "nls_mpi, process " + std::to_string(ranks.rank()) + ": " + error.what() + '\n'
+                << std::flush;
       MPI_Abort(MPI_COMM_WORLD, 1);
       return 1;
     }

@@ -1,6 +1,5 @@
 // case no_mistake: compiles
-// case no_derivative: the derivative of this stepper's step is not known: give TangentVectors,
-// LyapunovExponents
+// case no_derivative: the derivative of this stepper's step is not known: give TangentVectors, LyapunovExponents
 #include <semiexplicit/chaos.hpp>
 #include <semiexplicit/schemes/named.hpp>
 #include <semiexplicit/steppers/tao.hpp>

@@ -9,10 +9,10 @@
 // case gradient_returned: the gradient of this Hamiltonian takes other arguments: write `void gradient(
 // case gradient_of_vectors: the gradient of this Hamiltonian takes other arguments: write `void gradient(
 // case gradient_by_value: takes dHdq or dHdp by value, so what it writes is lost: take both as
-// case gradient_of_other_size: takes columns of another size or of other numbers than its Dof and Scalar:
-// write case gradient_of_floats: takes columns of another size or of other numbers than its Dof and Scalar:
-// write case time_dependent: depends on the time: give the stepper Autonomous(H) case lambda_by_value: takes
-// dHdq or dHdp by value, so what it writes is lost: take both as
+// case gradient_of_other_size: takes columns of another size or of other numbers than its Dof and Scalar: write
+// case gradient_of_floats: takes columns of another size or of other numbers than its Dof and Scalar: write
+// case time_dependent: depends on the time: give the stepper Autonomous(H)
+// case lambda_by_value: takes dHdq or dHdp by value, so what it writes is lost: take both as
 #include <semiexplicit/schemes/named.hpp>
 #include <semiexplicit/steppers/semiexplicit.hpp>
 

@@ -1,16 +1,16 @@
 // case no_mistake: compiles
-// case observer_of_other_arguments: this observer cannot be called: write `void operator()(const Scalar& t,
-// const State& state)` case observer_wants_mutable_state: this observer cannot be called: write `void
-// operator()(const Scalar& t, const State& state)` case nested_observer: this observer cannot be called:
-// write `void operator()(const Scalar& t, const State& state)` case solver_without_workspace: this solver has
-// no memory to work in: write `template <class Vec> struct Workspace` case solver_without_solve: this solver
-// has no `template <class Residual, class Vec> SolverReport case stepper_without_state: this stepper does not
-// say what it moves: write `using Scalar = double; using State = case stepper_without_step: this stepper has
-// no step: write `StepReport step(State& state, const Scalar& dt)` case state_of_other_size: the state is of
-// another type than the one that the stepper moves case const_state: the state is of another type than the
-// one that the stepper moves case saved_without_memory: shows its memory: write `template <class Visitor>
-// void visit_memory( case saved_without_options: lists its options, or a run could be resumed with others:
-// write case solver_without_options: does not list its options, so it could be resumed with others: write
+// case observer_of_other_arguments: this observer cannot be called: write `void operator()(const Scalar& t, const State& state)`
+// case observer_wants_mutable_state: this observer cannot be called: write `void operator()(const Scalar& t, const State& state)`
+// case nested_observer: this observer cannot be called: write `void operator()(const Scalar& t, const State& state)`
+// case solver_without_workspace: this solver has no memory to work in: write `template <class Vec> struct Workspace`
+// case solver_without_solve: this solver has no `template <class Residual, class Vec> SolverReport
+// case stepper_without_state: this stepper does not say what it moves: write `using Scalar = double; using State =
+// case stepper_without_step: this stepper has no step: write `StepReport step(State& state, const Scalar& dt)`
+// case state_of_other_size: the state is of another type than the one that the stepper moves
+// case const_state: the state is of another type than the one that the stepper moves
+// case saved_without_memory: shows its memory: write `template <class Visitor> void visit_memory(
+// case saved_without_options: lists its options, or a run could be resumed with others: write
+// case solver_without_options: does not list its options, so it could be resumed with others: write
 #include <semiexplicit/checkpoint/checkpoints.hpp>
 #include <semiexplicit/observers/every.hpp>
 #include <semiexplicit/schemes/named.hpp>

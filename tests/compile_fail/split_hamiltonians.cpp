@@ -1,11 +1,10 @@
 // case no_mistake: compiles
-// case not_const: rest_position_gradient of this Hamiltonian cannot be called: write `void
-// rest_position_gradient(In<Scalar case other_output: rest_position_gradient of this Hamiltonian cannot be
-// called: write `void rest_position_gradient(In<Scalar case momentum_not_const: rest_momentum_gradient of
-// this Hamiltonian cannot be called: write `void rest_momentum_gradient(In<Scalar case by_value: coupled_rest
-// of this Hamiltonian cannot be called: write `const C& coupled_rest() const` case coupled_not_const:
-// coupled_rest of this Hamiltonian cannot be called: write `const C& coupled_rest() const` case
-// no_hamiltonian: coupled_rest of this Hamiltonian cannot be called: write `const C& coupled_rest() const`
+// case not_const: rest_position_gradient of this Hamiltonian cannot be called: write `void rest_position_gradient(In<Scalar
+// case other_output: rest_position_gradient of this Hamiltonian cannot be called: write `void rest_position_gradient(In<Scalar
+// case momentum_not_const: rest_momentum_gradient of this Hamiltonian cannot be called: write `void rest_momentum_gradient(In<Scalar
+// case by_value: coupled_rest of this Hamiltonian cannot be called: write `const C& coupled_rest() const`
+// case coupled_not_const: coupled_rest of this Hamiltonian cannot be called: write `const C& coupled_rest() const`
+// case no_hamiltonian: coupled_rest of this Hamiltonian cannot be called: write `const C& coupled_rest() const`
 #include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 

@@ -227,9 +227,9 @@ Status cut_at_events(S& stepper, typename S::State& start, typename S::State& st
       throw std::runtime_error("integrate: " + std::to_string(most) +
                                " events in the step to t = " + in_words(end, 9) +
                                "; take a shorter dt, or let the action end the run where they pile up");
-    // One at an end of the step, as far as times tell, is at the end.
+    // The state goes to the event, however little of that a late time can tell.
     using std::abs;
-    const Scalar rounding = 4 * Eigen::NumTraits<Scalar>::epsilon() * (abs(t) + abs(end));
+    const Scalar rounding = 4 * Eigen::NumTraits<Scalar>::epsilon() * abs(options.dt);
     const Scalar x = abs(found.x) <= rounding ? Scalar(0) : abs(h - found.x) <= rounding ? h : found.x;
     report.last = move(x, state);
     if (!report.last.ok()) {
@@ -237,17 +237,24 @@ Status cut_at_events(S& stepper, typename S::State& start, typename S::State& st
       return report.last.status;
     }
     if constexpr (ChoosesSteps<S>) report.taken = static_cast<double>(stepper.taken());
-    t = x == h ? end : Scalar(t + x);
+    Scalar now = x == h ? end : Scalar(t + x);
+    if (h > Scalar(0) ? now > end : now < end) now = end;
+    const bool later = now != t;
+    t = now;
     h -= x;
-    const bool last = ChoosesSteps<S> || h == Scalar(0);  // what is after the event ends the step
+    const bool last = ChoosesSteps<S>;  // what is after the event ends the step
     report.at_event = true;
-    bool go_on = x == Scalar(0) || tell(t);
+    bool go_on = !later || tell(t);
     go_on = observer.act(found, t, state, report) && go_on;
     ++report.changes;
-    if (!last || !go_on) go_on = tell(t) && go_on;
-    report.at_event = false;
+    if (t != end || last || !go_on) go_on = tell(t) && go_on;
     if (!go_on) return Status::stopped;
+    report.at_event = false;
     if (last) return Status::success;
+    if (h == Scalar(0)) {
+      start = state;
+      continue;
+    }
     start = state;
     report.last = stepper.step(state, h);
     report.evaluations += report.last.evaluations;

@@ -257,7 +257,7 @@ TEST_CASE("Of two kinds on one surface both have their events, in either order",
 TEST_CASE("A ball that hits a corner bounces off both walls", "[events]") {
   // Free flight along the diagonal of a box, whose walls are crossed at once but for rounding.
   using Flat = PhasePoint<double, 2>;
-  for (const double width : {1.0, 1.1, 0.3})
+  for (const double width : {1.0, 1.1, 0.3, 0.77, 0.213})
     for (const double ratio : {1.0, 3.0}) {
       CAPTURE(width, ratio);
       auto stepper = semiexplicit_of(Free());
@@ -368,28 +368,45 @@ TEST_CASE("Backward runs bounce, too", "[events]") {
   CHECK(std::abs(z.p()[0]) < 1e-11);
 }
 
-TEST_CASE("Reversible steps are cut at events, too", "[events]") {
-  ReversibleSteps stepper(semiexplicit_of(Ball()),
-                          [](const auto& q, const auto& p) { return 1 / (1 + p[0] * p[0] + q[0] * q[0]); });
+TEST_CASE("A run that ended at an event is gone on with by a new run, not by `done`", "[events]") {
+  const IntegrationOptions<double> options{.dt = 0.07, .t_end = 20.3};
+  for (const int stop : {1, 3}) {
+    int n = 0;
+    auto watch = events(Ball(), on_event(
+                                    height,
+                                    [&](double, Point& at) {
+                                      at.p()[0] = -at.p()[0];
+                                      return ++n != stop;
+                                    },
+                                    CrossingDirection::falling));
+    auto stepper = semiexplicit_of(Ball());
+    Point z(0.5, 0);
+    const auto first = integrate(stepper, z, options, watch);
+    REQUIRE(first.status == Status::stopped);
+    CHECK(first.at_event);
+    auto wrong = options;
+    wrong.done = first;
+    const Point there = z;
+    CHECK(refuses([&] { integrate(stepper, z, wrong, watch); }, "t0 = report.t"));
+    CHECK(z.vector() == there.vector());
+    const auto rest = integrate(stepper, z, {.dt = 0.07, .t0 = first.t, .t_end = 20.3}, watch);
+    CHECK(!rest.at_event);
+    CHECK(n == 10);
+    CHECK(z.q()[0] == Approx(elastic(20.3)).epsilon(1e-11));
+  }
+}
+
+TEST_CASE("A run whose steps may be subdivided refuses events that change the state, and no others",
+          "[events]") {
+  auto stepper = semiexplicit_of(Ball());
   Point z(0.5, 0);
-  double worst = 0, last = -1;
-  auto watch = events(Ball(), on_event(
-                                  height,
-                                  [&](double t, Point& at) {
-                                    worst = std::max(worst, std::abs(t - (last += 2)));
-                                    at.p()[0] = -at.p()[0];
-                                  },
-                                  CrossingDirection::falling));
-  last = -1;
-  auto output = at_times(Ball(), {0.5, 1.5, 2.25, 7.75}, [&](double t, const Point& at) {
-    worst = std::max(worst, std::abs(at.q()[0] - elastic(t)));
-  });
-  const auto report = integrate(stepper, z, {.dt = 0.1, .t_end = 10}, watch, output);
-  CHECK(report.t == 10);
-  CHECK(watch.count() == 5);
-  CHECK(output.served() == 4);
-  CHECK(worst < 1e-10);
-  CHECK(z.q()[0] == Approx(0.5).epsilon(1e-10));
+  auto change = events(Ball(), on_event(height, [](double, Point& at) { at.p()[0] = 1; }));
+  CHECK(
+      refuses([&] { integrate(stepper, z, {.dt = 0.1, .steps = 5, .subdivide = 2}, change); }, "subdivide"));
+  CHECK(z.q()[0] == 0.5);
+  auto tell = events(Ball(), on_event(height, [](double, const Point&) {}));
+  integrate(stepper, z, {.dt = 0.1, .steps = 15, .subdivide = 2}, tell);
+  CHECK(tell.count() == 1);
 }
 
 TEST_CASE("A resumed run with events has the same bits", "[events]") {

@@ -350,12 +350,14 @@ class Events {
 /// the run at the event, with the state there. Said plainly what that does: between the events each arc is as
 /// symplectic as its steps, but the map as a whole is not, since the cut depends on the state (a reversible
 /// action, as a bounce, in a reversible system keeps it reversible); what a stepper carries begins anew, as
-/// the compensation of its sums, the first iterates of Gauss's method and the density of ReversibleSteps;
+/// the compensation of its sums and the first iterates of Gauss's method;
 /// dense output and sections begin anew; Lyapunov exponents refuse such a run. An action on a ball whose
 /// bounces pile up is to end the run: events on a surface within 1e-5 of a step (in float 3e-3) throw
 /// std::runtime_error, and so do a thousand in one step. Surfaces crossed at the same time, to rounding, all
 /// have their events, in order of kinds behind the first, each action seeing what the one before made of the
-/// state. Only one observer of a run may change the state.
+/// state. Only one observer of a run may change the state. Refused are: with a stepper
+/// that ChoosesSteps (ReversibleSteps), by the compiler; IntegrationOptions::subdivide; and to go on by
+/// `done` with a run that ended at an event: start a new one with t0 = report.t.
 template <class H, class... Kinds>
 Events<H, Kinds...> events(H hamiltonian, Kinds... kinds) {
   return {std::move(hamiltonian), 4, std::forward<Kinds>(kinds)...};

@@ -7,6 +7,7 @@
 
 #include <semiexplicit/checkpoint.hpp>
 #include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/systems.hpp>
 #include <semiexplicit/time.hpp>
 
 #include "folder.hpp"
@@ -208,6 +209,18 @@ TEST_CASE("An estimate refuses senseless options and states that an event has ch
   auto kick = events(Kepler(), on_event([](const auto& q, const auto&) { return q[1]; },
                                         [](double, Point& at) { at.p() *= 0.9; }));
   CHECK(refuses([&] { integrate(run, z, {.dt = 0.1, .steps = 100}, kick, estimate); }, "event"));
+}
+
+TEST_CASE("Nothing is estimated from the first step on that was cut into parts", "[error_estimate]") {
+  const systems::Product<double> h;
+  const SimplifiedNewton strict{.max_iterations = 5};
+  Semiexplicit stepper(h, schemes::strang<double>(), strict);
+  PhasePoint<double, 1> z(-3, 0);
+  auto estimate = with_error_estimate(stepper);
+  const auto run = integrate(stepper, z, {.dt = 0.2, .steps = 50, .subdivide = 8}, estimate);
+  REQUIRE(run.subdivided > 0);
+  CHECK_FALSE(estimate.error());
+  CHECK(estimate.parted_at());
 }
 
 }  // namespace test_error_estimate

@@ -5,10 +5,13 @@
 #include <sstream>
 #include <string>
 
+#include <semiexplicit/accuracy.hpp>
+#include <semiexplicit/chaos.hpp>
 #include <semiexplicit/checkpoint.hpp>
 #include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 #include <semiexplicit/systems.hpp>
+#include <semiexplicit/time.hpp>
 
 #include "refusal.hpp"
 
@@ -195,6 +198,46 @@ TEST_CASE("books tell of each effect, at run time, too, and of steps of any leng
   CHECK(says(table.str(), "work of drag"));
   CHECK(says(table.str(), "difference"));
   CHECK(refuses([&] { books.work("darg"); }, "drag"));
+}
+
+TEST_CASE("What needs a Hamiltonian refuses a scene with a force of its own by name", "[motion]") {
+  const Scene damped(effects::orbits::Kinetic<double, 2>{}, effects::orbits::Attraction<double, 2>{},
+                     effects::orbits::Drag<double, 2>{.linear = 0.01});
+  const RuntimeScene<double, 2> at_run_time(damped);
+  const PhasePoint<double, 2> z({1, 0}, {0, 1});
+  const auto stepper = Semiexplicit(damped, schemes::low_defect6_s13<double>());
+  CHECK(refuses([&] { LyapunovExponents(stepper, 1); }, "a force of its own"));
+  CHECK(refuses([&] { TangentMap(damped, schemes::strang<double>()); }, "a force of its own"));
+  CHECK(refuses([&] { LyapunovExponents(Semiexplicit(at_run_time, schemes::strang<double>()), 1); },
+                "a force of its own"));
+  CHECK(refuses(
+      [&] {
+        TimeTransformed(damped, monitors::DistanceFrom<double, 2>({0, 0}), -0.5);
+      },
+      "take ReversibleSteps"));
+  CHECK(refuses([&] { cost_of_accuracy(damped, z, 10); }, "with_error_estimate()"));
+}
+
+TEST_CASE("Books of a run that turns round, or whose state an event changes, close as well", "[motion]") {
+  const Scene damped(effects::orbits::Kinetic<double, 2>{}, effects::orbits::Drag<double, 2>{.linear = 0.1});
+  Semiexplicit stepper(damped, schemes::low_defect8_s20<double>());
+  PhasePoint<double, 2> z({1, 0}, {1, 0});
+  Books books(damped);
+  const auto there = integrate(stepper, z, {.dt = 0.1, .steps = 200}, books);
+  const auto back = integrate(stepper, z, {.dt = -0.1, .steps = 50, .t0 = there.t}, books);
+  integrate(stepper, z, {.dt = 0.1, .steps = 500, .t0 = back.t}, books);
+  CHECK(std::abs(books.difference()) < 1e-9);
+
+  Books kicked(damped);
+  z = PhasePoint<double, 2>({0, 0}, {1, 0});
+  auto watch = events(
+      damped, on_event([](const auto& q, const auto&) { return q[0] - 3; },
+                       [](double, PhasePoint<double, 2>& at) { at.p()[0] += 3; }, CrossingDirection::rising));
+  integrate(stepper, z, {.dt = 0.1, .t_end = 20}, kicked, watch);
+  REQUIRE(watch.count() == 1);
+  // p falls from 1 by 0.1 a length of way: 0.7 where the kick makes 3.7 of it.
+  CHECK(kicked.by_events() == Approx((3.7 * 3.7 - 0.7 * 0.7) / 2).epsilon(1e-9));
+  CHECK(std::abs(kicked.difference()) < 1e-9);
 }
 
 }  // namespace test_motion

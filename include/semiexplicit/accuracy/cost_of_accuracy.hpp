@@ -121,6 +121,8 @@ auto cost_of_accuracy(
                                   std::to_string(dof_of(hamiltonian)) + "; give both the same size");
     if (!z0.vector().allFinite())
       throw std::invalid_argument("cost_of_accuracy: z0 holds NaN or Inf; give a finite initial state");
+    detail::require_symplectic(hamiltonian, "cost_of_accuracy",
+                               "its energy changes by their work: give runs with_error_estimate() instead");
     using Any = detail::Erased<H>;
     const double start = detail::cpu_seconds();
     PhasePoint<typename H::Scalar, Eigen::Dynamic> at(z0.dof());

@@ -55,6 +55,7 @@ class TangentMap {
         db_(da_),
         solver_(size_) {
     scheme_.check();
+    detail::require_symplectic(hamiltonian_, "TangentMap", "compare runs from neighbouring states instead");
   }
 
   /// Of the steps of that stepper.

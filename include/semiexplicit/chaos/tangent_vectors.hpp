@@ -43,7 +43,7 @@ class TangentVectors {
 
   /// `count` vectors, the first columns of the identity. Throws std::invalid_argument for a count below 1.
   TangentVectors(const Stepper& stepper, Eigen::Index count)
-      : step_(stepper, require(count)),
+      : step_(checked(stepper), require(count)),
         vectors_(Vectors::Identity(2 * stepper.dof(), count)),
         scale_(count) {}
 
@@ -88,6 +88,13 @@ class TangentVectors {
   }
 
  private:
+  static const Stepper& checked(const Stepper& stepper) {
+    if constexpr (requires { stepper.hamiltonian(); })
+      detail::require_symplectic(stepper.hamiltonian(), "tangent vectors",
+                                 "compare runs from neighbouring states instead");
+    return stepper;
+  }
+
   static Eigen::Index require(Eigen::Index count) {
     if (count < 1)
       throw std::invalid_argument("TangentVectors: " + std::to_string(count) + " vectors; give one or more");

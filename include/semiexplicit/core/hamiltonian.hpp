@@ -1,6 +1,8 @@
 #pragma once
 
 #include <concepts>
+#include <stdexcept>
+#include <string>
 #include <type_traits>
 #include <utility>
 
@@ -162,6 +164,29 @@ constexpr Eigen::Index dof_of(const H& h) {
 }
 
 namespace detail {
+
+/// Whether the vector field of H is that of a Hamiltonian. A scene with forces of its own has gradient(),
+/// which all steppers take, and says no: `bool is_symplectic() const`.
+template <class H>
+constexpr bool is_symplectic([[maybe_unused]] const H& h) {
+  if constexpr (requires {
+                  { h.is_symplectic() } -> std::convertible_to<bool>;
+                })
+    return h.is_symplectic();
+  else
+    return true;
+}
+
+/// Throws std::invalid_argument, in the name of `who`, unless H is a Hamiltonian in truth; `instead` is the
+/// remedy.
+template <class H>
+void require_symplectic(const H& h, const std::string& who, const std::string& instead) {
+  if (!is_symplectic(h))
+    throw std::invalid_argument(who +
+                                ": the scene has an effect with a force of its own (OnMotion), and is no "
+                                "Hamiltonian system; " +
+                                instead);
+}
 
 /// One gradient call with each column wherever it lies. Every stepper calls gradient() by it.
 template <class H>

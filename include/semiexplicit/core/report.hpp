@@ -31,7 +31,7 @@ enum class Status {
 
 namespace detail {
 /// The last of them, for who reads one from a file.
-inline constexpr Status last_status = Status::close_encounter;
+inline constexpr Status last_status = Status::invalid_monitor;
 }  // namespace detail
 
 /// What happened, in words, with the remedy.

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include <semiexplicit/core/checkpointable.hpp>
+#include <semiexplicit/core/extended_phase_space.hpp>
 #include <semiexplicit/core/observer.hpp>
 #include <semiexplicit/core/phase_point.hpp>
 #include <semiexplicit/core/stepper.hpp>
@@ -51,8 +52,10 @@ class ErrorEstimate {
           "estimate "
           "the arcs between events by runs of their own");
     const Next next = clock_.relation(t, clock_.started() && z.vector() == last_.vector(), run);
+    // Where steps are cut into parts the companion's would be those same parts, or fail as the run's did.
+    if (run.subdivided > 0 && next == Next::follows) failed_ = true;
     if (next == Next::follows) {
-      if (!parted_) go_on(clock_.interval(t, run), clock_.steps_since(run));
+      if (!parted_ && !failed_) go_on(clock_.interval(t, run), clock_.steps_since(run));
     } else if (next != Next::again) {
       companion_ = z;
       parted_ = false;
@@ -122,6 +125,14 @@ class ErrorEstimate {
   /// upper bound above.
   Scalar factor() const { return options_.parts > 1 ? Scalar(4) / 3 : Scalar(1); }
 
+  /// ‖z‖, without the time where that is a coordinate.
+  Scalar size() const {
+    if constexpr (requires { stepper_.hamiltonian(); })
+      return detail::state_size(stepper_.hamiltonian(), last_);
+    else
+      return detail::norm(last_.vector());
+  }
+
   std::optional<Scalar> said(const Scalar& value) const {
     return parted_ ? std::nullopt : std::optional<Scalar>(value);
   }
@@ -140,15 +151,8 @@ class ErrorEstimate {
 
   void judge(const Scalar& t) {
     if (parted_) return;
-    Scalar squares(0), size(0);
-    for (Eigen::Index i = 0; i < last_.vector().size(); ++i) {
-      const Scalar apart = last_.vector()[i] - companion_.vector()[i];
-      squares += apart * apart;
-      size += last_.vector()[i] * last_.vector()[i];
-    }
-    using std::sqrt;
-    error_ = factor() * sqrt(squares);
-    if (failed_ || !(error_ <= Scalar(options_.parted) * sqrt(size))) {
+    error_ = factor() * detail::norm(last_.vector() - companion_.vector());
+    if (failed_ || !(error_ <= Scalar(options_.parted) * size())) {
       parted_ = true;
       parted_at_ = t;
       failed_ = false;
@@ -188,6 +192,8 @@ class ErrorEstimate {
 /// the first moment on at which it passes `parted` of |z| there is no estimate, and parted_at() says when.
 /// Observers of the companion see its states: a figure that is measured on both runs, a period or a
 /// precession, has the error error_of(on_the_run, on_the_companion).
+///
+/// No estimate either from the first step on that was cut into parts (IntegrationOptions::subdivide).
 ///
 /// An observer and no stepper, so that the run stays what it is, bit for bit, and takes any stepper: one that
 /// chooses its steps as well, around which the companion halves each (give it `stepper.stepper()`). Costs

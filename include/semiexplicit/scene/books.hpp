@@ -30,6 +30,13 @@ class RunningIntegral {
       values_[last()] = value;
       return;
     }
+    if (count_ > 1 && (t > times_[last()]) != (times_[1] > times_[0])) {  // it has turned round
+      const Scalar here = times_[last()], there = values_[last()];
+      begin_anew();
+      times_[0] = here;
+      values_[0] = there;
+      count_ = 1;
+    }
     if (count_ == nodes) {
       for (std::size_t i = 1; i < nodes; ++i) {
         times_[i - 1] = times_[i];
@@ -44,6 +51,12 @@ class RunningIntegral {
     if (!full_) add(integral(0, 3));  // the first time also what lies before the middle
     full_ = true;
     add(integral(3, 4));
+  }
+  /// What was seen so far counts, and f may go on from another value.
+  void begin_anew() {
+    if (count_ > 1) add(integral(full_ ? 4 : 0, last()));
+    count_ = 0;
+    full_ = false;
   }
   /// Up to the last value.
   Scalar value() const {
@@ -116,6 +129,8 @@ class RunningIntegral {
 ///     std::cout << books;                    // a table
 ///     books.difference();
 ///
+/// A run may turn round, and events may change the state: what they do to the energy is by_events().
+///
 /// Asks for one gradient and each force a step. Has to see every step; takes part in checkpoints.
 template <class ScalarType, int DofValue>
 class Books {
@@ -133,10 +148,16 @@ class Books {
   explicit Books(const Scene<Effects...>& scene) : Books(RuntimeScene<Scalar, Dof>(scene)) {}
 
   template <class State>
-  void operator()(const Scalar& t, const State& state) {
+  void operator()(const Scalar& t, const State& state, const IntegrationReport& run = {}) {
     const In<Scalar, Dof> q = state.q(), p = state.p();
+    const Scalar before = energy_;
     energy_ = scene_.energy(q, p);
     if (!started_) start_ = energy_;
+    if (started_ && run.changes > changes_) {  // an event has changed the state
+      changed_ += energy_ - before;
+      for (Account& account : accounts_) account.work.begin_anew();
+    }
+    changes_ = run.changes;
     started_ = true;
     if (accounts_.empty()) return;
     scene_.gradient(q, p, gradient_.q(), gradient_.p());
@@ -168,8 +189,10 @@ class Books {
     for (const Account& account : accounts_) sum += account.work.value();
     return sum;
   }
-  /// Energy now, less that at the start, less all work: zero but for errors.
-  Scalar difference() const { return (energy_ - start_) - work(); }
+  /// By how much events have changed the energy; see events().
+  Scalar by_events() const { return changed_; }
+  /// Energy now, less that at the start, less all work and what events did: zero but for errors.
+  Scalar difference() const { return (energy_ - start_) - work() - changed_; }
 
   /// Whether it has seen nothing yet.
   bool fresh() const { return !started_; }
@@ -184,6 +207,8 @@ class Books {
     visit(start_);
     visit(energy_);
     visit(started_);
+    visit(changed_);
+    visit(changes_);
     for (Account& account : accounts_) account.work.visit_memory(visit);
   }
 
@@ -197,7 +222,8 @@ class Books {
   PhasePoint<Scalar, Dof> gradient_;
   Vector<Scalar, Dof> force_;
   std::vector<Account> accounts_{};
-  Scalar start_ = Scalar(0), energy_ = Scalar(0);
+  Scalar start_ = Scalar(0), energy_ = Scalar(0), changed_ = Scalar(0);
+  std::int64_t changes_ = 0;
   bool started_ = false;
 };
 
@@ -211,6 +237,7 @@ template <class Scalar, int Dof>
 std::ostream& operator<<(std::ostream& out, const Books<Scalar, Dof>& books) {
   std::vector<std::pair<std::string, Scalar>> lines{{"energy at the start", books.energy_at_start()}};
   for (const std::string& effect : books.names()) lines.emplace_back("work of " + effect, books.work(effect));
+  if (books.by_events() != Scalar(0)) lines.emplace_back("by events", books.by_events());
   lines.emplace_back("energy now", books.energy_now());
   lines.emplace_back("difference", books.difference());
   std::size_t width = 0;

@@ -39,6 +39,7 @@ class Scene {
   /// Whether it is a Hamiltonian at all: no effect adds a force of its own (OnMotion), which energy() would
   /// not know of and which gradient() counts as part of -∂H/∂q.
   static constexpr bool symplectic = (!MotionEffect<Effects> && ...);
+  static constexpr bool is_symplectic() { return symplectic; }
   using SeparableGradientOf = Scene;
 
   /// Throws std::invalid_argument where effects of dynamic size have different sizes, or none.

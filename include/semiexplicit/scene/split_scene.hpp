@@ -81,6 +81,7 @@ class SplitScene<Scene<Effects...>, Group...> {
 
  public:
   using Whole = Scene<Effects...>;
+  static constexpr bool is_symplectic() { return Whole::symplectic; }
   using Scalar = typename Whole::Scalar;
   static constexpr int Dof = Whole::Dof;
   using Flow = typename FlowOf<Group...>::Type;

@@ -49,7 +49,10 @@ requires(PositionMonitor<G, typename H::Scalar, H::Dof> ||
       : hamiltonian_(std::move(hamiltonian)),
         monitor_(std::move(monitor)),
         energy_(energy),
-        dg_(dof_of(hamiltonian_)) {}
+        dg_(dof_of(hamiltonian_)) {
+    detail::require_symplectic(hamiltonian_, "TimeTransformed",
+                               "its energy changes, on which K = g(H - E) rests; take ReversibleSteps");
+  }
 
   Eigen::Index dof() const { return dof_of(hamiltonian_) + 1; }
 

@@ -31,7 +31,8 @@ struct IntegrationOptions {
   OnFailure on_failure = OnFailure::raise;
   /// A step that does not converge or is not finite is tried again as 2, 4, ... up to 2^subdivide equal ones
   /// before it counts as failed; IntegrationReport::subdivided says how often. The energy then may drift: a
-  /// step that depends on the state is a symplectic map no more. 0: never.
+  /// step that depends on the state is a symplectic map no more. Not with events that change the state. 0:
+  /// never.
   int subdivide = 0;
   Scalar t0 = Scalar(0);  ///< time of the state that is handed in, or of the first one where the run goes on
   /// Where the run ends, exactly: with the fewest equal steps that are no longer than dt.
@@ -168,10 +169,25 @@ SEMIEXPLICIT_COLD void check_options(const IntegrationOptions<Scalar>& options, 
     throw std::invalid_argument("integrate: " + std::to_string(options.done.steps) +
                                 " steps are done, and not 0 to " + std::to_string(options.steps) +
                                 " of them; steps counts those of the earlier part, too");
+  if (options.done.at_event)
+    throw std::invalid_argument("integrate: the earlier part ended at an event within a step, at t = " +
+                                in_words(options.done.t, 17) +
+                                ", and its steps cannot be gone on with; start a new run with t0 = report.t "
+                                "and without `done`");
   if (options.done.steps > 0 && options.done.dt != 0 && options.done.dt != static_cast<double>(options.dt))
     throw std::invalid_argument("integrate: the earlier part took steps of " + in_words(options.done.dt, 17) +
                                 ", and dt is " + in_words(static_cast<double>(options.dt), 17) +
                                 " now; give the same dt, or begin a new run with t0 = the time reached");
+}
+
+/// Compiles unless an observer would change the state of a stepper that chooses its steps.
+template <class S, class... Observers>
+consteval bool lets_state_change() {
+  constexpr bool lets = !(ChoosesSteps<S> && (false || ... || ChangesState<Observers>));
+  static_assert(lets,
+                "events that change the state need a stepper of equal steps, and this one chooses its steps: "
+                "take its inner stepper, or actions with a const state");
+  return lets;
 }
 
 /// The observer that may change the state; of others there is none.
@@ -185,26 +201,20 @@ auto& changing(First& first, Others&... others) {
 
 /// A step that was taken from `start`, at the time t, to `state`, cut where an observer wants to change the
 /// state: `state` and t become those after the last event, and what is left of the step is taken from there.
-/// tell() notifies all observers. Success, `stopped` at an event, or why the rest of the step failed.
+/// tell() notifies all observers. Success, `stopped` at an event, or why the rest of the step failed; in the
+/// latter two cases behind an event report.at_event stays true.
 template <class S, class Tell, class Observer>
 Status cut_at_events(S& stepper, typename S::State& start, typename S::State& state, typename S::Scalar& t,
                      const typename S::Scalar& end, const IntegrationOptions<typename S::Scalar>& options,
-                     [[maybe_unused]] auto clock, IntegrationReport& report, const Tell& tell,
-                     Observer& observer) {
+                     IntegrationReport& report, const Tell& tell, Observer& observer) {
   using Scalar = typename S::Scalar;
-  Scalar h = ChoosesSteps<S> ? Scalar(end - t) : options.dt;
+  Scalar h = options.dt;
   constexpr int most = 1000;
   for (int events = 0;; ++events) {
     const auto move = [&](const Scalar& x, typename S::State& z) {
       z = start;
       if (x == Scalar(0)) return StepReport{};
-      StepReport one;
-      if constexpr (ChoosesSteps<S>) {
-        stepper.rewind(clock, start);
-        one = stepper.step_until(z, options.dt, x == h ? end : Scalar(t + x));
-      } else {
-        one = stepper.step(z, x);
-      }
+      const StepReport one = stepper.step(z, x);
       report.evaluations += one.evaluations;
       report.gradients += one.gradients;
       return one;
@@ -218,36 +228,38 @@ Status cut_at_events(S& stepper, typename S::State& start, typename S::State& st
       }
     }();
     if (!found) {
-      if constexpr (ChoosesSteps<S>)
-        if (stepper.time() != end) move(h, state);  // the search has left it elsewhere
       t = end;
+      report.at_event = false;
       return Status::success;
     }
     if (events >= most)
       throw std::runtime_error("integrate: " + std::to_string(most) +
                                " events in the step to t = " + in_words(end, 9) +
                                "; take a shorter dt, or let the action end the run where they pile up");
-    // One at an end of the step, as far as times tell, is at the end.
+    // The state goes to the event, however little of that a late time can tell.
     using std::abs;
-    const Scalar rounding = 4 * Eigen::NumTraits<Scalar>::epsilon() * (abs(t) + abs(end));
+    const Scalar rounding = 4 * Eigen::NumTraits<Scalar>::epsilon() * abs(options.dt);
     const Scalar x = abs(found.x) <= rounding ? Scalar(0) : abs(h - found.x) <= rounding ? h : found.x;
     report.last = move(x, state);
     if (!report.last.ok()) {
       state = start;
       return report.last.status;
     }
-    if constexpr (ChoosesSteps<S>) report.taken = static_cast<double>(stepper.taken());
-    t = x == h ? end : Scalar(t + x);
+    Scalar now = x == h ? end : Scalar(t + x);
+    if (h > Scalar(0) ? now > end : now < end) now = end;
+    const bool later = now != t;
+    t = now;
     h -= x;
-    const bool last = ChoosesSteps<S> || h == Scalar(0);  // what is after the event ends the step
     report.at_event = true;
-    bool go_on = x == Scalar(0) || tell(t);
+    bool go_on = !later || tell(t);
     go_on = observer.act(found, t, state, report) && go_on;
     ++report.changes;
-    if (!last || !go_on) go_on = tell(t) && go_on;
-    report.at_event = false;
+    if (t != end || !go_on) go_on = tell(t) && go_on;
     if (!go_on) return Status::stopped;
-    if (last) return Status::success;
+    if (h == Scalar(0)) {
+      start = state;
+      continue;
+    }
     start = state;
     report.last = stepper.step(state, h);
     report.evaluations += report.last.evaluations;
@@ -273,6 +285,11 @@ IntegrationReport integrate_checked(S& stepper, typename S::State& state,
                                                          : Scalar(options.t0 + Scalar(n) * options.dt);
   };
   check_options(options, by_clock);
+  constexpr int changing_observers = (0 + ... + (ChangesState<Observers> ? 1 : 0));
+  if (changing_observers > 0 && options.subdivide > 0)
+    throw std::invalid_argument(
+        "integrate: subdivide goes with no observer that changes the state (events() with such an action), "
+        "whose search takes whole steps; leave subdivide at 0 and take a shorter dt");
   const auto start = std::chrono::steady_clock::now();
   if (options.done.steps > 0) (require_restored(observers, options.done.steps), ...);
   IntegrationReport report = options.done;
@@ -300,7 +317,6 @@ IntegrationReport integrate_checked(S& stepper, typename S::State& state,
       throw IntegrationError(report, static_cast<double>(options.dt));
     return report;
   };
-  constexpr int changing_observers = (0 + ... + (ChangesState<Observers> ? 1 : 0));
   static_assert(changing_observers <= 1,
                 "only one observer of a run may change the state: put these events into one events(H, ...)");
 
@@ -312,7 +328,6 @@ IntegrationReport integrate_checked(S& stepper, typename S::State& state,
       return 0;
   }();
   while (by_clock ? t != options.t_end : report.steps < options.steps) {
-    [[maybe_unused]] const auto clock = clock_of(stepper);
     if constexpr (changing_observers == 1) before = state;
     report.last = one_step(stepper, state, options.dt, options);
     report.evaluations += report.last.evaluations;
@@ -327,7 +342,7 @@ IntegrationReport integrate_checked(S& stepper, typename S::State& state,
         return go_on;
       };
       const Status status = cut_at_events(stepper, before, state, t, time_after(report.steps + 1), options,
-                                          clock, report, tell, changing(observers...));
+                                          report, tell, changing(observers...));
       if (status == Status::stopped) return finish(status);
       if (status != Status::success) return fail(status);
       ++report.steps;
@@ -354,15 +369,18 @@ IntegrationReport integrate_checked(S& stepper, typename S::State& state,
 /// Times are t0 + n dt, without accumulated rounding; of a stepper that ChoosesSteps they are its own. A step
 /// that fails leaves `state` at the last good one and throws IntegrationError, or ends the run
 /// (OnFailure::stop). An exception of a gradient or an observer passes through, with the state likewise.
-/// Throws std::invalid_argument for a negative number of steps, a t_end that dt leads away from, and a
-/// senseless `subdivide`.
+/// Throws std::invalid_argument for a negative number of steps, a t_end that dt leads away from, a senseless
+/// `subdivide`, one with an observer that changes the state (ChangesState), and a run to be gone on with that
+/// ended at an event within a step (`done.at_event`). With a stepper that ChoosesSteps no observer may change
+/// the state; the compiler says so.
 template <class S, class State, class... Observers>
 IntegrationReport integrate(S& stepper, State& state,
                             const IntegrationOptions<typename detail::StepperScalar<S>::Type>& options,
                             Observers&&... observers) {
   using Scalar = typename detail::StepperScalar<S>::Type;
   if constexpr (!detail::is_stepper_of<S, State>() ||
-                !(detail::is_observer<std::remove_reference_t<Observers>, Scalar, State>() && ...))
+                !(detail::is_observer<std::remove_reference_t<Observers>, Scalar, State>() && ...) ||
+                !detail::lets_state_change<S, std::remove_reference_t<Observers>...>())
     return {};
   else
     return detail::integrate_checked(stepper, state, options, observers...);

@@ -11,11 +11,14 @@
 // case saved_without_memory: shows its memory: write `template <class Visitor> void visit_memory(
 // case saved_without_options: lists its options, or a run could be resumed with others: write
 // case solver_without_options: does not list its options, so it could be resumed with others: write
+// case reversible_steps_changed_by_events: events that change the state need a stepper of equal steps, and this one chooses its steps
 #include <semiexplicit/checkpoint/checkpoints.hpp>
+#include <semiexplicit/observers/events.hpp>
 #include <semiexplicit/observers/every.hpp>
 #include <semiexplicit/schemes/named.hpp>
 #include <semiexplicit/steppers/semiexplicit.hpp>
 #include <semiexplicit/systems/product.hpp>
+#include <semiexplicit/time/reversible_steps.hpp>
 
 using namespace semiexplicit;
 using Point = PhasePoint<double, 1>;
@@ -95,6 +98,12 @@ int main() {
 #elif defined(solver_without_options)
   Semiexplicit stepper(systems::Product<double>(), scheme, MySolver());
   Checkpoints checkpoints("file", {}, stepper, options);
+#elif defined(reversible_steps_changed_by_events)
+  const systems::Product<double> H;
+  ReversibleSteps stepper(Semiexplicit(H, scheme), [](const auto&, const auto&) { return 1.0; });
+  auto watch = events(
+      H, on_event([](const auto& q, const auto&) { return q[0]; }, [](double, Point& at) { at.p()[0] = 1; }));
+  integrate(stepper, z, options, watch);
 #elif defined(nested_observer)
   Semiexplicit stepper(systems::Product<double>(), scheme);
   integrate(stepper, z, options, every(10, observer));

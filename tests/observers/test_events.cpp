@@ -2,7 +2,10 @@
 
 #include "catch.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -34,6 +37,18 @@ struct Ball {
   }
 };
 
+/// The same in another precision.
+template <class T>
+struct BallOf {
+  using Scalar = T;
+  static constexpr int Dof = 1;
+  T energy(In<T, 1> q, In<T, 1> p) const { return p[0] * p[0] / 2 + q[0]; }
+  void gradient(In<T, 1>, In<T, 1> p, Out<T, 1> dHdq, Out<T, 1> dHdp) const {
+    dHdq[0] = 1;
+    dHdp[0] = p[0];
+  }
+};
+
 /// H = (p² + q²)/2.
 struct Oscillator {
   using Scalar = double;
@@ -42,6 +57,17 @@ struct Oscillator {
   void gradient(In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
     dHdq[0] = q[0];
     dHdp[0] = p[0];
+  }
+};
+
+/// H = p²/2 in the plane.
+struct Free {
+  using Scalar = double;
+  static constexpr int Dof = 2;
+  double energy(In<double, 2>, In<double, 2> p) const { return p.squaredNorm() / 2; }
+  void gradient(In<double, 2>, In<double, 2> p, Out<double, 2> dHdq, Out<double, 2> dHdp) const {
+    dHdq.setZero();
+    dHdp = p;
   }
 };
 
@@ -200,6 +226,95 @@ TEST_CASE("Two events within one step come in order of time", "[events]") {
   CHECK(order == "abba");
 }
 
+TEST_CASE("Of two kinds on one surface both have their events, in either order", "[events]") {
+  for (const double dt : {0.05, 0.07, 0.3, 0.5}) {
+    CAPTURE(dt);
+    const auto bounce = [](double, Point& at) { at.p()[0] = -at.p()[0]; };
+    for (const bool told_first : {true, false}) {
+      CAPTURE(told_first);
+      int told = 0;
+      const auto tell = [&](double, const Point&) { ++told; };
+      auto stepper = semiexplicit_of(Ball());
+      Point z(0.5, 0);
+      const auto run = [&](auto watch, std::size_t bounces) {
+        integrate(stepper, z, {.dt = dt, .t_end = 20.5}, watch);
+        CHECK(watch.count(bounces) == 10);
+      };
+      if (told_first)
+        run(events(Ball(), on_event(height, tell, CrossingDirection::falling),
+                   on_event(height, bounce, CrossingDirection::falling)),
+            1);
+      else
+        run(events(Ball(), on_event(height, bounce, CrossingDirection::falling),
+                   on_event(height, tell, CrossingDirection::falling)),
+            0);
+      CHECK(told == 10);
+      CHECK(z.q()[0] == Approx(elastic(20.5)).epsilon(1e-11));
+    }
+  }
+}
+
+TEST_CASE("A ball that hits a corner bounces off both walls", "[events]") {
+  // Free flight along the diagonal of a box, whose walls are crossed at once but for rounding.
+  using Flat = PhasePoint<double, 2>;
+  for (const double width : {1.0, 1.1, 0.3, 0.77, 0.213})
+    for (const double ratio : {1.0, 3.0}) {
+      CAPTURE(width, ratio);
+      auto stepper = semiexplicit_of(Free());
+      Flat z({0, 0}, {0.7, 0.7 * ratio});
+      auto watch =
+          events(Free(),
+                 on_event([=](const auto& q, const auto&) { return q[0] * q[0] - width * width; },
+                          [](double, Flat& at) { at.p()[0] = -at.p()[0]; }, CrossingDirection::rising),
+                 on_event([=](const auto& q, const auto&) { return q[1] - ratio * width; },
+                          [](double, Flat& at) { at.p()[1] = -at.p()[1]; }, CrossingDirection::rising),
+                 on_event([=](const auto& q, const auto&) { return -ratio * width - q[1]; },
+                          [](double, Flat& at) { at.p()[1] = -at.p()[1]; }, CrossingDirection::rising));
+      const double period = 4 * width / 0.7;
+      integrate(stepper, z, {.dt = 0.05, .t_end = 10 * period}, watch);
+      CHECK(watch.count(0) == 20);
+      CHECK(watch.count(1) == 10);
+      CHECK(watch.count(2) == 10);
+      CHECK(z.q().norm() < 1e-11);
+      CHECK(z.p()[1] == Approx(0.7 * ratio));
+    }
+}
+
+TEST_CASE("A ball bounces at the floor itself, however late or coarse the times are", "[events]") {
+  // The time at 1e9 has ticks of 1.2e-7, a thousandth of the step.
+  const auto run = [](auto t0, auto dt, std::int64_t steps) {
+    using T = decltype(t0);
+    using P = PhasePoint<T, 1>;
+    for (const auto direction : {CrossingDirection::falling, CrossingDirection::both}) {
+      CAPTURE(double(t0), double(dt), int(direction));
+      const double epsilon = double(std::numeric_limits<T>::epsilon());
+      double off = 0, lowest = 0;
+      auto watch = events(BallOf<T>(), on_event(
+                                           height,
+                                           [&](T, P& at) {
+                                             off = std::max(off, std::abs(double(at.q()[0])));
+                                             at.p()[0] = -at.p()[0];
+                                           },
+                                           direction));
+      Semiexplicit stepper(BallOf<T>(), schemes::blanes_moan6<T>());
+      P z(T(0.5), T(0));
+      const auto report = integrate(stepper, z, {.dt = dt, .steps = steps, .t0 = t0}, watch,
+                                    [&](T, const P& at) { lowest = std::min(lowest, double(at.q()[0])); });
+      const double end = double(dt) * double(steps);
+      CHECK(watch.count() == std::int64_t(std::floor((end + 1) / 2)));
+      CHECK(off <= 4 * epsilon * double(dt));
+      CHECK(lowest >= -4 * epsilon * double(dt));
+      CHECK(std::abs(double(z.q()[0]) - elastic(end)) < 4 * epsilon * double(steps));
+      CHECK(report.steps == steps);
+    }
+  };
+  run(1e9, 1.37e-4, 100000);
+  run(1e12, 1.37e-3, 10000);
+  run(0.0F, 0.05F, 1000);
+  run(0.0F, 0.003F, 3000);
+  run(1e5F, 0.05F, 500);
+}
+
 TEST_CASE("An event that is told of can end the run", "[events]") {
   Point z(1, 0);
   auto stepper = semiexplicit_of(Oscillator());
@@ -253,28 +368,45 @@ TEST_CASE("Backward runs bounce, too", "[events]") {
   CHECK(std::abs(z.p()[0]) < 1e-11);
 }
 
-TEST_CASE("Reversible steps are cut at events, too", "[events]") {
-  ReversibleSteps stepper(semiexplicit_of(Ball()),
-                          [](const auto& q, const auto& p) { return 1 / (1 + p[0] * p[0] + q[0] * q[0]); });
+TEST_CASE("A run that ended at an event is gone on with by a new run, not by `done`", "[events]") {
+  const IntegrationOptions<double> options{.dt = 0.07, .t_end = 20.3};
+  for (const int stop : {1, 3}) {
+    int n = 0;
+    auto watch = events(Ball(), on_event(
+                                    height,
+                                    [&](double, Point& at) {
+                                      at.p()[0] = -at.p()[0];
+                                      return ++n != stop;
+                                    },
+                                    CrossingDirection::falling));
+    auto stepper = semiexplicit_of(Ball());
+    Point z(0.5, 0);
+    const auto first = integrate(stepper, z, options, watch);
+    REQUIRE(first.status == Status::stopped);
+    CHECK(first.at_event);
+    auto wrong = options;
+    wrong.done = first;
+    const Point there = z;
+    CHECK(refuses([&] { integrate(stepper, z, wrong, watch); }, "t0 = report.t"));
+    CHECK(z.vector() == there.vector());
+    const auto rest = integrate(stepper, z, {.dt = 0.07, .t0 = first.t, .t_end = 20.3}, watch);
+    CHECK(!rest.at_event);
+    CHECK(n == 10);
+    CHECK(z.q()[0] == Approx(elastic(20.3)).epsilon(1e-11));
+  }
+}
+
+TEST_CASE("A run whose steps may be subdivided refuses events that change the state, and no others",
+          "[events]") {
+  auto stepper = semiexplicit_of(Ball());
   Point z(0.5, 0);
-  double worst = 0, last = -1;
-  auto watch = events(Ball(), on_event(
-                                  height,
-                                  [&](double t, Point& at) {
-                                    worst = std::max(worst, std::abs(t - (last += 2)));
-                                    at.p()[0] = -at.p()[0];
-                                  },
-                                  CrossingDirection::falling));
-  last = -1;
-  auto output = at_times(Ball(), {0.5, 1.5, 2.25, 7.75}, [&](double t, const Point& at) {
-    worst = std::max(worst, std::abs(at.q()[0] - elastic(t)));
-  });
-  const auto report = integrate(stepper, z, {.dt = 0.1, .t_end = 10}, watch, output);
-  CHECK(report.t == 10);
-  CHECK(watch.count() == 5);
-  CHECK(output.served() == 4);
-  CHECK(worst < 1e-10);
-  CHECK(z.q()[0] == Approx(0.5).epsilon(1e-10));
+  auto change = events(Ball(), on_event(height, [](double, Point& at) { at.p()[0] = 1; }));
+  CHECK(
+      refuses([&] { integrate(stepper, z, {.dt = 0.1, .steps = 5, .subdivide = 2}, change); }, "subdivide"));
+  CHECK(z.q()[0] == 0.5);
+  auto tell = events(Ball(), on_event(height, [](double, const Point&) {}));
+  integrate(stepper, z, {.dt = 0.1, .steps = 15, .subdivide = 2}, tell);
+  CHECK(tell.count() == 1);
 }
 
 TEST_CASE("A resumed run with events has the same bits", "[events]") {

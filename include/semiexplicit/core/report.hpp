@@ -128,7 +128,8 @@ struct IntegrationReport {
   std::int64_t changes = 0;         ///< of the state, by actions of events()
   double max_correction = 0;        ///< largest accepted correction
   double seconds = 0;               ///< wall clock, observers included
-  bool at_event = false;            ///< what observers are shown is no end of a step, but an event within it
+  bool at_event = false;            ///< what observers are shown is no end of a step, but an event within it;
+                                    ///< in the end: the run ended there, and `done` does not go on with it
   StepReport last{};                ///< the last step's own report: where the run failed, what the solver saw
   double taken = 0;                 ///< the time of the last step, where the stepper chose it (ChoosesSteps)
 

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <stdexcept>
+#include <string>
 #include <tuple>
 #include <type_traits>
 #include <utility>
@@ -82,9 +83,13 @@ class Events {
   bool operator()(const Scalar& t, const State& z, const IntegrationReport& run = {}) {
     if constexpr (changes_state) {
       // integrate() asks first_event() where a step is to be cut; what starts anew is seen here.
-      if (run.steps == 0 && !run.at_event && !(started_ && t == time_)) {
-        for (int& side : sides_) side = 0;
-        left_ = none;
+      if (run.steps == 0 && !run.at_event) {
+        longest_ = Scalar(0);
+        if (!(started_ && t == time_)) {
+          sides_.fill(0);
+          left_.fill(false);
+          pending_.fill(false);
+        }
       }
       started_ = true;
       time_ = t;
@@ -133,7 +138,8 @@ class Events {
     visit(started_);
     visit(time_);
     visit(longest_);
-    visit(left_);
+    for (bool& one : left_) visit(one);
+    for (bool& one : pending_) visit(one);
     each([&](std::size_t, auto& kind) { detail::visit_inner(visit, kind.action); });
   }
 
@@ -145,39 +151,69 @@ class Events {
   };
 
   /// The first event on the way from `start` to `end`, which takes the time h; move(x, z) makes z the state
-  /// at the time x after `start`. For integrate(), where changes_state.
+  /// at the time x after `start`. Events at the same time follow one by one with x = 0, also where nothing is
+  /// left of the step, h = 0. For integrate(), where changes_state.
   template <class Move>
   Found first_event(const State& start, const State& end, const Scalar& h, const Move& move) {
     using std::abs;
+    for (std::size_t k = 0; k < number; ++k)
+      if (std::exchange(pending_[k], false)) {
+        left_[k] = true;
+        return {k, Scalar(0)};
+      }
+    if (h == Scalar(0)) return {};
     if (abs(h) > abs(longest_)) longest_ = h;
+    const Scalar near =
+        h > Scalar(0) ? Scalar(shortest() * abs(longest_)) : Scalar(-shortest() * abs(longest_));
+    const bool decides = abs(h) > abs(near);
     Found first;
     std::array<int, number> after{};
+    std::array<bool, number> crossed{};
+    std::array<Scalar, number> when{};
     each([&](std::size_t k, auto& kind) {
+      after[k] = sides_[k];
+      if (left_[k] && !decides) return;
       const auto at = [&](const Scalar& x) {
         move(x, at_event_);
         return value(kind, at_event_);
       };
-      // The surface that the last event was on: which side it was left to shows a little later.
-      const Scalar from_x = left_ == k ? Scalar(h * Scalar(shortest)) : Scalar(0);
-      const Scalar from = left_ == k ? at(from_x) : value(kind, start), to = value(kind, end);
+      // A surface that an event was on: which side it was left to shows a little later.
+      const Scalar from_x = left_[k] ? near : Scalar(0);
+      const Scalar from = left_[k] ? at(from_x) : value(kind, start), to = value(kind, end);
       if (detail::side_of(from) != 0) sides_[k] = detail::side_of(from);
       after[k] = detail::side_of(to);
       if (after[k] == 0) after[k] = sides_[k];
       if (sides_[k] == 0 || after[k] == sides_[k] || !kind.counts(after[k])) return;
       const Scalar x = from == Scalar(0) ? from_x : detail::bracketed_root(at, from_x, from, h, to);
-      if (left_ == k && abs(x) < 10 * Scalar(shortest) * abs(longest_))
+      if (left_[k] && abs(x) < 10 * abs(near))
         throw std::runtime_error(
-            "events: a surface is crossed again within 1e-5 of a step, and its events pile up; let the "
-            "action "
-            "end the run before, or hold the state");
+            "events: a surface is crossed again within " +
+            detail::in_words(10 * static_cast<double>(shortest()), 2) +
+            " of a step, and its events pile up; let the action end the run before, or hold the state");
+      crossed[k] = true;
+      when[k] = x;
       if (!first || abs(x) < abs(first.x)) first = {k, x};
     });
-    if (first) {
-      left_ = first.kind;
-    } else {
+    if (!first) {
       sides_ = after;
-      left_ = none;
+      if (decides) left_.fill(false);
+      return first;
     }
+    // Rounding decides on which side of a surface that is crossed at the same time the state at the event is,
+    // and the action may turn it back: these events are noted before it.
+    crossed[first.kind] = false;
+    bool others = false;
+    for (const bool one : crossed) others = others || one;
+    if (others) {
+      move(first.x, at_event_);
+      const Scalar same = 16 * Eigen::NumTraits<Scalar>::epsilon() * abs(longest_);
+      each([&](std::size_t k, auto& kind) {
+        pending_[k] = crossed[k] && (abs(Scalar(when[k] - first.x)) <= same ||
+                                     detail::side_of(value(kind, at_event_)) == after[k]);
+      });
+    }
+    if (abs(first.x) >= abs(near)) left_.fill(false);
+    left_[first.kind] = true;
     return first;
   }
 
@@ -207,7 +243,11 @@ class Events {
  private:
   static constexpr std::size_t none = ~std::size_t{0};
   /// The part of a step within which a surface is not crossed again after an event on it.
-  static constexpr double shortest = 1e-6;
+  static Scalar shortest() {
+    using std::sqrt;
+    const Scalar rounding = sqrt(Eigen::NumTraits<Scalar>::epsilon());
+    return rounding > Scalar(1e-6) ? rounding : Scalar(1e-6);
+  }
 
   template <class F>
   void each(const F& f) {
@@ -283,7 +323,8 @@ class Events {
   std::int64_t orbit_ = 0;
   bool started_ = false;
   Scalar time_ = Scalar(0), longest_ = Scalar(0);  ///< longest: of the steps so far
-  std::size_t left_ = none;  ///< the surface that the step starts on, of an event that cut it
+  std::array<bool, number> left_{};     ///< surfaces that an event was on, and not yet seen beside since
+  std::array<bool, number> pending_{};  ///< crossed at the time of the last event, and not yet acted upon
 };
 
 /// An observer of events: calls the actions where the orbit crosses their surfaces, in order of time.
@@ -309,11 +350,14 @@ class Events {
 /// the run at the event, with the state there. Said plainly what that does: between the events each arc is as
 /// symplectic as its steps, but the map as a whole is not, since the cut depends on the state (a reversible
 /// action, as a bounce, in a reversible system keeps it reversible); what a stepper carries begins anew, as
-/// the compensation of its sums, the first iterates of Gauss's method and the density of ReversibleSteps;
+/// the compensation of its sums and the first iterates of Gauss's method;
 /// dense output and sections begin anew; Lyapunov exponents refuse such a run. An action on a ball whose
-/// bounces pile up is to end the run: events on a surface within 1e-5 of a step throw std::runtime_error, and
-/// so do a thousand in one step. Only one observer of a run
-/// may change the state.
+/// bounces pile up is to end the run: events on a surface within 1e-5 of a step (in float 3e-3) throw
+/// std::runtime_error, and so do a thousand in one step. Surfaces crossed at the same time, to rounding, all
+/// have their events, in order of kinds behind the first, each action seeing what the one before made of the
+/// state. Only one observer of a run may change the state. Refused are: with a stepper
+/// that ChoosesSteps (ReversibleSteps), by the compiler; IntegrationOptions::subdivide; and to go on by
+/// `done` with a run that ended at an event: start a new one with t0 = report.t.
 template <class H, class... Kinds>
 Events<H, Kinds...> events(H hamiltonian, Kinds... kinds) {
   return {std::move(hamiltonian), 4, std::forward<Kinds>(kinds)...};

@@ -36,7 +36,8 @@ namespace semiexplicit {
 /// which are summed with compensation. With t_end the run ends there exactly: the last two steps are cut, and
 /// can be undone still; where a run goes on after that, the densities swing a little more. What goes on from
 /// step to step, ρ and the time, is among what a checkpoint saves. Tangent vectors are carried by the
-/// derivative of each step at its own length.
+/// derivative of each step at its own length. Events are told of as with any stepper, but may not change the
+/// state: the compiler refuses that, since neither the density nor the times would follow the jump.
 ///
 /// The first density is taken from a trial step to either side, so that the densities do not swing from step
 /// to step, for that swing would stay. Where g more than doubles within a step, no density may be left: the

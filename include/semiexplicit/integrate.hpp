@@ -211,12 +211,14 @@ Status cut_at_events(S& stepper, typename S::State& start, typename S::State& st
   Scalar h = options.dt;
   constexpr int most = 1000;
   for (int events = 0;; ++events) {
+    StepReport searched;  // the first step of the search that failed, if any
     const auto move = [&](const Scalar& x, typename S::State& z) {
       z = start;
       if (x == Scalar(0)) return StepReport{};
       const StepReport one = stepper.step(z, x);
       report.evaluations += one.evaluations;
       report.gradients += one.gradients;
+      if (!one.ok() && searched.ok()) searched = one;
       return one;
     };
     const auto found = [&] {
@@ -227,6 +229,11 @@ Status cut_at_events(S& stepper, typename S::State& start, typename S::State& st
         throw;
       }
     }();
+    if (!searched.ok()) {
+      report.last = searched;
+      state = start;
+      return searched.status;
+    }
     if (!found) {
       t = end;
       report.at_event = false;

@@ -490,4 +490,32 @@ TEST_CASE("An orbit that only touches a surface, or starts on it, makes no event
   CHECK(watch.count() == 0);
 }
 
+namespace {
+
+/// Free motion, and no step but of a quarter.
+struct Quarters {
+  using Scalar = double;
+  using State = PhasePoint<double, 1>;
+  StepReport step(State& z, const double& dt) {
+    if (dt != 0.25) return {.status = Status::no_convergence};
+    z.q() += dt * z.p();
+    return {};
+  }
+};
+
+}  // namespace
+
+TEST_CASE("A step of the search for an event that fails ends the run at the last good step", "[events]") {
+  const systems::Product<double> any;
+  Quarters stepper;
+  PhasePoint<double, 1> z(0, 1);
+  auto watch = events(any, on_event([](const auto& q, const auto&) { return q[0] - 0.6; },
+                                    [](double, PhasePoint<double, 1>& at) { at.p() *= -1; }));
+  const auto report = integrate(stepper, z, {.dt = 0.25, .steps = 10, .on_failure = OnFailure::stop}, watch);
+  CHECK(report.status == Status::no_convergence);
+  CHECK(report.steps == 2);
+  CHECK(z.q()[0] == 0.5);
+  CHECK(watch.count() == 0);
+}
+
 }  // namespace test_events

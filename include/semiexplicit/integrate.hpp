@@ -201,8 +201,8 @@ auto& changing(First& first, Others&... others) {
 
 /// A step that was taken from `start`, at the time t, to `state`, cut where an observer wants to change the
 /// state: `state` and t become those after the last event, and what is left of the step is taken from there.
-/// tell() notifies all observers. Success, `stopped` at an event, or why the rest of the step failed; in the
-/// latter two cases behind an event report.at_event stays true.
+/// tell() notifies all observers of `state` at t. Success, `stopped` at an event, or why the rest of the step
+/// failed; in the latter two cases behind an event report.at_event stays true.
 template <class S, class Tell, class Observer>
 Status cut_at_events(S& stepper, typename S::State& start, typename S::State& state, typename S::Scalar& t,
                      const typename S::Scalar& end, const IntegrationOptions<typename S::Scalar>& options,
@@ -258,10 +258,10 @@ Status cut_at_events(S& stepper, typename S::State& start, typename S::State& st
     t = now;
     h -= x;
     report.at_event = true;
-    bool go_on = !later || tell(t);
+    bool go_on = !later || tell();
     go_on = observer.act(found, t, state, report) && go_on;
     ++report.changes;
-    if (t != end || !go_on) go_on = tell(t) && go_on;
+    if (t != end || !go_on) go_on = tell() && go_on;
     if (!go_on) return Status::stopped;
     if (h == Scalar(0)) {
       start = state;
@@ -343,13 +343,8 @@ IntegrationReport integrate_checked(S& stepper, typename S::State& state,
     if (!report.last.ok() && !step_in_parts(stepper, state, options, report)) return fail(report.last.status);
     report.max_correction = std::max(report.max_correction, report.last.correction);
     if constexpr (changing_observers == 1) {
-      const auto tell = [&](const Scalar& now) {
-        bool go_on = true;
-        ((go_on = notify(observers, now, state, report) && go_on), ...);
-        return go_on;
-      };
       const Status status = cut_at_events(stepper, before, state, t, time_after(report.steps + 1), options,
-                                          report, tell, changing(observers...));
+                                          report, wanted, changing(observers...));
       if (status == Status::stopped) return finish(status);
       if (status != Status::success) return fail(status);
       ++report.steps;

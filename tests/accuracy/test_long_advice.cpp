@@ -9,26 +9,14 @@
 
 #include "catch.hpp"
 
+#include "kepler.hpp"
+
 namespace test_long_advice {
 
 using namespace semiexplicit;
 
 namespace {
 
-/// p²/2 - 1/r: separable.
-struct Kepler {
-  using Scalar = double;
-  static constexpr int Dof = 2;
-  static constexpr bool separable = true;
-  using SeparableGradientOf = Kepler;
-  double energy(In<double, 2> q, In<double, 2> p) const { return p.squaredNorm() / 2 - 1 / q.norm(); }
-  void position_gradient(In<double, 2> q, Out<double, 2> half) const { half = q / std::pow(q.norm(), 3); }
-  void momentum_gradient(In<double, 2> p, Out<double, 2> half) const { half = p; }
-  void gradient(In<double, 2> q, In<double, 2> p, Out<double, 2> dHdq, Out<double, 2> dHdp) const {
-    position_gradient(q, dHdq);
-    momentum_gradient(p, dHdp);
-  }
-};
 PhasePoint<double, 2> at_periapsis(double e) { return {{1 - e, 0}, {0, std::sqrt((1 + e) / (1 - e))}}; }
 
 Eigen::Vector2d eccentricity(const auto& q, const auto& p) {

@@ -3,16 +3,8 @@
 # damaged, goes on when it is started again, and gives the very file of an undisturbed run by one process.
 set -euo pipefail
 mpiexec=$1 program=$2 folder=$3
-rm -rf "$folder"
-mkdir -p "$folder"
-cd "$folder"
-fail() {
-  echo "FAILED: $1" >&2
-  exit 1
-}
-# More processes than cores, and as root where that is how tests run; other MPIs than Open MPI do not listen to these.
-export OMPI_MCA_rmaps_base_oversubscribe=1 OMPI_MCA_hwloc_base_binding_policy=none
-export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
+# shellcheck source=tests/examples/killed_process.sh
+source "$(dirname "${BASH_SOURCE[0]}")/killed_process.sh"
 settings=(--members 1501 --block 16 --time 150 --no-plot)
 
 "$program" "${settings[@]}" --output whole
@@ -24,16 +16,7 @@ for _ in $(seq 3000); do
   if [ "$(blocks)" -ge 2 ]; then break; fi
   sleep 0.01
 done
-# Of our own four processes, which have this folder on their command line, the last.
-victim=
-for process in /proc/[0-9]*; do
-  if [ "$process/exe" -ef "$program" ] && grep -qzFx "$folder/killed" "$process/cmdline"; then
-    victim=${process#/proc/}
-  fi
-done 2>/dev/null
-[ -n "$victim" ] || fail "no process to kill; did the run end too early? $(cat killed.log)"
-kill -KILL "$victim"
-if wait "$launcher"; then fail "mpiexec did not notice that process $victim was killed"; fi
+kill_one "$folder/killed" "$launcher"
 if compgen -G "killed/sweep.*" | grep -v checkpoints; then fail "a killed run left results"; fi
 left=$(blocks)
 [ "$left" -gt 0 ] && [ "$left" -lt 94 ] || fail "$left of 94 blocks were left: nothing to resume"

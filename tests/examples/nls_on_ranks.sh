@@ -4,16 +4,9 @@
 # that does not converge ends on all.
 set -euo pipefail
 mpiexec=$1 program=$2 folder=$3
-rm -rf "$folder"
-mkdir -p "$folder"
-cd "$folder"
-fail() {
-  echo "FAILED: $1" >&2
-  exit 1
-}
-# More processes than cores, and as root where that is how tests run; other MPIs than Open MPI do not listen to these.
-export OMPI_MCA_rmaps_base_oversubscribe=1 OMPI_MCA_hwloc_base_binding_policy=none OMPI_MCA_mpi_yield_when_idle=1
-export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
+# shellcheck source=tests/examples/killed_process.sh
+source "$(dirname "${BASH_SOURCE[0]}")/killed_process.sh"
+export OMPI_MCA_mpi_yield_when_idle=1
 
 # figures FILE: all but the timing.
 figures() { grep -E '^(sites|participation|worst)' "$1"; }
@@ -35,15 +28,7 @@ for _ in $(seq 3000); do
   if [ "$(find saved -name '*of2-step*0.checkpoint' 2>/dev/null | wc -l)" -ge 4 ]; then break; fi
   sleep 0.01
 done
-victim=
-for process in /proc/[0-9]*; do
-  if [ "$process/exe" -ef "$program" ] && grep -qzFx "$folder/saved" "$process/cmdline"; then
-    victim=${process#/proc/}
-  fi
-done 2>/dev/null
-[ -n "$victim" ] || fail "no process to kill; did the run end too early? $(cat killed.log)"
-kill -KILL "$victim"
-if wait "$launcher"; then fail "mpiexec did not notice that process $victim was killed"; fi
+kill_one "$folder/saved" "$launcher"
 # As if it had been killed between the saves of the two: one rank lacks the latest.
 latest=$(find saved -name 'rank0of2-*' | sed -E 's/.*step([0-9]+).*/\1/' | sort -n | tail -1)
 rm -f "saved/rank1of2-step$latest.checkpoint"

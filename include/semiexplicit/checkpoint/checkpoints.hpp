@@ -27,6 +27,12 @@ struct CheckpointOptions {
   /// Anything that tells this run from others, the parameters of H, say: a checkpoint with another text is
   /// refused.
   std::string run = "";
+
+  /// Throws std::invalid_argument, in the name of `who`, where every is negative or seconds are not positive.
+  void check(const std::string& who) const {
+    if (every < 0) throw std::invalid_argument(who + ": every is negative; give steps, or 0");
+    if (!(seconds > 0)) throw std::invalid_argument(who + ": seconds is not positive; give a time, 60 say");
+  }
 };
 
 namespace detail {
@@ -113,9 +119,7 @@ class Checkpoints {
         stepper_(stepper),
         settings_(settings_of(stepper, run, options_.run, observers...)),
         observers_(observers...) {
-    if (options_.every < 0) throw std::invalid_argument("Checkpoints: every is negative; give steps, or 0");
-    if (!(options_.seconds > 0))
-      throw std::invalid_argument("Checkpoints: seconds is not positive; give a time, 60 say");
+    options_.check("Checkpoints");
   }
 
   /// Puts stepper, observers and z, which comes as the run began, back to where the file has them, and gives

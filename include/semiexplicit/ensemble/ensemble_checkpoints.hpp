@@ -46,10 +46,7 @@ class EnsembleCheckpoints {
         ensemble_(ensemble),
         observers_(observers...),
         settings_(settings_of(run)) {
-    if (options_.every < 0)
-      throw std::invalid_argument("EnsembleCheckpoints: every is negative; give steps, or 0");
-    if (!(options_.seconds > 0))
-      throw std::invalid_argument("EnsembleCheckpoints: seconds is not positive; give a time, 60 say");
+    options_.check("EnsembleCheckpoints");
   }
 
   /// Puts the ensemble, which comes as the run began, and the observers back to where the file has them, and

@@ -308,8 +308,7 @@ class Events {
       each([&](std::size_t k, auto& kind) {
         if (k != next) return;
         ++counts_[k];
-        if constexpr (!changes_state)
-          go_on = told(kind, Scalar(dense().time(i) + when[next]), std::as_const(at_event_), run) && go_on;
+        go_on = told(kind, Scalar(dense().time(i) + when[next]), std::as_const(at_event_), run) && go_on;
       });
     }
   }

@@ -181,6 +181,19 @@ Triple<Number> attraction(const Scalar& m, const Triple<Number>& x) {
   return {k * x[0], k * x[1], k * x[2]};
 }
 
+/// The attraction of body i by those within, as if these were one mass at their centre: its energy, and the
+/// gradient of that.
+template <class Scalar, class X>
+auto inner_energy(const Bodies<Scalar>& bodies, const X& q, Eigen::Index i) {
+  using std::sqrt;
+  const auto x = triple(q, i);
+  return -(bodies.gm(i) * bodies.up_to(i - 1) / sqrt(dot(x, x)));
+}
+template <class Scalar, class X>
+auto inner_gradient(const Bodies<Scalar>& bodies, const X& q, Eigen::Index i) {
+  return attraction(bodies.gm(i) * bodies.up_to(i - 1), triple(q, i));
+}
+
 }  // namespace detail
 
 /// Σ p²/(2μ) with the reduced masses of the Jacobi coordinates.
@@ -219,17 +232,13 @@ struct Attraction {
 
   Eigen::Index dof() const { return bodies.dof(); }
   auto energy(const auto& q) const {
-    using std::sqrt;
     auto sum = 0 * q[0];
-    for (Eigen::Index i = 1; i < bodies.size(); ++i) {
-      const auto x = detail::triple(q, i);
-      sum -= bodies.gm(i) * bodies.up_to(i - 1) / sqrt(detail::dot(x, x));
-    }
+    for (Eigen::Index i = 1; i < bodies.size(); ++i) sum += detail::inner_energy(bodies, q, i);
     return sum;
   }
   void add_gradient(const auto& q, auto& dHdq) const {
     for (Eigen::Index i = 1; i < bodies.size(); ++i) {
-      const auto f = detail::attraction(bodies.gm(i) * bodies.up_to(i - 1), detail::triple(q, i));
+      const auto f = detail::inner_gradient(bodies, q, i);
       for (Eigen::Index k = 0; k < 3; ++k) dHdq[3 * i - 3 + k] += f[k];
     }
   }
@@ -253,8 +262,7 @@ struct Interaction {
           if (k > 1) sum -= bodies.gm(j) * bodies.gm(k) / sqrt(detail::dot(d, d));
         },
         [&](Eigen::Index k) {
-          const auto x = detail::triple(q, k);
-          if (k > 1) sum += bodies.gm(k) * bodies.up_to(k - 1) / sqrt(detail::dot(x, x));
+          if (k > 1) sum -= detail::inner_energy(bodies, q, k);
         });
     return sum;
   }
@@ -266,7 +274,7 @@ struct Interaction {
                                 return detail::attraction(bodies.gm(j) * bodies.gm(k), d);
                               });
     for (Eigen::Index i = 2; i < bodies.size(); ++i) {
-      const auto f = detail::attraction(bodies.gm(i) * bodies.up_to(i - 1), detail::triple(q, i));
+      const auto f = detail::inner_gradient(bodies, q, i);
       for (Eigen::Index k = 0; k < 3; ++k) dHdq[3 * i - 3 + k] -= f[k];
     }
   }

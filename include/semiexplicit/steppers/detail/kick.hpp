@@ -179,9 +179,8 @@ SEMIEXPLICIT_NOINLINE void projection_in_waves(const H& hamiltonian, const Schem
           ends.finish(half, end - begin);
       }
     } else {
-      const auto i = static_cast<std::size_t>((stage - 1) / 2);
       const bool is_a = stage % 2 == 1;
-      const Scalar t = dt * (is_a ? scheme.a[i] : scheme.b[i]);
+      const Scalar t = time_of_flow(scheme, dt, static_cast<std::size_t>(stage - 1));
       Scalar gradient[2 * kick_block];  // always the same memory, in the nearest cache
       kick_blocks(hamiltonian, t, is_a ? ends.a : ends.b, is_a ? ends.b : ends.a, gradient, begin, end, d,
                   sum...);

@@ -19,4 +19,10 @@ SEMIEXPLICIT_INLINE void sweep(const Scheme<Scalar>& scheme, const Scalar& dt, c
   a(Scalar(dt * scheme.a[n]));
 }
 
+/// The time of the k-th flow of that order, which is one of A where k is even.
+template <class Scalar>
+Scalar time_of_flow(const Scheme<Scalar>& scheme, const Scalar& dt, std::size_t k) {
+  return dt * (k % 2 == 0 ? scheme.a[k / 2] : scheme.b[k / 2]);
+}
+
 }  // namespace semiexplicit::detail

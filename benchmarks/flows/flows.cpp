@@ -257,6 +257,9 @@ Problem in_turning_frame(std::string name, const Potential& potential, double om
     problem.methods.push_back(method(std::string("exact ") + scheme, true,
                                      stepper_for(scene, frame, schemes::by_name<double>(scheme)), scene,
                                      start, t_end, errors));
+  problem.methods.push_back(method("exact blanes_moan_nystrom6", true,
+                                   stepper_for(scene, frame, schemes::blanes_moan_nystrom6<double>()), scene,
+                                   start, t_end, errors));
   for (double dt = 1; dt > 0.01; dt /= 1.12)
     problem.steps.push_back(static_cast<std::int64_t>(std::ceil(t_end / dt)));
   return problem;

@@ -252,4 +252,8 @@ int run_scene_program(const SceneProgram<Dof>& program, int argc, char** argv, c
   });
 }
 
+// Three programs have three degrees of freedom and no kernel: compiled once for them, in scene_program_3.cpp.
+extern template int run_scene_program(const SceneProgram<3>& program, int argc, char** argv,
+                                      const NoKernel& kernel);
+
 }  // namespace examples

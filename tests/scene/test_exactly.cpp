@@ -137,11 +137,15 @@ TEST_CASE("A group of one's own effects may have a flow, too", "[exactly]") {
   CHECK(invariants["energy"].worst < 1e-9);
 }
 
-TEST_CASE("The usual list is one of generalised order where the rest is small, and else an ordinary scheme",
-          "[exactly]") {
+TEST_CASE(
+    "The usual list is of generalised order where the rest is small, and of Nyström for other potentials",
+    "[exactly]") {
   CHECK(stepper_for(mercury(), kepler).list().name == "aba82");
   const Scene turning(Kinetic{}, Spring{}, orbits::RotatingFrame<double, 2>{});
   CHECK(stepper_for(turning, exactly<Kinetic, orbits::RotatingFrame<double, 2>>()).list().name ==
+        "blanes_moan_nystrom6");
+  const Scene coupled(Kinetic{}, orbits::RotatingFrame<double, 2>{}, orbits::PostNewtonian1<double, 2>{});
+  CHECK(stepper_for(coupled, exactly<Kinetic, orbits::RotatingFrame<double, 2>>()).list().name ==
         "blanes_moan6");
   CHECK(
       stepper_for(turning, exactly<Kinetic, orbits::RotatingFrame<double, 2>>(), schemes::kahan_li8<double>())

@@ -19,6 +19,7 @@ namespace semiexplicit {
 ///     struct semiexplicit::ExactFlow<Kinetic, Spring> {
 ///       static constexpr const char* name = "harmonic oscillator";     // for explain()
 ///       static constexpr bool rest_is_small = true;                    // optional, see below
+///       static constexpr bool quadratic_in_momenta = true;             // optional, see below
 ///       ExactFlow(const Kinetic&, const Spring& spring) : k(spring.k) {}
 ///
 ///       // Writes what q and p move by in the time t, of either sign; all but Status::success refuses it.
@@ -32,7 +33,8 @@ namespace semiexplicit {
 /// `prepared(t)`, whose result has `increments(q, p, dq, dp)` and can be default-constructed; it is made once
 /// for each time of a step (RotatingFlow). `rest_is_small` (true where it is not said) is whether the group
 /// dominates what it is used with: the splitting is a list of generalised order then, else an ordinary scheme
-/// (see stepper_for).
+/// (see stepper_for). `quadratic_in_momenta` (false where it is not said) is whether the Hamiltonian of the
+/// group is: then a rest that depends on positions alone may have a Nyström list (see NearIntegrable).
 ///
 /// Flows of this library: Kinetic + Attraction, Kinetic + RotatingFrame, Kinetic + Attraction + RotatingFrame
 /// (orbits).
@@ -89,6 +91,13 @@ constexpr bool rest_is_small() {
     return Flow::rest_is_small;
   else
     return true;
+}
+template <class Flow>
+constexpr bool quadratic_in_momenta() {
+  if constexpr (requires { Flow::quadratic_in_momenta; })
+    return Flow::quadratic_in_momenta;
+  else
+    return false;
 }
 
 }  // namespace detail

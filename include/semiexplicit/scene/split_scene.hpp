@@ -89,6 +89,7 @@ class SplitScene<Scene<Effects...>, Group...> {
   static constexpr bool kicks_momenta = ((is_kicked<Effects> && !MomentumEffect<Effects>) || ...);
   static constexpr bool drifts_positions = ((is_kicked<Effects> && !PositionEffect<Effects>) || ...);
   static constexpr bool doubles = (is_coupled<Effects> || ...);
+  static constexpr bool flow_is_quadratic = quadratic_in_momenta<Flow>();
 
   explicit SplitScene(Whole scene)
       : scene_(std::move(scene)),
@@ -161,10 +162,13 @@ class SplitScene<Scene<Effects...>, Group...> {
 };
 
 /// The list to begin with.
-template <class Scalar, class Flow>
-NearIntegrable<Scalar> usual_list() {
-  if constexpr (rest_is_small<Flow>())
+template <class Split>
+NearIntegrable<typename Split::Scalar> usual_list() {
+  using Scalar = typename Split::Scalar;
+  if constexpr (rest_is_small<typename Split::Flow>())
     return schemes::aba82<Scalar>();
+  else if constexpr (has_nystrom_lists<Split>())
+    return schemes::blanes_moan_nystrom6<Scalar>();
   else
     return schemes::blanes_moan6<Scalar>();
 }
@@ -182,8 +186,9 @@ struct NoStepper {};
 ///
 /// Effects of the rest on q or on p alone are kicks; only what couples q and p is doubled. See FlowSplitting.
 /// The list is aba82, of generalised order (8,2), where the rest is small beside the group; where the flow
-/// says that it need not be (ExactFlow::rest_is_small), blanes_moan6. Another list, or a Scheme, may be
-/// given: aba864 for a rest of 1e-3.
+/// says that it need not be (ExactFlow::rest_is_small), blanes_moan_nystrom6 for potentials (see
+/// NearIntegrable) and blanes_moan6 for all else. Another list, or a Scheme, may be given: aba864 for a rest
+/// of 1e-3.
 template <class... Effects, class... Group, class Solver = SimplifiedNewton>
 auto stepper_for(const Scene<Effects...>& scene, detail::Exactly<Group...>,
                  NearIntegrable<typename Scene<Effects...>::Scalar> list, Solver solver = {}) {
@@ -203,8 +208,7 @@ auto stepper_for(const Scene<Effects...>& scene, detail::Exactly<Group...> group
   using Whole = Scene<Effects...>;
   if constexpr (detail::can_be_exact<typename Whole::Scalar, Whole::Dof, Group...>(
                     std::type_identity<Whole>()))
-    return stepper_for(scene, group,
-                       detail::usual_list<typename Whole::Scalar, typename detail::FlowOf<Group...>::Type>());
+    return stepper_for(scene, group, detail::usual_list<detail::SplitScene<Whole, Group...>>());
   else
     return detail::NoStepper{};
 }

@@ -20,7 +20,12 @@ namespace semiexplicit {
 /// order holds for all higher powers of ε. An ordinary Scheme is one, too, of generalised order (order):
 /// where B is not small.
 ///
-/// Source: R. McLachlan, BIT 35 (1995) 258.
+/// A Runge-Kutta-Nyström list is for an A that is quadratic in p and a B that depends on q alone, small or
+/// not. Then [B, [B, [B, A]]] = 0, and a list needs fewer conditions for its order: at order 6 two of eight
+/// and ten.
+///
+/// Sources: R. McLachlan, BIT 35 (1995) 258; Nyström: S. Blanes and P. C. Moan, J. Comput. Appl. Math. 142
+/// (2002) 313.
 template <class ScalarType>
 struct NearIntegrable {
   using Scalar = ScalarType;
@@ -28,12 +33,13 @@ struct NearIntegrable {
   /// Throws std::invalid_argument, with the remedy, unless the list is finite, palindromic, sums to one in a
   /// and in b, and satisfies the conditions of the generalised order (at the precision of Scalar).
   NearIntegrable(std::string called, std::vector<int> claimed, std::vector<ScalarType> a_flows,
-                 std::vector<ScalarType> b_flows, std::string taken_from = "")
+                 std::vector<ScalarType> b_flows, std::string taken_from = "", bool for_nystrom = false)
       : name(std::move(called)),
         orders(std::move(claimed)),
         a(std::move(a_flows)),
         b(std::move(b_flows)),
-        source(std::move(taken_from)) {
+        source(std::move(taken_from)),
+        nystrom(for_nystrom) {
     check();
   }
 
@@ -65,6 +71,10 @@ struct NearIntegrable {
                                     std::to_string(max_scheme_order) + " that do not grow, as {8, 2}");
     if (orders.empty())
       throw std::invalid_argument(owner + "no order is claimed; give the generalised order, as {8, 2}");
+    if (nystrom && orders.front() > 6)
+      throw std::invalid_argument(owner +
+                                  "the conditions of a Nyström list are known here up to order 6; "
+                                  "claim that, or give a list for any A and B");
     check_conditions(owner);
   }
 
@@ -89,7 +99,8 @@ struct NearIntegrable {
   std::string name;
   std::vector<int> orders;  ///< of the powers of ε, the last one also of all higher ones
   std::vector<Scalar> a, b;
-  std::string source;  ///< where the coefficients come from
+  std::string source;    ///< where the coefficients come from
+  bool nystrom = false;  ///< holds only where A is quadratic in p and B depends on q alone
 
  private:
   /// In the logarithm of the product of the flows the words with k letters B belong to ε^k.
@@ -107,7 +118,14 @@ struct NearIntegrable {
       for (std::size_t w = detail::words(n); w < detail::words(n + 1); ++w) {
         const auto letters = static_cast<std::size_t>(std::popcount(w)) - 1;  // without the leading bit
         if (letters == 0 || n > orders[std::min(letters, orders.size()) - 1]) continue;
-        const Work size = detail::magnitude(log[w]);
+        Work size = detail::magnitude(log[w]);
+        if (nystrom && n == 5 && letters >= 3) {
+          // Four letters B: only [B, [B, [B, [B, A]]]] = 0. Three: what is no multiple of [A, [B, [B, [B,
+          // A]]]].
+          constexpr std::size_t aabbb = 0b1'00111, ababb = 0b1'01011;
+          if (w != ababb) continue;
+          size = detail::magnitude(Work(Work(3) * log[aabbb] + log[ababb]));
+        }
         if (!(size <= tolerance))
           throw std::invalid_argument(owner + "the generalised order " + order_in_words() +
                                       " is claimed, but a condition of degree " + std::to_string(n) +
@@ -127,7 +145,8 @@ template <class Scalar>
 SEMIEXPLICIT_COLD NearIntegrable<Scalar> near_integrable(const char* name, std::vector<int> orders,
                                                          std::initializer_list<const char*> half_a,
                                                          std::initializer_list<const char*> half_b,
-                                                         int stages, const char* source) {
+                                                         int stages, const char* source,
+                                                         bool nystrom = false) {
   const auto whole = [](std::initializer_list<const char*> half, int size) {
     std::vector<Scalar> list;
     for (const char* digits : half) list.push_back(decimal<Scalar>(digits));
@@ -135,7 +154,7 @@ SEMIEXPLICIT_COLD NearIntegrable<Scalar> near_integrable(const char* name, std::
       list.push_back(Scalar(list[static_cast<std::size_t>(size - 1 - i)]));
     return list;
   };
-  return {name, std::move(orders), whole(half_a, stages + 1), whole(half_b, stages), source};
+  return {name, std::move(orders), whole(half_a, stages + 1), whole(half_b, stages), source, nystrom};
 }
 
 }  // namespace detail
@@ -204,6 +223,25 @@ NearIntegrable<Scalar> aba1064() {
       {"0.09585888083707521061150377145884776921872", "0.2044461531429987806805077839164344779763",
        "0.2170703479789911017143385924306336714532", "-0.01737538195906509300561788011852699719871"},
       8, "Blanes, Casas, Farrés, Laskar, Makazaga and Murua (2013)");
+}
+
+/// Blanes and Moan's Nyström list of order 6 with fourteen kicks: for potentials, small or not.
+///
+/// Source: S. Blanes and P. C. Moan, J. Comput. Appl. Math. 142 (2002) 313, Table 3, SRKN14a; the digits
+/// beyond the fifteen published ones by Newton's method on the order conditions.
+template <class Scalar = double>
+NearIntegrable<Scalar> blanes_moan_nystrom6() {
+  return semiexplicit::detail::near_integrable<Scalar>(
+      "blanes_moan_nystrom6", {6},
+      {"0.037859319840611016286515980919063229069013", "0.10263563310243660560858469162030149560601",
+       "-0.025867888266558350325440151671851956948952", "0.31424140307144640930866778586752865090561",
+       "-0.13014445951741519701579108534430112387501", "0.1064177003695418294877994883146706911741",
+       "-0.0087942431285101746326385125639109495977582", "0.20730506905689572256460360571699992733398"},
+      {"0.09171915262446217541522945138967862951231", "0.1839831700050048822786243402697313139212",
+       "-0.056534365832889169261431764862599719308469", "0.0049146887747118131180839830495930232189775",
+       "0.14376112716836184196926823851991299029696", "0.32856769374680345735665232145063305511564",
+       "-0.19641146648645500087642656981694929275661"},
+      14, "Blanes and Moan, J. Comput. Appl. Math. 142 (2002) 313, Table 3, SRKN14a", true);
 }
 
 }  // namespace schemes

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <concepts>
 #include <cstdint>
+#include <stdexcept>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -66,6 +67,14 @@ struct PreparedFlowOf<H> {
   using Type =
       std::remove_cvref_t<decltype(std::declval<const H&>().prepared(std::declval<typename H::Scalar>()))>;
 };
+/// Whether the flow's A is quadratic in p and the rest depends on q alone; see NearIntegrable.
+template <class H>
+constexpr bool has_nystrom_lists() {
+  if constexpr (requires { H::flow_is_quadratic; })
+    return H::flow_is_quadratic && HasPositionRest<H> && !HasMomentumRest<H> && !HasCoupledRest<H>;
+  else
+    return false;
+}
 template <class H>
 struct CoupledRestOf {
   using Type = void;
@@ -86,6 +95,7 @@ struct CoupledRestOf<H> {
 ///     void rest_position_gradient(q, dHdq) const;      // ∂V/∂q, if there is a V
 ///     void rest_momentum_gradient(p, dHdp) const;      // ∂T/∂p, if there is a T
 ///     const C& coupled_rest() const;                   // a Hamiltonian, if there is a C
+///     static constexpr bool flow_is_quadratic = true;  // optional: A is, in p; for Nyström lists
 ///
 /// stepper_for(scene, exactly<...>()) makes one of a scene.
 template <class H>
@@ -136,8 +146,8 @@ class FlowSplitting {
   static constexpr bool has_position = detail::HasPositionRest<H>, has_momentum = detail::HasMomentumRest<H>,
                         has_coupled = detail::HasCoupledRest<H>;
 
-  /// Throws std::invalid_argument, saying what is wrong, unless the list passes its own check and the
-  /// solver's options make sense.
+  /// Throws std::invalid_argument, saying what is wrong, unless the list passes its own check and suits the
+  /// Hamiltonian, and the solver's options make sense.
   FlowSplitting(H hamiltonian, NearIntegrable<Scalar> list, Solver solver = {})
       : hamiltonian_(std::move(hamiltonian)),
         list_(std::move(list)),
@@ -147,6 +157,11 @@ class FlowSplitting {
         update_(dof()),
         solver_work_(solver_, work_.m.size()) {
     list_.check();
+    if (list_.nystrom && !detail::has_nystrom_lists<H>())
+      throw std::invalid_argument(list_.name +
+                                  " needs an exact flow that is quadratic in the momenta (flow_is_quadratic) "
+                                  "and a rest that depends on positions alone; take another list "
+                                  "(blanes_moan6, say)");
     flows_.resize(list_.a.size());
   }
 

@@ -381,6 +381,7 @@ template <class Scalar, int Dim>
 struct ExactFlow<effects::orbits::Kinetic<Scalar, Dim>, effects::orbits::Attraction<Scalar, Dim>>
     : effects::orbits::KeplerFlow<Scalar, Dim> {
   static constexpr const char* name = "Kepler";
+  static constexpr bool quadratic_in_momenta = true;
   ExactFlow(const effects::orbits::Kinetic<Scalar, Dim>&,
             const effects::orbits::Attraction<Scalar, Dim>& attraction)
       : effects::orbits::KeplerFlow<Scalar, Dim>{attraction.gm} {}

@@ -111,6 +111,7 @@ template <class Scalar, int Dof>
 struct ExactFlow<effects::nbody::Kinetic<Scalar, Dof>, effects::nbody::Attraction<Scalar, Dof>>
     : effects::nbody::KeplerFlows<Scalar> {
   static constexpr const char* name = "Kepler, each body about those within";
+  static constexpr bool quadratic_in_momenta = true;
   ExactFlow(const effects::nbody::Kinetic<Scalar, Dof>&,
             const effects::nbody::Attraction<Scalar, Dof>& attraction)
       : effects::nbody::KeplerFlows<Scalar>(attraction.bodies, attraction.hill_radii) {}

@@ -108,7 +108,7 @@ template <class Scalar, int Dim>
 struct ExactFlow<effects::orbits::Kinetic<Scalar, Dim>, effects::orbits::RotatingFrame<Scalar, Dim>>
     : effects::orbits::RotatingFlow<Scalar, Dim> {
   static constexpr const char* name = "free motion in a turning frame";
-  static constexpr bool rest_is_small = false;
+  static constexpr bool rest_is_small = false, quadratic_in_momenta = true;
   ExactFlow(const effects::orbits::Kinetic<Scalar, Dim>&,
             const effects::orbits::RotatingFrame<Scalar, Dim>& frame)
       : effects::orbits::RotatingFlow<Scalar, Dim>{frame.omega} {}
@@ -120,6 +120,7 @@ struct ExactFlow<effects::orbits::Kinetic<Scalar, Dim>, effects::orbits::Attract
                  effects::orbits::RotatingFrame<Scalar, Dim>>
     : effects::orbits::RotatingKeplerFlow<Scalar, Dim> {
   static constexpr const char* name = "Kepler in a turning frame";
+  static constexpr bool quadratic_in_momenta = true;
   ExactFlow(const effects::orbits::Kinetic<Scalar, Dim>&,
             const effects::orbits::Attraction<Scalar, Dim>& attraction,
             const effects::orbits::RotatingFrame<Scalar, Dim>& frame)

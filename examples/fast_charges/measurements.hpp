@@ -27,6 +27,11 @@ inline double momentum_of(const Choice& c) {
   return c["mass"] * c["c"] * std::sqrt(gamma * gamma - 1);
 }
 
+/// γ at the start.
+inline double gamma_of(const Choice& c) {
+  return c.has("rigidity") ? std::hypot(1.0, momentum_of(c) / (c["mass"] * c["c"])) : c["gamma"];
+}
+
 /// Is a field on, alone or with the motion itself? Else the formulas are for something else.
 inline bool only_field(const Choice& c, const std::string& field) {
   return c.only({field}) || c.only({"kinetic", field});
@@ -42,7 +47,7 @@ inline Measurement<3> fast_gyration(const Choice& c) {
               return print_none(out, "gyrofrequency",
                                 alone ? coarse : "the formula holds for uniform_field alone");
             print_comparison(out, "gyrofrequency, rad/s", -turning->rate(), "eB/(γm)",
-                             c["charge"] * c["b"] / (c["gamma"] * c["mass"]));
+                             c["charge"] * c["b"] / (gamma_of(c) * c["mass"]));
             print_comparison(out, "gyroradius, m", turning->mean_radius(), "p/(eB)",
                              momentum_of(c) * std::sin(c["pitch"]) / std::abs(c["charge"] * c["b"]));
           },
@@ -87,7 +92,7 @@ Measurement<3> of_way(const Choice& c, const std::string& field, const Report& r
 inline Measurement<3> wiggle(const Choice& c) {
   return of_way(c, "undulator", [=](std::ostream& out, const Way& way) {
     const double period = c["period"], k = 2 * std::numbers::pi / period;
-    const double strength = std::abs(c["charge"] * c["b0"]) / (c["mass"] * c["c"] * k), gamma = c["gamma"];
+    const double strength = std::abs(c["charge"] * c["b0"]) / (c["mass"] * c["c"] * k), gamma = gamma_of(c);
     const double passed = (way.last - way.first)[2] / period;
     if (passed < 5) return print_none(out, "wiggle", "it is less than five periods; give more --time");
     out << formatted("K = eB/(mck) = %.6g, %.1f periods\n", strength, passed);
@@ -102,6 +107,7 @@ inline Measurement<3> wiggle(const Choice& c) {
 inline Measurement<3> rotation(const Choice& c) {
   return of_way(c, "solenoid", [=](std::ostream& out, const Way& way) {
     const charges::SolenoidField field(c["b0"], c["length"], c["radius"]);
+    if (way.first.head<2>().isZero(0)) return print_none(out, "turn of the plane", "it starts on the axis");
     const double angle = std::atan2(way.first[0] * way.last[1] - way.first[1] * way.last[0],
                                     way.first.head<2>().dot(way.last.head<2>()));
     print_comparison(out, "turn of the plane, rad", angle, "Larmor, -e∫B dz/(2p)",
@@ -115,10 +121,14 @@ inline Measurement<3> focusing(const Choice& c) {
     const auto grown = [&](double k) {
       return k > 0 ? std::cos(std::sqrt(k) * z) : std::cosh(std::sqrt(-k) * z);
     };
-    print_comparison(out, "x at the end, of that at the start", way.last[0] / way.first[0],
-                     "cos or cosh(√|κ| z)", grown(kappa));
-    print_comparison(out, "y at the end, of that at the start", way.last[1] / way.first[1], "cosh or cos",
-                     grown(-kappa));
+    for (const int i : {0, 1}) {
+      const std::string what = std::string(i == 0 ? "x" : "y") + " at the end, of that at the start";
+      if (way.first[i] == 0)
+        print_none(out, what, "it starts at 0");
+      else
+        print_comparison(out, what, way.last[i] / way.first[i], "cos or cosh(√|κ| z)",
+                         grown(i == 0 ? kappa : -kappa));
+    }
   });
 }
 

@@ -180,6 +180,22 @@ SEMIEXPLICIT_COLD void check_options(const IntegrationOptions<Scalar>& options, 
                                 " now; give the same dt, or begin a new run with t0 = the time reached");
 }
 
+/// Throws std::invalid_argument unless a stepper that chooses its steps is where the earlier part of a run
+/// left it, and t_end lies ahead. What a checkpoint restored has no `taken`.
+template <ChoosesSteps S>
+SEMIEXPLICIT_COLD void check_clock(const S& stepper, const IntegrationOptions<typename S::Scalar>& options) {
+  if (options.done.steps == 0) return;
+  if (options.done.taken != 0 && options.done.taken != static_cast<double>(stepper.taken()))
+    throw std::invalid_argument(
+        "integrate: this stepper did not make the earlier part, or has made another run since, and it keeps "
+        "the time and the length of its steps; go on with the one that made it, or begin a new run with "
+        "t0 = the time reached");
+  const typename S::Scalar left = options.t_end - stepper.time();
+  if (left != 0 && (left > 0) != (options.dt > 0) && !std::isnan(static_cast<double>(left)))
+    throw std::invalid_argument("integrate: the earlier part went to t = " + in_words(stepper.time(), 17) +
+                                ", and dt leads away from t_end; give a t_end beyond that");
+}
+
 /// Compiles unless an observer would change the state of a stepper that chooses its steps.
 template <class S, class... Observers>
 consteval bool lets_state_change() {
@@ -301,8 +317,10 @@ IntegrationReport integrate_checked(S& stepper, typename S::State& state,
   if (options.done.steps > 0) (require_restored(observers, options.done.steps), ...);
   IntegrationReport report = options.done;
   report.dt = static_cast<double>(options.dt);
-  if constexpr (ChoosesSteps<S>)
+  if constexpr (ChoosesSteps<S>) {
+    check_clock(stepper, options);
     if (report.steps == 0) stepper.begin(state, options.t0);
+  }
   Scalar t = report.steps > 0 ? time_after(report.steps) : options.t0;
   // Every observer hears of every step, also when one before it asks to stop.
   const auto wanted = [&] {
@@ -373,8 +391,8 @@ IntegrationReport integrate_checked(S& stepper, typename S::State& state,
 /// (OnFailure::stop). An exception of a gradient or an observer passes through, with the state likewise.
 /// Throws std::invalid_argument for a negative number of steps, a t_end that dt leads away from, a senseless
 /// `subdivide`, one with an observer that changes the state (ChangesState), and a run to be gone on with that
-/// ended at an event within a step (`done.at_event`). With a stepper that ChoosesSteps no observer may change
-/// the state; the compiler says so.
+/// ended at an event within a step (`done.at_event`), or that another stepper made that ChoosesSteps. With a
+/// stepper that ChoosesSteps no observer may change the state; the compiler says so.
 template <class S, class State, class... Observers>
 IntegrationReport integrate(S& stepper, State& state,
                             const IntegrationOptions<typename detail::StepperScalar<S>::Type>& options,

@@ -202,6 +202,55 @@ TEST_CASE("A power with an exponent that varies has its derivatives at and below
   CHECK(derivative(3, [](auto q) { return pow(2.0, q); }) == Approx(8 * std::log(2.0)));
 }
 
+TEST_CASE("The second derivative of every function is the slope of its first", "[derivatives]") {
+  using namespace std;  // NOLINT: as in an energy
+  const auto check = [](const char* name, double x, const auto& f) {
+    INFO(name);
+    const auto slope = [&](double by) { return (derivative(x + by, f) - derivative(x - by, f)) / (2 * by); };
+    const double expected = (4 * slope(1e-3) - slope(2e-3)) / 3;
+    Eigen::Matrix2d forward;
+    from_energy<1>([&](const auto& q, const auto&) {
+      return f(q[0]);
+    }).hessian(Vector<double, 1>(x), Vector<double, 1>(0), forward);
+    CHECK(forward(0, 0) == Approx(expected).epsilon(1e-8));
+    // By reverse mode, too: more degrees of freedom than eight.
+    Eigen::MatrixXd reverse(18, 18);
+    from_energy<9>([&](const auto& q, const auto&) {
+      return f(q[0]);
+    }).hessian(Vector<double, 9>::Constant(x), Vector<double, 9>::Zero(), reverse);
+    CHECK(reverse(0, 0) == Approx(expected).epsilon(1e-8));
+  };
+#define CHECK_FUNCTION(x, f) check(#f, x, [](auto q) { return f(q); })
+  CHECK_FUNCTION(0.7, sin);
+  CHECK_FUNCTION(0.7, cos);
+  CHECK_FUNCTION(0.7, tan);
+  CHECK_FUNCTION(0.7, asin);
+  CHECK_FUNCTION(0.7, acos);
+  CHECK_FUNCTION(0.7, atan);
+  CHECK_FUNCTION(0.7, sinh);
+  CHECK_FUNCTION(0.7, cosh);
+  CHECK_FUNCTION(0.7, tanh);
+  CHECK_FUNCTION(0.7, asinh);
+  CHECK_FUNCTION(1.7, acosh);
+  CHECK_FUNCTION(0.7, atanh);
+  CHECK_FUNCTION(0.7, exp);
+  CHECK_FUNCTION(0.7, exp2);
+  CHECK_FUNCTION(0.7, expm1);
+  CHECK_FUNCTION(0.7, log);
+  CHECK_FUNCTION(0.7, log2);
+  CHECK_FUNCTION(0.7, log10);
+  CHECK_FUNCTION(0.7, log1p);
+  CHECK_FUNCTION(0.7, sqrt);
+  CHECK_FUNCTION(0.7, cbrt);
+  CHECK_FUNCTION(0.7, erf);
+  CHECK_FUNCTION(0.7, erfc);
+#undef CHECK_FUNCTION
+  check("pow", 0.7, [](auto q) { return pow(q, 2.5); });
+  check("pow of itself", 0.7, [](auto q) { return pow(q, q); });
+  check("hypot", 0.7, [](auto q) { return hypot(q, 0.3); });
+  check("atan2", 0.7, [](auto q) { return atan2(q, 0.3); });
+}
+
 TEST_CASE("Slopes neither overflow nor cancel where the function does not", "[derivatives]") {
   using namespace std;  // NOLINT: as in an energy
   for (const double x : {1e-200, 1e200}) {

@@ -46,6 +46,9 @@ prints(charges "do not bounce in the equator" "--preset dipole --pitch 90deg --t
 prints(lattice "counts sites of next to no mass" "--preset anderson --mass 1e-200" "participation number at the end: 8.4204")
 prints(lattice "does not compare a start with the end of an exchange" "--preset dnls --sites 2 --time 0.2" "no closed form for that")
 prints(vortices "do not measure a turn that has hardly begun" "--preset disk --time 0.3" "turns at: not measured")
+prints(fast_charges "gyrates with the gamma of its rigidity" "--rigidity \"3e6 V\"" "gyrofrequency, rad/s: -2.953[0-9]*e.09; eB/.*: -2.953[0-9]*e.09 ")
+prints(fast_charges "does not measure a focus of what starts at 0" "--preset quadrupole --x 0" "x at the end[^\n]*not measured.*\ny at the end")
+prints(fast_charges "does not measure a turn from the axis" "--preset solenoid --x 0" "turn of the plane: not measured, it starts on the axis")
 check(charges "has no figures of a run that failed" "--dt 1e-6s --time 1e-4s --no-plot" EXIT_CODE 1 COMPLAINT "step 1 failed"
   PRINTS "energy error, worst +FAILED at t = 0\n.*nothing else is measured" LACKS "nan|0.0e.00|gyro")
 check(vortices "have no figures of a run that failed" "--dt 66.3 --no-plot" EXIT_CODE 1 COMPLAINT "step [0-9]+ failed"

@@ -275,6 +275,34 @@ TEST_CASE("A resumed run of reversible steps has the same bits", "[reversible st
   }
 }
 
+TEST_CASE("Reversible steps are gone on with by the stepper that made them, and by no other",
+          "[reversible steps]") {
+  const auto make = [] {
+    return ReversibleSteps(GaussLegendre(Kepler(), {.stages = 4}), monitors::Distance{});
+  };
+  const auto until_20 = [](double t, const Point&) { return t < 20; };
+  IntegrationOptions<double> options{.dt = 0.1, .t_end = 40};
+  auto whole = make(), first = make();
+  Point z = kepler_orbit(0.9, 1), x = z;
+  integrate(whole, z, options);
+  const auto early = integrate(first, x, options, until_20);
+  options.done = early;
+
+  auto same = first;
+  Point y = x;
+  CHECK(integrate(same, y, options).t == 40);
+  CHECK((y.vector().array() == z.vector().array()).all());
+  auto fresh = make(), elsewhere = first;
+  Point other = kepler_orbit(0.5, 0);
+  integrate(elsewhere, other, {.dt = 0.1, .steps = 7});
+  y = x;
+  CHECK(refuses([&] { integrate(fresh, y, options); }, "did not make the earlier part"));
+  CHECK(refuses([&] { integrate(elsewhere, y, options); }, "did not make the earlier part"));
+  options.t_end = 10;
+  CHECK(refuses([&] { integrate(first, y, options); }, "give a t_end beyond that"));
+  CHECK((y.vector().array() == x.vector().array()).all());
+}
+
 TEST_CASE("A checkpoint of reversible steps by another monitor function is refused", "[reversible steps]") {
   const Folder folder;
   const IntegrationOptions<double> options{.dt = 0.1, .steps = 10};

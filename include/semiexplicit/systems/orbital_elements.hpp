@@ -57,8 +57,7 @@ PhasePoint<Scalar, 3> state_of(const Elements<Scalar>& orbit, const Scalar& gm) 
 /// plane has not is counted from the first axis. Throws std::invalid_argument where the orbit is not bound.
 template <class Scalar>
 Elements<Scalar> elements_of(const Vector<Scalar, 3>& q, const Vector<Scalar, 3>& v, const Scalar& gm) {
-  using std::atan2;
-  using std::sqrt;
+  using std::atan2, std::cos, std::sin, std::sqrt;
   const Scalar r = q.norm(), per_a = 2 / r - v.dot(v) / gm;
   if (!(per_a > 0)) throw std::invalid_argument("elements_of: the orbit is not bound");
   const Vector<Scalar, 3> momentum = q.cross(v);

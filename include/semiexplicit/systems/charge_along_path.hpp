@@ -84,24 +84,30 @@ class ChargeAlongPath {
     return behind - curvature_ * q[0] * m.along - m.stretch * charge_ * m.a[2] + m.electric / c_ +
            (Scalar(1) - clock_) * p[2];
   }
-  void gradient(const Scalar& s, const In<Scalar, 3>& q, const In<Scalar, 3>& p, Out<Scalar, 3> dKdq,
-                Out<Scalar, 3> dKdp) const {
+  /// Returns ∂K/∂s.
+  Scalar gradient(const Scalar& s, const In<Scalar, 3>& q, const In<Scalar, 3>& p, Out<Scalar, 3> dKdq,
+                  Out<Scalar, 3> dKdp) const {
     const Motion m = motion(s, q, p);
-    const Column slopes = m.slopes(), by_place = derivative_by_place(m, slopes);
+    const Column slopes(m.across[0] / m.along, m.across[1] / m.along, Scalar(1));  // velocity over that along
+    // ∂K/∂(x, y, s) through the fields, and ∂K/∂t
+    const Scalar factor = -charge_ * m.stretch;
+    Column by_place(Scalar(0), Scalar(0), Scalar(0));
+    if constexpr (AllFields::has_electric) {
+      fields_.add_electric_gradient(m.place, by_place);
+      by_place *= m.stretch * (m.w + rest_) / (c_ * m.along);
+    }
+    fields_.add_gradient(m.t, m.place, slopes, factor, by_place);
+    const Scalar by_time = factor * fields_.time_derivative(m.t, m.place, slopes);
+
     dKdq[0] = by_place[0] - curvature_ * (charge_ * m.a[2] + m.along);
     dKdq[1] = by_place[1];
-    dKdq[2] = derivative_by_time(m, slopes) / c_;
+    dKdq[2] = by_time / c_;
     dKdp[0] = m.stretch * slopes[0];
     dKdp[1] = m.stretch * slopes[1];
     // (1 + κx) E/(cπ_s) - 1/β, E with the rest energy
     const Scalar behind = (rest_ * rest_ + m.across_square()) / (m.along * (m.along + m.w + rest_));
     dKdp[2] = m.stretch * behind + curvature_ * q[0] + (Scalar(1) - clock_);
-  }
-  /// ∂K/∂s.
-  Scalar time_derivative(const Scalar& s, const In<Scalar, 3>& q, const In<Scalar, 3>& p) const {
-    const Motion m = motion(s, q, p);
-    const Column slopes = m.slopes();
-    return derivative_by_place(m, slopes)[2] + clock_ / c_ * derivative_by_time(m, slopes);
+    return by_place[2] + clock_ / c_ * by_time;
   }
 
   /// The time at which the charge is at s.
@@ -133,10 +139,10 @@ class ChargeAlongPath {
     using std::atan2;
     using std::hypot;
     const Column &q = charge.q, &momentum = charge.momentum;
-    const Scalar right = 1 + curvature_ * q[0], up = curvature_ * q[2], radius = hypot(right, up);
-    const Scalar cosine = right / radius, sine = up / radius;
+    const Scalar aside = 1 + curvature_ * q[0], ahead = curvature_ * q[2], radius = hypot(aside, ahead);
+    const Scalar cosine = aside / radius, sine = ahead / radius;
     const Column place((2 * q[0] + curvature_ * (q[0] * q[0] + q[2] * q[2])) / (1 + radius), q[1],
-                       curvature_ == Scalar(0) ? q[2] : Scalar(atan2(up, right) / curvature_));
+                       curvature_ == Scalar(0) ? q[2] : Scalar(atan2(ahead, aside) / curvature_));
     const Scalar across = cosine * momentum[0] + sine * momentum[2];
     if (!(cosine * momentum[2] - sine * momentum[0] > Scalar(0)))
       throw std::invalid_argument(
@@ -148,7 +154,7 @@ class ChargeAlongPath {
             {{place[0], place[1], c_ * charge.t - clock_ * place[2]},
              {across + charge_ * a[0], momentum[1] + charge_ * a[1], -kinetic / c_}}};
   }
-  /// The reverse.
+  /// The reverse. The momentum is NaN where there is no state.
   AtTime at_time(const Scalar& s, const PhasePoint<Scalar, 3>& z) const {
     using std::cos;
     using std::sin;
@@ -175,8 +181,6 @@ class ChargeAlongPath {
     Vector<Scalar, 2> across;     ///< π_x, π_y
 
     Scalar across_square() const { return across[0] * across[0] + across[1] * across[1]; }
-    /// The velocity over its component along the line.
-    Column slopes() const { return {across[0] / along, across[1] / along, Scalar(1)}; }
   };
   Motion motion(const Scalar& s, const auto& q, const auto& p) const {
     using std::sqrt;
@@ -194,22 +198,8 @@ class ChargeAlongPath {
                   : std::numeric_limits<Scalar>::quiet_NaN();
     return m;
   }
-  /// ∂K/∂(x, y, s) through the fields, at a fixed time.
-  Column derivative_by_place(const Motion& m, const Column& slopes) const {
-    Column out(Scalar(0), Scalar(0), Scalar(0));
-    if constexpr (AllFields::has_electric) {
-      fields_.add_electric_gradient(m.place, out);
-      out *= m.stretch * (m.w + rest_) / (c_ * m.along);
-    }
-    fields_.add_gradient(m.t, m.place, slopes, -charge_ * m.stretch, out);
-    return out;
-  }
-  /// ∂K/∂t at a fixed place.
-  Scalar derivative_by_time(const Motion& m, const Column& slopes) const {
-    return -charge_ * m.stretch * fields_.time_derivative(m.t, m.place, slopes);
-  }
 
-  Scalar charge_, rest_, c_, curvature_, clock_;  ///< mc, c, κ, 1/β
+  Scalar charge_, rest_, c_, curvature_, clock_;  ///< e, mc, c, κ, 1/β
   detail::Relativity<Scalar> relativity_;
   AllFields fields_;
 };

@@ -111,16 +111,15 @@ class RelativisticCharge {
   Scalar energy(const Scalar& t, const In<Scalar, 3>& q, const In<Scalar, 3>& p) const {
     return relativity_.energy(kinetic(t, q, p)) + fields_.electric_energy(q);
   }
-  void gradient(const Scalar& t, const In<Scalar, 3>& q, const In<Scalar, 3>& p, Out<Scalar, 3> dHdq,
-                Out<Scalar, 3> dHdp) const {
+  /// Returns ∂H/∂t.
+  Scalar gradient(const Scalar& t, const In<Scalar, 3>& q, const In<Scalar, 3>& p, Out<Scalar, 3> dHdq,
+                  Out<Scalar, 3> dHdp) const {
     const Column v = relativity_.velocity(kinetic(t, q, p));
     dHdp = v;
     dHdq.setZero();
     fields_.add_gradient(t, q, v, -charge_, dHdq);
     fields_.add_electric_gradient(q, dHdq);
-  }
-  Scalar time_derivative(const Scalar& t, const In<Scalar, 3>& q, const In<Scalar, 3>& p) const {
-    return -charge_ * fields_.time_derivative(t, q, relativity_.velocity(kinetic(t, q, p)));
+    return -charge_ * fields_.time_derivative(t, q, v);
   }
   Scalar gamma(const Scalar& t, const auto& q, const auto& p) const {
     return relativity_.gamma(kinetic(t, q, p));

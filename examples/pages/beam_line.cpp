@@ -73,8 +73,9 @@ int main() {
   // Both are derivatives of one function: l of p_l, and the phase of the action.
   const double expected = -action * (textbook(p * 1.0001) - textbook(p * 0.9999)) / (0.0002 * p);
   std::cout << "area of the ellipse in " << cells << " cells: " << least << " to " << largest << '\n'
-            << "behind light a cell: on the axis " << axis.q()[2] << ", by the wiggles " << behind
-            << " more; the action times the slope of the phase by the momentum: " << expected << '\n'
+            << "behind light a cell: " << axis.q()[2] << " on the axis, by the wiggles " << behind
+            << " more\n"
+            << "the action times the slope of the phase by the momentum: " << expected << '\n'
             << "gradient calls a cell: " << double(gradients) / cells << '\n';
   return std::abs(advance - textbook(p)) < 1e-6 && largest < least * 1.001 &&
                  std::abs(behind / expected - 1) < 1e-3

@@ -25,9 +25,9 @@ struct ReferenceLine {
 ///
 /// where H, A and t are those of RelativisticCharge, without the rest energy, π = p - eA is the kinetic
 /// momentum, and cw = H - eφ the kinetic energy. All of q are lengths and all of p momenta. l is how far the
-/// charge is behind a clock that moves along the line at βc, by default behind light. It does not grow as t
-/// does, which at a late time takes digits from the state, and it is found to all its digits where β = 1 and
-/// the charge is nearly as fast.
+/// charge is behind a clock that moves along the line at βc, by default behind light. With β near the speed
+/// of the charge it does not grow as t does, which at a late time takes digits from the state; and with β = 1
+/// it is found to all its digits, however near that of light the speed is.
 ///
 ///     const charges::ChargeAlongPath line(e, m, c, charges::ReferenceLine<>{}, quadrupole);
 ///     const Autonomous K(line);
@@ -49,9 +49,8 @@ struct ReferenceLine {
 /// QuadrupoleField and BendField: a run to the edge with one Hamiltonian goes on behind it with another.
 ///
 /// The charge has to move on along the line. Where it has no kinetic energy left, or none along the line
-/// because it turns round, or is beyond the centre of curvature, energy and gradient are NaN, and a step
-/// fails with Status::not_finite; close to such a place already because no step is small enough, as
-/// no_convergence.
+/// because it turns round, or is beyond the centre of curvature, energy and gradient are NaN, and the step
+/// that would go there fails with Status::not_finite.
 ///
 /// Sources: E. Courant and H. Snyder, Ann. Phys. 3 (1958) 1; S. Y. Lee, Accelerator Physics, 3rd ed. (2012),
 /// section 2.I.

@@ -239,6 +239,41 @@ TEST_CASE("on a curved line a charge moves on the helix of a uniform field, and 
   CHECK(std::atan2(end.q[2], end.q[0] + 1 / kappa) == Approx(1.2).epsilon(1e-13));
 }
 
+TEST_CASE(
+    "a curved line and a straight one through the same field that depends on the time show the same charge") {
+  const double kappa = 0.6;
+  const auto cartesian = [](const auto& t, const auto& x, const auto& y, const auto& z) {
+    using std::cos, std::sin;
+    return std::array{sin(2 * z - t) * cos(y), x * z / 2 + 0 * t, sin(x + y) * cos(t) - z * y / 3};
+  };
+  const charges::FieldFrom field(
+      [=](const auto& t, const auto& x) { return cartesian(t, x[0], x[1], x[2]); });
+  const charges::FieldFrom in_curved_axes([=](const auto& t, const auto& x) {
+    using std::cos, std::sin;
+    const auto cosine = cos(kappa * x[2]), sine = sin(kappa * x[2]);
+    const auto radius = x[0] + 1 / kappa;
+    const auto [a, b, d] = cartesian(t, radius * cosine - 1 / kappa, x[1], radius * sine);
+    return std::array{cosine * a + sine * d, b, cosine * d - sine * a};
+  });
+  const charges::ChargeAlongPath straight(charge, mass, c, charges::ReferenceLine<>{}, field);
+  const charges::ChargeAlongPath curved(
+      charge, mass, c, charges::ReferenceLine<>{.curvature = kappa, .beta = 0.9}, in_curved_axes);
+  const auto run = [](const auto& line, const auto& start, double s_end) {
+    const auto [s, z] = line.on_line({start.t, start.q, start.momentum});
+    const Autonomous K(line);
+    auto Z = K.extended(z, s);
+    GaussLegendre stepper(K, {.stages = 6});
+    integrate(stepper, Z, {.dt = 0.02, .t0 = s, .t_end = s_end});
+    return line.at_time(s_end, K.point(Z));
+  };
+  const AtTime start{0.7, {0.1, -0.2, 0.05}, {0.5, 0.6, 5}};
+  const auto on_curve = run(curved, start, 0.9);
+  CHECK(std::abs(on_curve.q[0] - start.q[0]) > 0.02);
+  const auto on_straight = run(straight, start, on_curve.q[2]);
+  require_same({on_curve.t, on_curve.q, on_curve.momentum},
+               {on_straight.t, on_straight.q, on_straight.momentum}, 1e-12);
+}
+
 TEST_CASE("in an undulator a charge falls behind light by a wavelength of its radiation a period") {
   for (const double gamma : {30.0, 3e4}) {
     CAPTURE(gamma);

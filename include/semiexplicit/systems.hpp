@@ -3,6 +3,7 @@
 /// Ready Hamiltonians, and the effects that scenes of each physics are put together from.
 
 #include <semiexplicit/systems/black_hole.hpp>
+#include <semiexplicit/systems/charge_along_path.hpp>
 #include <semiexplicit/systems/charges.hpp>
 #include <semiexplicit/systems/dissipation.hpp>
 #include <semiexplicit/systems/electrostatics.hpp>

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include <semiexplicit/systems.hpp>
+#include <semiexplicit/time.hpp>
 
 #include "methods.hpp"
 
@@ -104,6 +105,19 @@ TEST_CASE("Vortices are moved symplectically, in their scaled coordinates", "[sy
   CHECK(symplectic_defect(Semiexplicit(h, schemes::strang<Real>(), Broyden{.stop = tight}), z, 0.1L,
                           0.001L) <= 1e-14);
   CHECK(symplectic_defect(MidpointProjection(h, schemes::strang<Real>()), z, 0.3L, 0.001L) >= 1e-9);
+}
+
+TEST_CASE("Charges are moved symplectically along a curved path through magnets", "[symplecticity]") {
+  namespace charges = effects::charges;
+  const Real one = 1;
+  const Autonomous K(charges::ChargeAlongPath(
+      one, one, one, charges::ReferenceLine<Real>{.curvature = 0.3L, .beta = 0.9L},
+      charges::BendField(2 * one, 0.3L), charges::QuadrupoleField(one), charges::UndulatorField(one, 3 * one),
+      charges::SolenoidField(one, one, 0.5L)));
+  const auto Z = K.extended({{0.1L, -0.2L, 0.3L}, {0.5L, 0.4L, -6}}, 0.2L);
+  const Semiexplicit stepper(K, schemes::blanes_moan4<Real>(),
+                             SimplifiedNewton{.stop = StoppingRule::paper(0)});
+  for (const Real ds : {0.1L, -0.05L}) CHECK(symplectic_defect(stepper, Z, ds, 0.001L) <= 1e-14);
 }
 
 TEST_CASE("The midpoint projection is not symplectic, with a defect of order 2p + 2", "[symplecticity]") {

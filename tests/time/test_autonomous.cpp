@@ -50,6 +50,21 @@ struct Undifferentiated {
 };
 static_assert(Hamiltonian<Autonomous<Undifferentiated>> && !HasEnergy<Autonomous<Undifferentiated>>);
 
+/// The same with a gradient that returns ∂H/∂t.
+struct Returning {
+  using Scalar = double;
+  static constexpr int Dof = 1;
+  double energy(double t, In<double, 1> q, In<double, 1> p) const {
+    return ForcedOscillator().energy(t, q, p);
+  }
+  double gradient(double t, In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq,
+                  Out<double, 1> dHdp) const {
+    ForcedOscillator().gradient(t, q, p, dHdq, dHdp);
+    return ForcedOscillator().time_derivative(t, q, p);
+  }
+};
+static_assert(Hamiltonian<Autonomous<Returning>> && HasEnergy<Autonomous<Returning>>);
+
 /// Nonlinear and not separable, driven: H = (q² + 1)(p² + 1)/2 + q p sin(2t)/2.
 const Autonomous driven_product(from_energy<1>([](const auto& t, const auto& q, const auto& p) {
   using std::sin;
@@ -128,6 +143,18 @@ TEST_CASE("Without dH/dt the motion is the same", "[autonomous]") {
   CHECK((with.point(Z).vector() - without.point(W).vector()).norm() <= 1e-13);
   CHECK(W.p()[1] == 0);
   CHECK(std::abs(Z.p()[1]) > 0.1);
+}
+
+TEST_CASE("A gradient that returns dH/dt does what a time_derivative does", "[autonomous]") {
+  const Autonomous with{ForcedOscillator()};
+  const Autonomous returning{Returning()};
+  auto Z = with.extended({1, 0}, 0.0), W = Z;
+  Semiexplicit one(with, schemes::blanes_moan4());
+  Semiexplicit other(returning, schemes::blanes_moan4());
+  integrate(one, Z, {.dt = 0.1, .steps = 100});
+  integrate(other, W, {.dt = 0.1, .steps = 100});
+  CHECK(Z.vector() == W.vector());
+  CHECK(check_gradient(returning, Z).ok());
 }
 
 TEST_CASE("Driven steps have the order of the scheme", "[autonomous]") {

@@ -61,7 +61,7 @@ concept HasGradient = requires(const H& h, const detail::InColumn<H>& q, const d
 
 /// What a user writes where H depends on the time: the same with the time as the first argument.
 /// Autonomous(H) makes a Hamiltonian of it; without that no integrator takes it. Optional are `energy(t, q,
-/// p)` and ∂H/∂t, `time_derivative(t, q, p)`.
+/// p)` and ∂H/∂t, by `time_derivative(t, q, p)` or as what gradient() returns.
 template <class H>
 concept TimeDependentHamiltonian = std::copy_constructible<H> && HasScalar<H> && HasDof<H> &&
     requires(const H& h, const typename H::Scalar& t, const detail::InColumn<H>& q,

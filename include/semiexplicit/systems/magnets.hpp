@@ -5,7 +5,8 @@
 
 #include <semiexplicit/systems/charges.hpp>
 
-/// Magnetic fields of accelerators, for MagneticKinetic and RelativisticKinetic; see charges.hpp for units.
+/// Magnetic fields of accelerators, for MagneticKinetic, RelativisticKinetic, RelativisticCharge and
+/// ChargeAlongPath; see charges.hpp for units.
 namespace semiexplicit::effects::charges {
 
 /// A solenoid about the third axis with its middle at the origin, a current sheet of a length and a radius R:
@@ -103,6 +104,28 @@ struct QuadrupoleField {
     out[0] -= by * x[0];
     out[1] += by * x[1];
   }
+};
+
+/// The field of a bending magnet, without ends: B along the second axis, uniform. It is given by the
+/// component of A along a line of the constant curvature κ that ChargeAlongPath follows, at the distance x to
+/// the outside of it,
+///
+///     A = -B (x + κx²/2)/(1 + κx) (0, 0, 1).
+///
+/// A charge of the momentum p stays on a line with κ = eB/p. With κ = 0, the default, it is the same field in
+/// Cartesian coordinates, A = -Bx (0, 0, 1), which all other classes take.
+template <class Scalar = double>
+struct BendField {
+  explicit BendField(Scalar strength, Scalar of_line = Scalar(0)) : b(strength), curvature(of_line) {}
+  Scalar b, curvature;
+
+  void add_potential(const auto& x, auto& a) const { a[2] += along(x); }
+  void add_gradient(const auto& x, const auto& v, const auto& factor, auto& out) const {
+    out[0] -= factor * v[2] * (b + curvature * along(x) / (1 + curvature * x[0]));
+  }
+
+ private:
+  auto along(const auto& x) const { return -b * x[0] * (1 + curvature * x[0] / 2) / (1 + curvature * x[0]); }
 };
 
 }  // namespace semiexplicit::effects::charges

@@ -6,6 +6,7 @@
 
 #include <semiexplicit/core/vector.hpp>
 #include <semiexplicit/scene/effect.hpp>
+#include <semiexplicit/systems/detail/fields_in_time.hpp>
 
 /// Charges as fast as light. q is the position, p the canonical momentum γmv + eA; units as in charges.hpp,
 /// with c.
@@ -93,7 +94,8 @@ class RelativisticKinetic {
 
 /// The same in fields that depend on the time, or not: a Hamiltonian for Autonomous. A field that does has
 /// `add_potential(t, x, a)`, `add_gradient(t, x, v, factor, out)` and `add_time_derivative(t, x, a)`, a +=
-/// ∂A/∂t; FieldFrom makes them of A(t, x).
+/// ∂A/∂t; FieldFrom makes them of A(t, x). Electric potentials (electrostatics.hpp) may stand among the
+/// fields.
 ///
 ///     Autonomous K(charges::RelativisticCharge(1.0, 1.0, 1.0, wave));   // e, m, c, fields
 template <class ScalarType, class... Fields>
@@ -107,53 +109,35 @@ class RelativisticCharge {
       : charge_(charge), relativity_{mass, c}, fields_(std::move(fields)...) {}
 
   Scalar energy(const Scalar& t, const In<Scalar, 3>& q, const In<Scalar, 3>& p) const {
-    return relativity_.energy(kinetic(t, q, p));
+    return relativity_.energy(kinetic(t, q, p)) + fields_.electric_energy(q);
   }
-  void gradient(const Scalar& t, const In<Scalar, 3>& q, const In<Scalar, 3>& p, Out<Scalar, 3> dHdq,
-                Out<Scalar, 3> dHdp) const {
+  /// Returns ∂H/∂t.
+  Scalar gradient(const Scalar& t, const In<Scalar, 3>& q, const In<Scalar, 3>& p, Out<Scalar, 3> dHdq,
+                  Out<Scalar, 3> dHdp) const {
     const Column v = relativity_.velocity(kinetic(t, q, p));
-    const Scalar factor = -charge_;
     dHdp = v;
     dHdq.setZero();
-    for_each([&](const auto& field) {
-      if constexpr (requires(Column & a) { field.add_potential(t, q, a); })
-        field.add_gradient(t, q, v, factor, dHdq);
-      else
-        field.add_gradient(q, v, factor, dHdq);
-    });
-  }
-  Scalar time_derivative(const Scalar& t, const In<Scalar, 3>& q, const In<Scalar, 3>& p) const {
-    const Column v = relativity_.velocity(kinetic(t, q, p));
-    Column by_t(Scalar(0), Scalar(0), Scalar(0));
-    for_each([&](const auto& field) {
-      if constexpr (requires(Column & a) { field.add_potential(t, q, a); })
-        field.add_time_derivative(t, q, by_t);
-    });
-    return -charge_ * (v[0] * by_t[0] + v[1] * by_t[1] + v[2] * by_t[2]);
+    fields_.add_gradient(t, q, v, -charge_, dHdq);
+    fields_.add_electric_gradient(q, dHdq);
+    return -charge_ * fields_.time_derivative(t, q, v);
   }
   Scalar gamma(const Scalar& t, const auto& q, const auto& p) const {
     return relativity_.gamma(kinetic(t, q, p));
   }
-
- private:
-  template <class Use>
-  void for_each(const Use& use) const {
-    std::apply([&](const auto&... field) { (use(field), ...); }, fields_);
-  }
+  /// The kinetic momentum γmv = p - eA, and the canonical momentum for one.
   Column kinetic(const Scalar& t, const auto& q, const auto& p) const {
-    Column a(Scalar(0), Scalar(0), Scalar(0));
-    for_each([&](const auto& field) {
-      if constexpr (requires { field.add_potential(t, q, a); })
-        field.add_potential(t, q, a);
-      else
-        field.add_potential(q, a);
-    });
+    const Column a = fields_.potential(t, q);
     return {p[0] - charge_ * a[0], p[1] - charge_ * a[1], p[2] - charge_ * a[2]};
   }
+  Column momentum(const Scalar& t, const auto& q, const auto& of_motion) const {
+    const Column a = fields_.potential(t, q);
+    return {of_motion[0] + charge_ * a[0], of_motion[1] + charge_ * a[1], of_motion[2] + charge_ * a[2]};
+  }
 
+ private:
   Scalar charge_;
   detail::Relativity<Scalar> relativity_;
-  std::tuple<Fields...> fields_;
+  detail::FieldsInTime<Scalar, Fields...> fields_;
 };
 
 }  // namespace semiexplicit::effects::charges

@@ -27,9 +27,10 @@ namespace semiexplicit {
 ///     z = K.point(Z);  K.time(Z);
 ///
 /// p_t changes by -∂H/∂t, so it is minus the energy that the driving has put in, and K stays what it was: the
-/// check that the energy is elsewhere. That takes `time_derivative(t, q, p)`. An H without it is integrated
-/// just as well, since neither q, p nor t depend on p_t; but p_t then stays at 0, and there is no energy()
-/// here because it would mean nothing. Whether time_derivative is right check_gradient(K, Z) tells.
+/// check that the energy is elsewhere. That takes `time_derivative(t, q, p)`, or a gradient() that returns
+/// ∂H/∂t, for what they have in common. An H with neither is integrated just as well, since neither q, p nor
+/// t depend on p_t; but p_t then stays at 0, and there is no energy() here because it would mean nothing.
+/// Whether ∂H/∂t is right check_gradient(K, Z) tells.
 ///
 /// Source: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, 2nd ed., section VIII.2.1 (with
 /// g = 1).
@@ -43,8 +44,14 @@ class Autonomous : public ExtendedPhaseSpace<typename H::Scalar, H::Dof> {
   static constexpr int Dof = Space::Dof;
   static_assert(detail::is_in_one_process<H>());
 
+  /// Whether the gradient of H returns ∂H/∂t.
+  static constexpr bool gradient_follows_work =
+      requires(const H& h, const Scalar& t, In<Scalar, H::Dof> q, Out<Scalar, H::Dof> dHdq) {
+    { h.gradient(t, q, q, dHdq, dHdq) } -> std::convertible_to<Scalar>;
+  };
   /// Whether H says ∂H/∂t, so that p_t is followed, and whether there is K to check the run by.
   static constexpr bool follows_work =
+      gradient_follows_work ||
       requires(const H& h, const Scalar& t, In<Scalar, H::Dof> q, In<Scalar, H::Dof> p) {
     { h.time_derivative(t, q, p) } -> std::convertible_to<Scalar>;
   };
@@ -80,12 +87,16 @@ class Autonomous : public ExtendedPhaseSpace<typename H::Scalar, H::Dof> {
                 Out<Scalar, Dof> dKdp) const {
     const Eigen::Index d = dof() - 1;
     Out<Scalar, H::Dof> dHdq = Space::head(dKdq), dHdp = Space::head(dKdp);
-    hamiltonian_.gradient(q[d], Space::head(q), Space::head(p), dHdq, dHdp);
+    if constexpr (gradient_follows_work) {
+      dKdq[d] = hamiltonian_.gradient(q[d], Space::head(q), Space::head(p), dHdq, dHdp);
+    } else {
+      hamiltonian_.gradient(q[d], Space::head(q), Space::head(p), dHdq, dHdp);
+      if constexpr (follows_work)
+        dKdq[d] = hamiltonian_.time_derivative(q[d], Space::head(q), Space::head(p));
+      else
+        dKdq[d] = Scalar(0);
+    }
     dKdp[d] = Scalar(1);
-    if constexpr (follows_work)
-      dKdq[d] = hamiltonian_.time_derivative(q[d], Space::head(q), Space::head(p));
-    else
-      dKdq[d] = Scalar(0);
   }
 
   const H& hamiltonian() const { return hamiltonian_; }

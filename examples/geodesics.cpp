@@ -43,15 +43,15 @@ std::string script(const std::filesystem::path& png, const std::filesystem::path
 
 /// What --cost and --accuracy ask for, of the energy on one orbit of the section; true: there is nothing else
 /// to do.
-bool answer(Request& request, const RuntimeScene<double, 4>& scene, const State4& start,
-            const std::string& title) {
+bool answer(Request& request, const RuntimeScene<double, 4>& scene, const State4& start) {
   const std::int64_t some = std::min<std::int64_t>(request.crossings, 20);
   const Orbit orbit = follow(scene, request.method, start, request.settings.dt, some, [](std::int64_t) {});
   if (orbit.ended)
     throw std::runtime_error(
         "the orbit in the middle, whose energy is judged, does not stay; take other parameters, or --dt");
   request.settings.time = orbit.time * static_cast<double>(request.crossings) / static_cast<double>(some);
-  return request.cost.answer(scene, start, request.method, request.settings, "geodesics_cost", title);
+  return request.cost.answer(scene, start, request.method, request.settings, "geodesics_cost",
+                             "geodesics, " + request.metric);
 }
 
 /// All orbits. Those that are finished are kept where that is wanted, and not computed again.
@@ -88,7 +88,7 @@ int run(const M& metric, Request& request, const CLI::App& app, const std::strin
     return start_of(metric, interval, k, request.orbits, request.energy, request.l);
   };
   const std::int64_t middle = request.orbits / 2;
-  if (request.cost.wanted(app) && answer(request, scene, start(middle), title)) return 0;
+  if (request.cost.wanted(app) && answer(request, scene, start(middle))) return 0;
 
   const FinishedBlocks finished(request.checkpoint.file, request.in_words());
   const std::vector<Orbit> orbits = section(request, scene, start, finished);

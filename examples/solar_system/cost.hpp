@@ -28,11 +28,13 @@ enum class Judge {
 /// for those of higher orders.
 inline double by_half_the_step(double rate, double of_half) { return 4.0 / 3 * std::abs(rate - of_half); }
 
-/// A list of the splitting on a short run, with a step of about dt.
+/// What came of a list and a step on a short run; its costs are those of the whole one.
 struct Trial {
   CostRow row{};
   double rate = 0;  ///< of the perihelion
 };
+
+/// Tries a list for the time `trial`, with a step of dt or a little less.
 inline Trial try_list(const System& system, const NearIntegrable<double>& list, double dt, double trial,
                       double time, Judge judge) {
   const double steps = std::ceil(trial / dt), share = time / trial;
@@ -83,14 +85,15 @@ inline CostTable cost_of_lists(const System& system, double time, Judge judge, d
       const std::size_t later = judge == Judge::perihelion ? half : 0;
       if (trials.size() <= later) continue;
       Trial& judged = *(trials.rbegin() + static_cast<std::ptrdiff_t>(later));
-      if (judge == Judge::perihelion) judged.row.error = by_half_the_step(judged.rate, trials.back().rate);
+      if (judge == Judge::perihelion && judged.row.works() && trials.back().row.works())
+        judged.row.error = by_half_the_step(judged.rate, trials.back().rate);
       below = judged.row.error <= enough || judged.row.limit == LimitedBy::rounding ? below + 1 : 0;
     }
     double least = 0;
     std::vector<CostRow> rows;
     for (auto trial = trials.rbegin(); trial != trials.rend(); ++trial) {
       if (trial->row.works() && std::isnan(trial->row.error)) continue;  // half the step was not tried
-      least = trial->row.error = std::max(trial->row.error, least);
+      if (trial->row.works()) least = trial->row.error = std::max(trial->row.error, least);
       rows.push_back(trial->row);
     }
     table.rows.insert(table.rows.end(), rows.rbegin(), rows.rend());

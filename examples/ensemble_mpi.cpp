@@ -19,7 +19,7 @@
 #include <semiexplicit/systems.hpp>
 
 #include "common/arguments.hpp"
-#include "ensemble_mpi/finished_blocks.hpp"
+#include "common/finished_blocks.hpp"
 #include "ensemble_mpi/results.hpp"
 #include "ensemble_mpi/sweep.hpp"
 
@@ -53,13 +53,8 @@ std::vector<std::int64_t> missing_blocks(const World& world, const Job& job,
                                          const FinishedBlocks& checkpoints) {
   std::vector<std::int64_t> missing;
   if (world.first())
-    for (std::int64_t b = 0; b < job.blocks(); ++b) try {
-        if (!checkpoints.load(b)) missing.push_back(b);
-      } catch (const std::runtime_error& damage) {
-        // In one piece: mpirun mixes what processes write.
-        std::cerr << std::string(damage.what()) + "; this block is computed anew\n";
-        missing.push_back(b);
-      }
+    for (std::int64_t b = 0; b < job.blocks(); ++b)
+      if (!checkpoints.load_if_sound(b)) missing.push_back(b);
   auto count = static_cast<std::int64_t>(missing.size());
   MPI_Bcast(&count, 1, MPI_INT64_T, 0, MPI_COMM_WORLD);
   missing.resize(static_cast<std::size_t>(count));
@@ -126,7 +121,7 @@ int run(const World& world, const Job& job) {
               << formatted("%.2e", steps / processor_seconds) << " a second of a processor\n";
   }
   std::cout << "data: " << results.write(job.settings.output).string() << std::endl;
-  std::filesystem::remove_all(checkpoints.folder());
+  checkpoints.remove();
   if (results.sorted(3).empty()) {
     std::cerr << "ensemble_mpi: no member came to its end; give a smaller --dt\n";
     return 1;

@@ -103,6 +103,12 @@ inline void add_output(CLI::App& app, Settings& settings, bool rows = true) {
   app.add_flag("--no-plot", settings.no_plot, "leave the picture out");
 }
 
+/// Whether the user gave an option; not, where the program has none of that name.
+inline bool is_given(const CLI::App& app, const std::string& option) {
+  const CLI::Option* const known = app.get_option_no_throw(option);
+  return known != nullptr && known->count() > 0;
+}
+
 /// Options that do not go with another one are a misunderstanding, and refused.
 inline void refuse_options(const CLI::App& app, const std::string& with,
                            const std::vector<std::string>& idle) {

@@ -39,6 +39,7 @@ struct CostRequest {
   double accuracy = 0;  ///< relative, of the energy; of an angle where there is a unit
   std::string unit{};   ///< behind it
   std::string by = "seconds";
+  bool with_gauss = true;  ///< false: what the program measures asks for a projected step
   std::optional<CostRow> chosen{};
 
   void add_to(CLI::App& app) {
@@ -63,9 +64,9 @@ struct CostRequest {
         throw std::invalid_argument("--cost-by goes with --cost or --accuracy; give one of them");
       return false;
     }
-    for (const char* other :
-         {"--dt", "--method", "--scheme", "--solver", "--rule", "--tolerance", "--omega", "--stages"})
-      if (app.count(other) > 0)
+    for (const char* other : {"--dt", "--list", "--method", "--scheme", "--solver", "--rule", "--tolerance",
+                              "--omega", "--stages"})
+      if (is_given(app, other))
         throw std::invalid_argument(std::string(other) + " is what " + (curve ? "--cost" : "--accuracy") +
                                     " is to find out; leave one of them out");
     return true;
@@ -77,44 +78,123 @@ struct CostRequest {
   template <class H, class State>
   bool answer(const H& hamiltonian, const State& z0, Method& method, Settings& settings,
               const std::string& file, const std::string& title, const AngleTarget& angle = {}) {
-    CostOptions options{.by = by == "seconds" ? CostBy::seconds : CostBy::gradients};
-    target_ = accuracy;
+    CostOptions options{.by = cost_by()};
+    if (!with_gauss) options.gauss_stages.clear();
+    double target = accuracy;
     if (angle.direction) {
       options.observable = angle.direction;
       options.absolute = true;
-      target_ = angle.target / 3;  // the estimate is good to a factor of three
-      figure_ = angle.figure;
+      target = angle.target / safety;
       longest_dt_ = angle.longest_dt;
-      asked_ = accuracy * read_unit(unit).size / read_unit(angle.unit).size;
-      figure_unit_ = angle.unit;
+      aim_at(angle.figure, angle.unit);
+    } else if (!unit.empty()) {
+      throw std::invalid_argument(
+          "--accuracy: no angle is measured here; give a relative energy error, as 1e-9");
     }
-    if (!curve) options.targets = {target_};
+    if (!curve) options.targets = {target};
     settings.make_output_folder();
     const CostTable cost = cost_of_accuracy(hamiltonian, z0, settings.time, options);
-    if (curve)
-      show(cost, settings, file, title);
-    else
-      choose(cost, method, settings);
+    if (curve) {
+      std::cout << cost;
+      write(cost, settings, file, title);
+    } else {
+      choose(cost, target, method, settings);
+    }
     return curve;
+  }
+
+  CostBy cost_by() const { return by == "seconds" ? CostBy::seconds : CostBy::gradients; }
+
+  /// The accuracy with a unit is about a figure that is given in figure_unit; gives it in that unit.
+  double aim_at(const std::string& figure, const std::string& figure_unit) {
+    figure_ = figure;
+    figure_unit_ = figure_unit;
+    return asked_ = accuracy * read_unit(unit).size / read_unit(figure_unit).size;
+  }
+  /// Estimates are good to a factor of three: of a figure a third of what is asked for is looked for.
+  static constexpr double safety = 3;
+
+  /// Takes the cheapest setting for a target, and throws std::runtime_error, saying why, where there is none.
+  const CostRow& choose(const CostTable& cost, double target) {
+    chosen = cost.cheapest(target);
+    if (chosen) return *chosen;
+    const auto best = cost.best();
+    throw std::runtime_error(
+        "--accuracy " + formatted("%g", accuracy) + (unit.empty() ? "" : " " + unit) + " is out of reach" +
+        (best ? ": the best found is " + formatted("%.1e", best->error) + " by " + best->setting.name() +
+                    " with dt = " + formatted("%.3g", best->setting.dt)
+              : std::string("; no setting works")) +
+        "; " + cost.why(target));
+  }
+  /// In what the cheapest is the cheapest, and of how many.
+  std::string among(const CostTable& cost) const {
+    return std::string("the cheapest in ") + (by == "seconds" ? "processor time" : "gradient calls") +
+           " of " + std::to_string(cost.rows.size()) + " settings tried";
   }
 
   /// What came of the choice. Throws std::runtime_error where the figure is not as accurate as it was to be.
   void compare_with(const Run& run) const {
-    if (chosen && run.is_result() && !figure_.empty()) {
-      const auto error = run.figure_errors.find(figure_);
-      const std::string asked = figure_ + formatted(": %g ", asked_) + figure_unit_ + " asked for, ";
-      if (error == run.figure_errors.end() || !(error->second <= asked_))
-        throw std::runtime_error(asked +
-                                 (error == run.figure_errors.end()
-                                      ? "and it was not measured"
-                                      : formatted("%.1e reached by the trajectory", error->second)) +
-                                 "; give a smaller --accuracy, or a --dt");
-      std::cout << asked
-                << formatted("%.1e reached by the trajectory, as a companion run with half the step tells\n",
-                             error->second);
-    } else if (chosen && run.is_result())
+    if (!run.is_result()) return;
+    if (figure_.empty()) return compare_with_energy(run.quantities.front().worst);
+    const auto found = run.figure_errors.find(figure_);
+    compare_with_figure(found == run.figure_errors.end() ? std::nullopt : std::optional(found->second));
+  }
+  void compare_with_energy(double error) const {
+    if (chosen)
       std::cout << formatted("energy error: %.1e asked for, %.1e expected, %.1e reached\n", accuracy,
-                             chosen->error, run.quantities.front().worst);
+                             chosen->error, error);
+  }
+  /// The error of the figure by a companion run; nothing where it was not measured.
+  void compare_with_figure(const std::optional<double>& error) const {
+    if (!chosen) return;
+    const std::string asked = figure_ + formatted(": %g ", asked_) + figure_unit_ + " asked for, ";
+    if (!error || !(*error <= asked_))
+      throw std::runtime_error(asked +
+                               (error ? formatted("%.1e reached by the trajectory", *error)
+                                      : std::string("and it was not measured")) +
+                               "; give a smaller --accuracy, or a --dt");
+    std::cout << asked
+              << formatted("%.1e reached by the trajectory, as a companion run with half the step tells\n",
+                           *error);
+  }
+
+  /// The rows in <file>.csv, and error against cost in <file>.png, a curve a method.
+  static void write(const CostTable& cost, const Settings& settings, const std::string& file,
+                    const std::string& title,
+                    const std::string& error = "largest relative energy error, expected") {
+    const std::filesystem::path csv = settings.output / (file + ".csv"),
+                                png = settings.output / (file + ".png");
+    write_whole(csv, [&](std::ostream& out) {
+      out.precision(9);
+      out << "method,solver,dt,error,gradients,seconds,limit,works\n";
+      for (const CostRow& row : cost.rows)
+        out << row.setting.name() << ',' << row.setting.solver() << ',' << row.setting.dt << ',' << row.error
+            << ',' << row.gradients << ',' << row.seconds << ',' << static_cast<int>(row.limit) << ','
+            << row.works() << '\n';
+    });
+    std::cout << "data: " << csv.string() << '\n';
+    if (settings.no_plot) return;
+
+    const bool seconds = cost.by == CostBy::seconds;
+    std::ostringstream out;
+    out << gnuplot_prologue(png, 1200, 800) << "set title "
+        << quoted(title + ": what accuracy costs over T = " + formatted("%g", cost.time)) << " noenhanced\n"
+        << "set logscale xy\nset format '10^{%T}'\nset xrange [*:*] reverse\n"
+        << "set xlabel " << quoted(error) << "\nset ylabel '"
+        << (seconds ? "seconds of processor time" : "gradient calls") << "'\n"
+        << "set key outside right noenhanced\nset grid linetype 1 linewidth 0.5 linecolor rgb '#d8d8d8'\n"
+        << "plot NaN notitle";
+    std::vector<std::string> drawn;
+    for (const CostRow& row : cost.rows) {
+      const std::string method = row.setting.name();
+      if (!row.works() || std::find(drawn.begin(), drawn.end(), method) != drawn.end()) continue;
+      drawn.push_back(method);
+      out << ", \\\n  " << quoted(csv.string()) << " skip 1 using (stringcolumn(1) eq " << quoted(method)
+          << " && $8 == 1 ? $4 : NaN):" << (seconds ? 6 : 5) << " with linespoints linewidth 2 pointtype "
+          << 4 + drawn.size() << (row.setting.is_gauss() ? " dashtype 2" : "") << " title " << quoted(method);
+    }
+    out << '\n';
+    draw(png, out.str());
   }
 
  private:
@@ -138,21 +218,11 @@ struct CostRequest {
   }
 
   std::string text_, figure_, figure_unit_;
-  double target_ = 0, asked_ = 0;  ///< that is looked for; the accuracy in the unit of the figure
+  double asked_ = 0;  ///< the accuracy in the unit of the figure
   double longest_dt_ = std::numeric_limits<double>::infinity();
 
-  void choose(const CostTable& cost, Method& method, Settings& settings) {
-    chosen = cost.cheapest(target_);
-    if (!chosen) {
-      const auto best = cost.best();
-      throw std::runtime_error(
-          "--accuracy " + formatted("%g", accuracy) + (unit.empty() ? "" : " " + unit) + " is out of reach" +
-          (best ? ": the best found is " + formatted("%.1e", best->error) + " by " + best->setting.name() +
-                      " with dt = " + formatted("%.3g", best->setting.dt)
-                : std::string("; no setting works")) +
-          "; " + cost.why(target_));
-    }
-    const Setting& setting = chosen->setting;
+  void choose(const CostTable& cost, double target, Method& method, Settings& settings) {
+    const Setting& setting = choose(cost, target).setting;
     method.name = setting.method == Setting::Method::semiexplicit ? "semiexplicit"
                   : setting.method == Setting::Method::midpoint   ? "midpoint"
                   : setting.method == Setting::Method::splitting  ? "splitting"
@@ -164,47 +234,8 @@ struct CostRequest {
     const bool too_long = setting.dt > longest_dt_;
     settings.dt = settings.time / std::ceil(settings.time / (too_long ? longest_dt_ : setting.dt));
     std::cout << cost << "\nchosen: " << setting.name() << ", dt = " << formatted("%.4g", settings.dt)
-              << (too_long ? " (shorter than it could be, to measure the figure)" : "")
-              << ", the cheapest in " << (by == "seconds" ? "processor time" : "gradient calls") << " of "
-              << cost.rows.size() << " settings tried\n\n";
-  }
-
-  /// The table on the screen, the rows in <file>.csv, and error against cost in <file>.png, a curve a method.
-  static void show(const CostTable& cost, const Settings& settings, const std::string& file,
-                   const std::string& title) {
-    const std::filesystem::path csv = settings.output / (file + ".csv"),
-                                png = settings.output / (file + ".png");
-    write_whole(csv, [&](std::ostream& out) {
-      out.precision(9);
-      out << "method,solver,dt,error,gradients,seconds,limit,works\n";
-      for (const CostRow& row : cost.rows)
-        out << row.setting.name() << ',' << row.setting.solver() << ',' << row.setting.dt << ',' << row.error
-            << ',' << row.gradients << ',' << row.seconds << ',' << static_cast<int>(row.limit) << ','
-            << row.works() << '\n';
-    });
-    std::cout << cost << "data: " << csv.string() << '\n';
-    if (settings.no_plot) return;
-
-    const bool seconds = cost.by == CostBy::seconds;
-    std::ostringstream out;
-    out << gnuplot_prologue(png, 1200, 800) << "set title "
-        << quoted(title + ": what accuracy costs over T = " + formatted("%g", cost.time)) << " noenhanced\n"
-        << "set logscale xy\nset format '10^{%T}'\nset xrange [*:*] reverse\n"
-        << "set xlabel 'largest relative energy error, expected'\nset ylabel '"
-        << (seconds ? "seconds of processor time" : "gradient calls") << "'\n"
-        << "set key outside right noenhanced\nset grid linetype 1 linewidth 0.5 linecolor rgb '#d8d8d8'\n"
-        << "plot NaN notitle";
-    std::vector<std::string> drawn;
-    for (const CostRow& row : cost.rows) {
-      const std::string method = row.setting.name();
-      if (!row.works() || std::find(drawn.begin(), drawn.end(), method) != drawn.end()) continue;
-      drawn.push_back(method);
-      out << ", \\\n  " << quoted(csv.string()) << " skip 1 using (stringcolumn(1) eq " << quoted(method)
-          << " && $8 == 1 ? $4 : NaN):" << (seconds ? 6 : 5) << " with linespoints linewidth 2 pointtype "
-          << 4 + drawn.size() << (row.setting.is_gauss() ? " dashtype 2" : "") << " title " << quoted(method);
-    }
-    out << '\n';
-    draw(png, out.str());
+              << (too_long ? " (shorter than it could be, to measure the figure)" : "") << ", " << among(cost)
+              << "\n\n";
   }
 };
 

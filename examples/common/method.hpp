@@ -54,6 +54,20 @@ struct Method {
   }
 };
 
+/// Hands `use` the stepper of midpoint or semiexplicit: of steps that are projected to one point, and so have
+/// tangent vectors.
+template <class H, class Use>
+void with_projected_stepper(const Method& method, const H& hamiltonian, const Use& use) {
+  const auto hand = [&](auto stepper) { use(stepper); };
+  const auto scheme = schemes::by_name<typename H::Scalar>(method.scheme_name());
+  if (method.name == "midpoint")
+    hand(MidpointProjection(hamiltonian, scheme));
+  else if (method.solver == "broyden")
+    hand(Semiexplicit(hamiltonian, scheme, Broyden{.stop = method.stopping_rule()}));
+  else
+    hand(Semiexplicit(hamiltonian, scheme, SimplifiedNewton{.stop = method.stopping_rule()}));
+}
+
 /// Makes the stepper that `method` names and hands it to `use`. Throws std::invalid_argument where the
 /// settings do not fit together.
 template <class H, class Use>
@@ -71,26 +85,28 @@ void with_stepper(const Method& method, const H& hamiltonian, const Use& use) {
     hand(Pihajoki(hamiltonian, scheme()));
   } else if (method.name == "tao") {
     hand(Tao(hamiltonian, scheme(), method.omega));
-  } else if (method.name == "midpoint") {
-    hand(MidpointProjection(hamiltonian, scheme()));
-  } else if (method.solver == "broyden") {
-    hand(Semiexplicit(hamiltonian, scheme(), Broyden{.stop = method.stopping_rule()}));
   } else {
-    hand(Semiexplicit(hamiltonian, scheme(), SimplifiedNewton{.stop = method.stopping_rule()}));
+    with_projected_stepper(method, hamiltonian, use);
   }
 }
 
+/// The options of the methods that a program takes.
 inline void add_method(CLI::App& app, Method& method,
                        const std::vector<std::string>& methods = Method::names()) {
   const auto choice = [&](const char* name, std::string& value, const std::vector<std::string>& words,
                           const std::string& about) {
     add_value(app, name, value, about + ": " + joined(words), one_of(words), "NAME");
   };
+  const auto has = [&](const char* name) {
+    return std::find(methods.begin(), methods.end(), name) != methods.end();
+  };
   choice("--method", method.name, methods, "the integrator");
-  app.add_option("--scheme", method.scheme, "its coefficients (not of gauss), by a name from the list below")
+  app.add_option("--scheme", method.scheme,
+                 std::string("its coefficients") + (has("gauss") ? " (not of gauss)" : "") +
+                     ", by a name from the list below")
       ->check(one_of(schemes::names()))
       ->type_name("NAME")
-      ->default_str("low_defect6_s13; tao: yoshida6");
+      ->default_str(std::string("low_defect6_s13") + (has("tao") ? "; tao: yoshida6" : ""));
   choice("--solver", method.solver, {"newton", "broyden"}, "of the semiexplicit projection");
   choice("--rule", method.rule, {"product", "paper"}, "when the solver may stop");
   app.add_option("--tolerance", method.tolerance,
@@ -98,9 +114,10 @@ inline void add_method(CLI::App& app, Method& method,
       ->check(positive())
       ->type_name("X")
       ->default_str("product: 1e-16, paper: 1e-13");
-  add_value(app, "--omega", method.omega, "coupling of the copies in tao",
-            number<double>("a finite number", [](double x) { return std::isfinite(x); }));
-  add_value(app, "--stages", method.stages, "of gauss, 1 to 8", whole_number(1, 8), "N");
+  if (has("tao"))
+    add_value(app, "--omega", method.omega, "coupling of the copies in tao",
+              number<double>("a finite number", [](double x) { return std::isfinite(x); }));
+  if (has("gauss")) add_value(app, "--stages", method.stages, "of gauss, 1 to 8", whole_number(1, 8), "N");
   app.footer("Schemes: " + joined(schemes::names()) + ".");
 }
 
@@ -114,7 +131,7 @@ inline void refuse_idle_options(const CLI::App& app, const std::vector<std::stri
       {"--omega", {"tao"}},
       {"--stages", {"gauss"}}};
   for (const auto& [option, listeners] : all)
-    if (app.count(option) > 0 && std::find_first_of(methods.begin(), methods.end(), listeners.begin(),
+    if (is_given(app, option) && std::find_first_of(methods.begin(), methods.end(), listeners.begin(),
                                                     listeners.end()) == methods.end())
       throw std::invalid_argument(option + std::string(" means nothing to ") + joined(methods) +
                                   "; it is for " + joined(listeners));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <iostream>
@@ -26,6 +27,17 @@ struct CheckpointRequest {
   std::ostringstream run{};  ///< what makes this run this run; whoever starts it writes it here
 
   void add_to(CLI::App& app) {
+    auto* const option = add_file(app,
+                                  "file to save the run in from time to time; where it is there and "
+                                  "fits, the run goes on from it");
+    app.add_option("--checkpoint-every", every, "steps from one to the next; without it, a minute")
+        ->check(whole_number(1, 1'000'000'000'000'000))
+        ->type_name("N")
+        ->needs(option);
+  }
+
+  /// --checkpoint alone, for what is saved piece by piece.
+  CLI::Option* add_file(CLI::App& app, const std::string& about) {
     const auto in_a_folder = [](const std::string& text) -> std::string {
       const std::filesystem::path path(text), folder = path.parent_path();
       if (std::filesystem::is_directory(path) || !path.has_filename())
@@ -34,17 +46,11 @@ struct CheckpointRequest {
         return "the folder " + folder.string() + " is not there; make it first";
       return "";
     };
-    auto* const option = app.add_option("--checkpoint", file,
-                                        "file to save the run in from time to time; where it is there and "
-                                        "fits, the run goes on from it")
-                             ->type_name("FILE")
-                             ->check(CLI::Validator(in_a_folder, "", "file"))
-                             ->excludes("--cost")
-                             ->excludes("--accuracy");
-    app.add_option("--checkpoint-every", every, "steps from one to the next; without it, a minute")
-        ->check(whole_number(1, 1'000'000'000'000'000))
-        ->type_name("N")
-        ->needs(option);
+    return app.add_option("--checkpoint", file, about)
+        ->type_name("FILE")
+        ->check(CLI::Validator(in_a_folder, "", "file"))
+        ->excludes("--cost")
+        ->excludes("--accuracy");
   }
 
   bool wanted() const { return !file.empty(); }
@@ -177,6 +183,25 @@ class Watch {
   std::int64_t step_ = 0;
 };
 
+/// Integrates with a progress bar on a terminal. Where that is wanted it saves stepper, state and observers,
+/// and goes on from what was saved; the observers have to be Checkpointable.
+template <class S, class State, class... Observers>
+IntegrationReport integrate_saved(const CheckpointRequest& request, const std::string& label, S& stepper,
+                                  State& state, IntegrationOptions<double> options, Observers&... observers) {
+  Checkpoints checkpoints(request.file, {.every = request.every, .run = request.run.str()}, stepper, options,
+                          observers...);
+  if (request.wanted()) options.done = checkpoints.resume(state);
+  if (options.done.steps > 0)
+    std::cout << "goes on from " << request.file.string() << ", step " << options.done.steps
+              << std::endl;  // also if it is killed
+  const auto save = [&](double t, const auto& z, const IntegrationReport& so_far) {
+    if (request.wanted()) checkpoints(t, z, so_far);
+  };
+  Progress progress(
+      std::isnan(options.t_end) ? static_cast<double>(options.steps) * options.dt : options.t_end, label);
+  return integrate(stepper, state, options, observers..., progress, save);
+}
+
 /// No companion runs beside a run.
 struct NoCompanion {
   bool wanted() const { return false; }
@@ -195,21 +220,11 @@ Run run_method(const Method& method, const H& hamiltonian, const PhasePoint<doub
     using State = typename std::decay_t<decltype(stepper)>::State;
     State state(z0);
     Watch watch(invariants, rows, run);
-    IntegrationOptions<double> options{.dt = dt, .steps = steps};
+    const IntegrationOptions<double> options{.dt = dt, .steps = steps};
     const auto go = [&](auto&... estimate) {
-      Checkpoints checkpoints(request.file, {.every = request.every, .run = request.run.str()}, stepper,
-                              options, invariants, watch, observers..., estimate...);
-      if (request.wanted()) options.done = checkpoints.resume(state);
-      if (options.done.steps > 0)
-        std::cout << "goes on from " << request.file.string() << ", step " << options.done.steps
-                  << std::endl;  // also if it is killed
-      const auto save = [&](double t, const auto& z, const IntegrationReport& so_far) {
-        if (request.wanted()) checkpoints(t, z, so_far);
-      };
-      Progress progress(static_cast<double>(steps) * dt, method.name);
       try {
-        run.report =
-            integrate(stepper, state, options, invariants, watch, observers..., estimate..., progress, save);
+        run.report = integrate_saved(request, method.name, stepper, state, options, invariants, watch,
+                                     observers..., estimate...);
         if constexpr (sizeof...(estimate) > 0) companion.conclude(estimate..., run);
       } catch (const IntegrationError& error) {
         run.report = error.report();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <numbers>
 #include <optional>
 #include <stdexcept>
@@ -13,6 +14,8 @@
 #include <semiexplicit/chaos.hpp>
 #include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
+
+#include "../common/method.hpp"
 
 namespace examples {
 
@@ -54,37 +57,64 @@ std::pair<double, double> allowed(const M& metric, double energy, double l, doub
 }
 
 /// What came of one orbit.
-struct OrbitSeen {
-  double r, worst_energy = 0, log_alignment = 0;
-  std::int64_t crossings = 0;
-  bool ended = false;  ///< it fell into the hole, left, or a step failed
+struct Orbit {
+  double worst_energy = 0, log_alignment = 0;
+  bool ended = false;            ///< it fell into the hole, left, or a step failed
+  double time = 0;               ///< that it took, in M
+  std::vector<double> points{};  ///< r and p_r where it passed the equator upwards, by turns
+
+  bool chaotic() const { return log_alignment < std::log(1e-8); }
+
+  /// All that as numbers, and back.
+  std::vector<double> numbers() const {
+    std::vector<double> all{worst_energy, log_alignment, ended ? 1.0 : 0.0, time};
+    all.insert(all.end(), points.begin(), points.end());
+    return all;
+  }
+  static Orbit from(const std::vector<double>& all) {
+    return {all.at(0), all.at(1), all.at(2) > 0, all.at(3), {all.begin() + 4, all.end()}};
+  }
 };
 
-/// One orbit from the equator: calls point(r, p_r) where it passes the equator upwards, until there are so
-/// many.
-template <class M, class Point>
-OrbitSeen follow(const M& metric, const State4& start, double dt, std::int64_t crossings,
-                 const Point& point) {
-  const Scene scene(geodesics::Geodesic<M>{metric});
-  auto stepper = stepper_for(scene);
-  AlignmentIndex alignment(stepper, 2);
-  Invariants invariants(scene);
-  OrbitSeen seen{.r = start.q()[1]};
-  const auto write = [&](double, const State4& z) {
-    point(z.q()[1], z.p()[1]);
-    return ++seen.crossings < crossings;
-  };
-  auto section = poincare_section(
-      scene, [](const auto& q, const auto&) { return std::numbers::pi / 2 - q[2]; }, write);
-  State4 z = start;
-  const auto stays = [](double, const State4& now) { return now.q()[1] > 2.05 && now.q()[1] < 1e4; };
-  const IntegrationReport run =
-      integrate(stepper, z, {.dt = dt, .steps = 50'000 * crossings, .on_failure = OnFailure::stop}, section,
-                alignment, invariants, stays);
-  seen.ended = !run.ok() || seen.crossings < crossings;
-  seen.worst_energy = invariants["energy"].worst;
-  seen.log_alignment = alignment.log_index(2);
-  return seen;
+/// A body that starts at rest in r in the middle of the k-th of `count` parts of the interval. Throws
+/// std::runtime_error where there is none.
+template <class M>
+State4 start_of(const M& metric, const std::pair<double, double>& interval, std::int64_t k,
+                std::int64_t count, double energy, double l) {
+  const double part = (static_cast<double>(k) + 0.5) / static_cast<double>(count);
+  const auto start =
+      equatorial(metric, interval.first + (interval.second - interval.first) * part, energy, l);
+  if (!start)
+    throw std::runtime_error("no orbit starts in the middle of the allowed region; take other parameters");
+  return *start;
+}
+
+/// One orbit from the equator, until it has passed it so often upwards; seen(n) hears of each passage.
+inline Orbit follow(const RuntimeScene<double, 4>& scene, const Method& method, const State4& start,
+                    double dt, std::int64_t crossings, const std::function<void(std::int64_t)>& seen) {
+  Orbit orbit;
+  with_projected_stepper(method, scene, [&](auto& stepper) {
+    AlignmentIndex alignment(stepper, 2);
+    Invariants invariants(scene);
+    std::int64_t count = 0;
+    const auto write = [&](double, const State4& z) {
+      orbit.points.insert(orbit.points.end(), {z.q()[1], z.p()[1]});
+      seen(++count);
+      return count < crossings;
+    };
+    auto section = poincare_section(
+        scene, [](const auto& q, const auto&) { return std::numbers::pi / 2 - q[2]; }, write);
+    const auto stays = [](double, const State4& now) { return now.q()[1] > 2.05 && now.q()[1] < 1e4; };
+    State4 z = start;
+    const IntegrationReport run =
+        integrate(stepper, z, {.dt = dt, .steps = 50'000 * crossings, .on_failure = OnFailure::stop}, section,
+                  alignment, invariants, stays);
+    orbit.ended = !run.ok() || count < crossings;
+    orbit.time = run.t;
+    orbit.worst_energy = invariants["energy"].worst;
+    orbit.log_alignment = alignment.log_index(2);
+  });
+  return orbit;
 }
 
 }  // namespace examples

@@ -10,6 +10,7 @@
 #include <Eigen/Geometry>
 #include <semiexplicit/semiexplicit.hpp>
 
+#include "../common/measurement.hpp"
 #include "planets.hpp"
 
 namespace examples {
@@ -17,19 +18,28 @@ namespace examples {
 inline constexpr double arcsecond = std::numbers::pi / 648000;
 
 /// Follows the perihelion of body 1 in the plane of its orbit: the sum of the turns of Laplace's vector about
-/// the angular momentum, dω + cos i dΩ, and the straight line through it.
+/// the angular momentum, dω + cos i dΩ, and the straight line through it, which
+/// is fitted to the integral of the squares (trapezoids), not to their sum: what the ends of a run make of
+/// the rate would else be of first order in the step.
 class Perihelion {
  public:
   explicit Perihelion(const System& system, std::int64_t every)
       : gm_(system.bodies.up_to(1)), reduced_(system.bodies.reduced(1)), every_(every) {}
 
-  void operator()(double t, const State& z) {
-    const Eigen::Vector3d x = z.q().head<3>(), v = z.p().head<3>() / reduced_, momentum = x.cross(v),
+  void see(double t, const In<double, Eigen::Dynamic>& q, const In<double, Eigen::Dynamic>& p) {
+    const Eigen::Vector3d x = q.head<3>(), v = p.head<3>() / reduced_, momentum = x.cross(v),
                           now = v.cross(momentum) / gm_ - x.normalized();
-    if (seen_ > 0) turned_ += std::atan2(momentum.normalized().dot(last_.cross(now)), last_.dot(now));
-    last_ = now;
+    if (seen_ > 0) {
+      add(last_t_);
+      turned_ += std::atan2(momentum.normalized().dot(last_.cross(now)), last_.dot(now));
+      add(t);
+    }
+    last_ = now, last_t_ = t;
     if (seen_++ % every_ == 0) rows_.emplace_back(t, turned_ / arcsecond);
-    sum_ += 1, t_ += t, tt_ += t * t, angle_ += turned_, t_angle_ += t * turned_;
+  }
+  /// To be shown every state of a run.
+  Measurement<Eigen::Dynamic> look() {
+    return {[this](double t, const auto& q, const auto& p) { see(t, q, p); }};
   }
   /// The next state is the start again.
   void restart() {
@@ -41,16 +51,20 @@ class Perihelion {
   const std::vector<std::pair<double, double>>& rows() const { return rows_; }  ///< t and arcseconds
 
  private:
+  /// One end of a step.
+  void add(double t) { sum_ += 1, t_ += t, tt_ += t * t, angle_ += turned_, t_angle_ += t * turned_; }
+
   double gm_, reduced_;
   std::int64_t every_, seen_ = 0;
   Eigen::Vector3d last_ = Eigen::Vector3d::Zero();
-  double turned_ = 0, sum_ = 0, t_ = 0, tt_ = 0, angle_ = 0, t_angle_ = 0;
+  double last_t_ = 0, turned_ = 0, sum_ = 0, t_ = 0, tt_ = 0, angle_ = 0, t_angle_ = 0;
   std::vector<std::pair<double, double>> rows_;
 };
 
 /// Eccentricity and inclination (degrees) of every planet about the Sun.
-inline std::vector<double> shapes(const System& system, const State& z) {
-  const auto r = system.bodies.positions(z.q()), v = system.bodies.velocities(z.p());
+inline std::vector<double> shapes(const System& system, const In<double, Eigen::Dynamic>& q,
+                                  const In<double, Eigen::Dynamic>& p) {
+  const auto r = system.bodies.positions(q), v = system.bodies.velocities(p);
   std::vector<double> all;
   for (std::size_t i = 1; i < r.size(); ++i) {
     const auto orbit = effects::orbits::elements_of<double>(
@@ -59,14 +73,6 @@ inline std::vector<double> shapes(const System& system, const State& z) {
     all.push_back(orbit.inclination / degree);
   }
   return all;
-}
-
-/// The total angular momentum.
-inline Eigen::Vector3d spin(const auto& q, const auto& p) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (Eigen::Index i = 0; i < q.size(); i += 3)
-    sum += Eigen::Vector3d(q[i], q[i + 1], q[i + 2]).cross(Eigen::Vector3d(p[i], p[i + 1], p[i + 2]));
-  return sum;
 }
 
 }  // namespace examples

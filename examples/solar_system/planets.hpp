@@ -18,7 +18,8 @@ namespace nbody = effects::nbody;
 using State = PhasePoint<double, Eigen::Dynamic>;
 
 // Lengths in au, times in Julian years.
-inline constexpr double au = 149597870700.0, year = 365.25 * 86400, degree = std::numbers::pi / 180;
+inline constexpr double au = 149597870700.0, days_a_year = 365.25, year = days_a_year * 86400,
+                        degree = std::numbers::pi / 180;
 inline constexpr double gm_sun = 1.32712440041e20 / (au * au * au) * year * year;
 inline constexpr double light = 299792458.0 / au * year;
 inline constexpr double sun_j2 = 2.2e-7, sun_radius = 6.957e8 / au;  // Park et al., Astron. J. 153 (2017) 121
@@ -63,6 +64,7 @@ struct System {
     nbody::Bodies<double>::Vectors r{{0, 0, 0}}, v = r;
     for (const Planet& planet : planets()) {
       if (!on(planet.name)) continue;
+      if (names.empty()) period = std::pow(planet.a, 1.5);
       names.push_back(planet.name);
       gm.push_back(gm_sun / planet.suns);
       const auto z = state_of(
@@ -87,35 +89,8 @@ struct System {
   std::vector<std::string> names;  ///< of the planets, body 1 and on
   nbody::Bodies<double> bodies;
   State start;
+  double period = 0;  ///< of the innermost, in years
   bool pair_relativity = false, full_relativity = false, oblate = false;
 };
-
-/// Calls use(stepper) with the splitting that moves the Kepler parts exactly, and doubles nothing but
-/// relativity.
-template <class Use>
-void with_splitting(const System& system, const NearIntegrable<double>& list, const Use& use) {
-  const auto& bodies = system.bodies;
-  const auto hand = [&](const auto&... more) {
-    auto stepper = stepper_for(Scene(nbody::Kinetic<double>{bodies}, nbody::Attraction<double>{bodies},
-                                     nbody::Interaction<double>{bodies}, more...),
-                               exactly<nbody::Kinetic<double>, nbody::Attraction<double>>(), list);
-    use(stepper);
-  };
-  const auto with_relativity = [&](const auto&... more) {
-    if (system.pair_relativity)
-      hand(more..., nbody::PostNewtonian1<double>{bodies, light});
-    else if (system.full_relativity)
-      hand(more..., nbody::EinsteinInfeldHoffmann<double>(bodies, light));
-    else
-      hand(more...);
-  };
-  if (!system.oblate) return with_relativity();
-  const double tilt = 7.25 * degree, node = 75.76 * degree;  // of the Sun's equator; R. Carrington (1863)
-  with_relativity(nbody::Oblateness<double>{
-      bodies,
-      sun_j2,
-      sun_radius,
-      {std::sin(node) * std::sin(tilt), -std::cos(node) * std::sin(tilt), std::cos(tilt)}});
-}
 
 }  // namespace examples

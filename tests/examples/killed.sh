@@ -4,7 +4,7 @@
 # Runs PROGRAM in FOLDER to its end, and again with a checkpoint after EVERY steps, killed (kill -9) at KILLS random moments and
 # started anew after each; SEED is a number, or random. Fails unless all files and all that is printed are the same in the end, byte for byte but for the
 # seconds, unless each start goes on from a multiple of EVERY that is no earlier than that of the start before it, and unless
-# some of them did go on.
+# some of them did go on. EVERY is 0 for a program that saves piece by piece, in a folder.
 set -euo pipefail
 folder=$1 seed=$2 kills=$3 every=$4
 shift 4
@@ -22,14 +22,17 @@ begin=$(date +%s%N)
 "$@" --no-plot --output whole >whole.txt
 took=$((($(date +%s%N) - begin) / 1000)) # microseconds
 
-start() { exec "$@" --no-plot --output killed --checkpoint run.checkpoint --checkpoint-every "$every" >killed.txt; }
+saving=(--checkpoint run.checkpoint)
+[ "$every" -eq 0 ] || saving+=(--checkpoint-every "$every")
+start() { exec "$@" --no-plot --output killed "${saving[@]}" >killed.txt; }
+saved() { compgen -G 'run.checkpoint*' >/dev/null; }
 gone_on=0 reached=0
 look() { # where the last start went on from
   local step
   [ -e killed.txt ] || return 0
-  step=$(sed -n 's/^goes on from .*, step \([0-9]*\)$/\1/p' killed.txt)
+  step=$(sed -n 's/^goes on from .*, [a-z]* \([0-9]*\)$/\1/p' killed.txt)
   [ -n "$step" ] || return 0
-  [ $((step % every)) -eq 0 ] && [ "$step" -ge "$reached" ] || fail "went on from step $step after $reached"
+  [ $((step % (every > 0 ? every : 1))) -eq 0 ] && [ "$step" -ge "$reached" ] || fail "went on from step $step after $reached"
   gone_on=$((gone_on + 1)) reached=$step
 }
 done_kills=0
@@ -49,7 +52,7 @@ for ((attempt = 0; attempt < kills; ++attempt)); do
     *) fail "a start ended with exit code $code" ;;
   esac
 done
-if [ ! -e killed ] || [ -e run.checkpoint ] || [ "$done_kills" -eq "$kills" ]; then
+if [ ! -e killed ] || saved || [ "$done_kills" -eq "$kills" ]; then
   (start "$@")
   look
 fi
@@ -57,6 +60,6 @@ fi
 same() { grep -vE '^(goes on from|seconds|data:) ?' "$1"; }
 diff <(same whole.txt) <(same killed.txt) || fail "the output differs"
 diff -r whole killed || fail "the files differ"
-[ ! -e run.checkpoint ] || fail "the checkpoint was left behind"
+! saved || fail "the checkpoint was left behind"
 [ "$gone_on" -gt 0 ] || fail "no start went on from a checkpoint"
 echo "seed $seed: $done_kills kills, $gone_on starts went on, the last from step $reached; all files the same"

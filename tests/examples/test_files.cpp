@@ -1,5 +1,5 @@
+#include "../../examples/common/finished_blocks.hpp"
 #include "../../examples/common/output.hpp"
-#include "../../examples/ensemble_mpi/finished_blocks.hpp"
 
 #include "catch.hpp"
 

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <iostream>
 #include <iterator>
 #include <optional>
 #include <stdexcept>
@@ -50,6 +51,20 @@ class FinishedBlocks {
     std::memcpy(numbers.data(), bytes.data() + first.size(), numbers.size() * sizeof(double));
     return numbers;
   }
+
+  /// The same; a damaged file is told of on stderr and counts as none.
+  std::optional<std::vector<double>> load_if_sound(std::int64_t block) const {
+    try {
+      return load(block);
+    } catch (const std::runtime_error& damage) {
+      // In one piece: mpirun mixes what processes write.
+      std::cerr << std::string(damage.what()) + "; this block is computed anew\n";
+      return {};
+    }
+  }
+
+  /// Takes the folder away: the computation is done.
+  void remove() const { std::filesystem::remove_all(folder_); }
 
   /// How many blocks there are, damaged ones included.
   std::int64_t count() const {

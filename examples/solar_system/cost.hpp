@@ -1,0 +1,143 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <ctime>
+#include <iostream>
+#include <limits>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "../common/cost.hpp"
+#include "../common/output.hpp"
+#include "measurements.hpp"
+#include "motion.hpp"
+
+namespace examples {
+
+/// What a list and a step are judged by.
+enum class Judge {
+  energy,     ///< the largest relative error of the energy
+  perihelion  ///< the error of how Mercury's perihelion turns, arcseconds a century
+};
+
+/// The error of a rate, from that with half the step: right for errors of second order in the step, too large
+/// for those of higher orders.
+inline double by_half_the_step(double rate, double of_half) { return 4.0 / 3 * std::abs(rate - of_half); }
+
+/// What came of a list and a step on a short run; its costs are those of the whole one.
+struct Trial {
+  CostRow row{};
+  double rate = 0;  ///< of the perihelion
+};
+
+/// Tries a list for the time `trial`, with a step of dt or a little less.
+inline Trial try_list(const System& system, const NearIntegrable<double>& list, double dt, double trial,
+                      double time, Judge judge) {
+  const double steps = std::ceil(trial / dt), share = time / trial;
+  Trial result{
+      .row = {.setting = {.method = Setting::Method::splitting, .scheme = list.name, .dt = trial / steps}}};
+  CostRow& row = result.row;
+  State z = system.start;
+  Kept kept;
+  if (judge == Judge::energy) kept = kept_of(system);
+  Perihelion perihelion(system, std::numeric_limits<std::int64_t>::max());
+  const std::clock_t begin = std::clock();
+  const IntegrationReport run = integrate_system(
+      system, list, z,
+      {.dt = row.setting.dt, .steps = static_cast<std::int64_t>(steps), .on_failure = OnFailure::stop}, kept,
+      judge == Judge::perihelion ? perihelion.look() : Look(), "trial of " + list.name);
+  row.seconds = share * static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+  row.gradients = share * static_cast<double>(run.gradients);
+  row.status = run.status;
+  row.error = std::numeric_limits<double>::quiet_NaN();
+  if (!run.ok()) return result;
+  result.rate = perihelion.rate();
+  if (judge == Judge::energy) {
+    const double rounding = std::numeric_limits<double>::epsilon() / 2 * std::sqrt(share * steps);
+    row.error = std::max(kept["energy"].worst, rounding);
+    if (row.error == rounding) row.limit = LimitedBy::rounding;
+  }
+  return result;
+}
+
+/// What accuracy costs over `time`, by trials of all lists: over 200 periods of the innermost planet, or the
+/// whole time where that is shorter, with a quarter of its period for a step and then ever shorter ones by
+/// 2^{1/4}, until the error has stayed below `enough`, or rounding, down to half the step. The error of the
+/// energy is the largest in the trial, and no less than what rounding makes of a whole run, ε/2 times the
+/// root of its steps. That of the perihelion is by_half_the_step(). Neither is less than with any shorter
+/// step: what is better than that is so by accident. Gradient calls and seconds are those of the trial, times
+/// time/trial.
+inline CostTable cost_of_lists(const System& system, double time, Judge judge, double enough, CostBy by) {
+  constexpr int steps = 18;
+  constexpr std::size_t half = 4;  // so many trials later the step is half as long
+  CostTable table{.by = by, .time = time, .window_time = std::min(time, 200 * system.period)};
+  for (const auto& list : lists()) {
+    std::vector<Trial> trials;
+    std::size_t below = 0;  // so many in a row
+    for (int k = 0; k < steps && below <= half; ++k) {
+      const double dt = system.period / 4 * std::pow(2, -k / 4.0);
+      if (dt > table.window_time) continue;
+      trials.push_back(try_list(system, list, dt, table.window_time, time, judge));
+      const std::size_t later = judge == Judge::perihelion ? half : 0;
+      if (trials.size() <= later) continue;
+      Trial& judged = *(trials.rbegin() + static_cast<std::ptrdiff_t>(later));
+      if (judge == Judge::perihelion && judged.row.works() && trials.back().row.works())
+        judged.row.error = by_half_the_step(judged.rate, trials.back().rate);
+      below = judged.row.error <= enough || judged.row.limit == LimitedBy::rounding ? below + 1 : 0;
+    }
+    double least = 0;
+    std::vector<CostRow> rows;
+    for (auto trial = trials.rbegin(); trial != trials.rend(); ++trial) {
+      if (trial->row.works() && std::isnan(trial->row.error)) continue;  // half the step was not tried
+      if (trial->row.works()) least = trial->row.error = std::max(trial->row.error, least);
+      rows.push_back(trial->row);
+    }
+    table.rows.insert(table.rows.end(), rows.rbegin(), rows.rend());
+  }
+  return table;
+}
+
+inline void print_costs(std::ostream& out, const CostTable& cost, Judge judge) {
+  const bool angle = judge == Judge::perihelion;
+  out << formatted("over %g years, by trials of %.4g years; ", cost.time, cost.window_time)
+      << (angle ? "error of the turn of Mercury's perihelion, arcseconds a century, by half the step\n"
+                : "largest relative error of the energy\n")
+      << formatted("%-8s %10s %10s %15s %10s\n", "list", "dt, days", "error", "gradient calls", "seconds");
+  for (const CostRow& row : cost.rows)
+    out << formatted("%-8s %10.4g ", row.setting.scheme.c_str(), row.setting.dt * days_a_year)
+        << (row.works() ? formatted("%10.1e %15.3g %10.3g", row.error, row.gradients, row.seconds)
+                        : "failed: " + describe(row.status))
+        << '\n';
+}
+
+/// Does what --cost or --accuracy ask for. True: the costs are shown, and there is nothing else to do; else
+/// the cheapest list and step are chosen.
+inline bool answer(CostRequest& request, const System& system, Judge judge, std::string& list,
+                   Settings& settings) {
+  const bool angle = judge == Judge::perihelion;
+  const double asked =
+      request.unit.empty() ? request.accuracy : request.aim_at("perihelion of Mercury", "arcsec");
+  const double target = asked / CostRequest::safety;
+  settings.make_output_folder();
+  const CostTable cost = cost_of_lists(system, settings.time, judge, target, request.cost_by());
+  print_costs(std::cout, cost, judge);
+  if (request.curve) {
+    CostRequest::write(cost, settings, "solar_system_cost", "The Solar System",
+                       angle ? "error of the turn of the perihelion, arcseconds a century"
+                             : "largest relative energy error, expected");
+    return true;
+  }
+  const Setting& setting = request.choose(cost, target).setting;
+  list = setting.scheme;
+  settings.dt = setting.dt;
+  settings.fit_steps();
+  std::cout << "chosen: " << list << formatted(", dt = %.4g days, ", settings.dt * days_a_year)
+            << request.among(cost) << "\n\n";
+  return false;
+}
+
+}  // namespace examples

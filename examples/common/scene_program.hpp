@@ -134,6 +134,47 @@ AngleTarget angle_of(const CostRequest& cost, const ScenePreset<Dof>& preset, co
           figure.name, figure.unit};
 }
 
+/// What is to be run, whatever the Hamiltonian.
+template <int Dof>
+struct SceneRun {
+  const Method& method;
+  const PhasePoint<double, Dof>& start;
+  const Invariants<double, Dof>& invariants;
+  double dt;
+  std::int64_t steps, samples;
+  const CheckpointRequest& checkpoint;
+  Every<ViewCsv<Dof>&>& path;
+  const Measurement<Dof>& of_companion;
+};
+
+/// What takes a compiler long for every Hamiltonian.
+template <class H>
+struct OnHamiltonian {
+  static constexpr int Dof = H::Dof;
+  static Run run(const H& hamiltonian, const SceneRun<Dof>& what, Measurement<Dof>& measurement);
+  static bool answer(const H& hamiltonian, const PhasePoint<double, Dof>& start, CostRequest& cost,
+                     Method& method, Settings& settings, const std::string& program,
+                     const std::string& preset, const AngleTarget& angle);
+};
+template <class H>
+Run OnHamiltonian<H>::run(const H& hamiltonian, const SceneRun<Dof>& what, Measurement<Dof>& measurement) {
+  return run_method(what.method, hamiltonian, what.start, what.invariants, what.dt,
+                    evenly_spaced(what.steps, what.samples), what.steps, what.checkpoint,
+                    FigureErrors<Dof>(measurement, what.of_companion), what.path, measurement);
+}
+template <class H>
+bool OnHamiltonian<H>::answer(const H& hamiltonian, const PhasePoint<double, Dof>& start, CostRequest& cost,
+                              Method& method, Settings& settings, const std::string& program,
+                              const std::string& preset, const AngleTarget& angle) {
+  return cost.answer(hamiltonian, start, method, settings, program + "_cost", program + ", " + preset, angle);
+}
+
+// Scenes of sizes that several programs have: compiled once for all, in scene_runs.cpp.
+extern template struct OnHamiltonian<RuntimeScene<double, 3>>;
+extern template struct OnHamiltonian<SeparableRuntimeScene<double, 3>>;
+extern template struct OnHamiltonian<RuntimeScene<double, Eigen::Dynamic>>;
+extern template struct OnHamiltonian<SeparableRuntimeScene<double, Eigen::Dynamic>>;
+
 /// No Hamiltonian of a program's own.
 struct NoKernel {
   NoKernel operator()(const Choice&) const { return {}; }
@@ -197,9 +238,8 @@ int run_scene_program(const SceneProgram<Dof>& program, int argc, char** argv, c
     }
     if (cost_wanted) {
       const auto angle = angle_of(cost, preset, choice, settings.time);
-      const auto answer = [&](const auto& h) {
-        return cost.answer(h, z0, method, settings, program.name + "_cost", program.name + ", " + preset.name,
-                           angle);
+      const auto answer = [&]<class H>(const H& h) {
+        return OnHamiltonian<H>::answer(h, z0, cost, method, settings, program.name, preset.name, angle);
       };
       if (scene.is_separable() ? answer(SeparableRuntimeScene<double, Dof>(scene)) : with_hamiltonian(answer))
         return 0;
@@ -224,10 +264,10 @@ int run_scene_program(const SceneProgram<Dof>& program, int argc, char** argv, c
     checkpoint.run.precision(17);
     for (const auto& [parameter, value] : choice.values) checkpoint.run << ", " << parameter << ' ' << value;
     checkpoint.run << "; " << steps << " steps, samples " << settings.samples;
-    const auto go = [&](const auto& hamiltonian) {
-      return run_method(method, hamiltonian, z0, invariants, settings.dt,
-                        evenly_spaced(steps, settings.samples), steps, checkpoint,
-                        FigureErrors<Dof>(measurement, of_companion), some_of_path, measurement);
+    const SceneRun<Dof> what{method,           z0,         invariants,   settings.dt, steps,
+                             settings.samples, checkpoint, some_of_path, of_companion};
+    const auto go = [&]<class H>(const H& hamiltonian) {
+      return OnHamiltonian<H>::run(hamiltonian, what, measurement);
     };
     Run run =
         method.name == "splitting" ? go(SeparableRuntimeScene<double, Dof>(scene)) : with_hamiltonian(go);
@@ -251,9 +291,5 @@ int run_scene_program(const SceneProgram<Dof>& program, int argc, char** argv, c
     return run.tell_failure() ? 1 : 0;
   });
 }
-
-// Three programs have three degrees of freedom and no kernel: compiled once for them, in scene_program_3.cpp.
-extern template int run_scene_program(const SceneProgram<3>& program, int argc, char** argv,
-                                      const NoKernel& kernel);
 
 }  // namespace examples

@@ -1,9 +1,11 @@
 #include "catch.hpp"
 
 #include <cmath>
+#include <sstream>
 #include <string>
 #include <type_traits>
 
+#include <semiexplicit/accuracy.hpp>
 #include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
@@ -95,6 +97,22 @@ TEST_CASE("The words for a stepper without exact flows say why it doubles, or do
         "drifts and kicks: kinetic + attraction; nothing doubled, because nothing couples q and p; "
         "blanes_moan6 of "
         "order 6, 11 gradient calls a step");
+}
+
+TEST_CASE("An audit and the costs of accuracy advise an exact flow where it leaves little", "[exactly]") {
+  const auto z = perihelion();
+  const Audit found = audit(mercury(), z, 0.5, {.dt = 0.005, .samples = 10});
+  const std::string words = "kinetic + attraction have an exact flow (Kepler), and the rest is ";
+  CHECK(found.exact_flow.starts_with(words));
+  std::ostringstream printed;
+  printed << found << cost_of_accuracy(mercury(), z, 1, {.targets = {1e-4}, .schemes = {"low_defect4_s7"}});
+  CHECK(printed.str().find("Not tried: " + words) != std::string::npos);
+  CHECK(printed.str().find("\n" + words) != std::string::npos);
+  // Not where the rest is large, where no group has a flow, or its rest need not be small.
+  CHECK_FALSE(advised_flow(Scene(Kinetic{}, Attraction{}, Spring{}), PhasePoint<double, 2>({1, 0}, {0, 1})));
+  CHECK_FALSE(advised_flow(Scene(Kinetic{}, orbits::RotatingFrame<double, 2>{}),
+                           PhasePoint<double, 2>({1, 0}, {0, 1})));
+  CHECK(advised_flow(Scene(Kinetic{}, Spring{.k = 1}), PhasePoint<double, 2>({1, 0}, {0, 1})));
 }
 
 TEST_CASE("The order in which a group is named does not matter", "[exactly]") {

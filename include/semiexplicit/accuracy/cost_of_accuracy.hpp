@@ -131,6 +131,8 @@ auto cost_of_accuracy(
                                  detail::options_for<typename H::Scalar, Eigen::Dynamic>(options));
     detail::Search<Any>(problem).run();
     problem.table.spent_seconds = detail::cpu_seconds() - start;
+    if constexpr (requires { advised_flow(hamiltonian, z0); })  // a Scene
+      problem.table.exact_flow = advised_flow(hamiltonian, z0).value_or("");
     return CostOfAccuracy<H>(std::move(problem.table), hamiltonian);
   }
 }

@@ -88,7 +88,8 @@ struct CostTable {
   double parting_rate = 0;  ///< neighbouring orbits part as e^{rate t}; 0: not so fast, or not looked for
   double horizon = std::numeric_limits<double>::infinity();    ///< when nothing of the orbit is left
   double orbit_end = std::numeric_limits<double>::infinity();  ///< time that no step tried got beyond
-  double unfinished = 0;  ///< the loosest target whose search ended with the calls; 0: none
+  std::string exact_flow{};  ///< of a scene: what advised_flow() says at z0; no row has such a stepper
+  double unfinished = 0;     ///< the loosest target whose search ended with the calls; 0: none
 
   /// Whether the calls ended before the motion had come back to where it is hard: what it does then is not
   /// known.
@@ -251,6 +252,7 @@ SEMIEXPLICIT_COLD inline std::ostream& operator<<(std::ostream& out, const CostT
       out << '\n';
     }
   }
+  if (!cost.exact_flow.empty()) out << "Not tried: " << cost.exact_flow << ".\n";
   const std::string spent = "Spent: " + in_words(cost.spent_gradients, 3) + " gradient calls, " +
                             in_words(cost.spent_seconds, 3) + " seconds.\n";
   if (cost.rows.empty()) return out << "\nNo setting was tried over the whole time.\n" << spent;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdint>
@@ -14,6 +15,7 @@
 
 #include <semiexplicit/core/reference_size.hpp>
 #include <semiexplicit/integrate.hpp>
+#include <semiexplicit/scene/advised_flow.hpp>
 #include <semiexplicit/scene/audit_report.hpp>
 #include <semiexplicit/scene/runtime_scene.hpp>
 
@@ -260,7 +262,11 @@ Audit audit(const Scene<Effects...>& scene,
             const PhasePoint<typename Scene<Effects...>::Scalar, Scene<Effects...>::Dof>& z0,
             const typename Scene<Effects...>::Scalar& t_end,
             const AuditOptions<typename Scene<Effects...>::Scalar, Scene<Effects...>::Dof>& options) {
-  return audit(RuntimeScene(scene), z0, t_end, options);
+  Audit found = audit(RuntimeScene(scene), z0, t_end, options);
+  std::array<double, sizeof...(Effects)> sizes{};
+  for (std::size_t i = 0; i < sizes.size(); ++i) sizes[i] = found.rows[i].size_max;
+  found.exact_flow = advised_flow(scene, sizes).value_or("");
+  return found;
 }
 
 }  // namespace semiexplicit

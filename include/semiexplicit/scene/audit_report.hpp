@@ -44,6 +44,7 @@ struct Audit {
   double noise = 0;
   std::vector<std::string> invariants;
   std::vector<AuditRow> rows;  ///< in the scene's order
+  std::string exact_flow;      ///< advice, see advised_flow(); empty: none, or the effects' types do not show
 
   /// Whether a shift stands out of the numerical error; where orbits part by themselves, both are of the
   /// orbit's size.
@@ -94,6 +95,7 @@ inline std::ostream& operator<<(std::ostream& to, const Audit& audit) {
     out << '\n';
   }
   out << "numerical error of the orbit: " << std::scientific << std::setprecision(1) << audit.noise << '\n';
+  if (!audit.exact_flow.empty()) out << audit.exact_flow << '\n';
   return to << out.str();
 }
 

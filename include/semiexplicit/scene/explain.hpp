@@ -5,6 +5,7 @@
 #include <semiexplicit/core/cold.hpp>
 #include <semiexplicit/core/phase_point.hpp>
 #include <semiexplicit/core/words.hpp>
+#include <semiexplicit/scene/advised_flow.hpp>
 #include <semiexplicit/scene/scene.hpp>
 #include <semiexplicit/scene/split_scene.hpp>
 #include <semiexplicit/steppers/explicit_splitting.hpp>
@@ -15,22 +16,6 @@ namespace semiexplicit {
 
 namespace detail {
 
-/// |∇effect| and |∇H| at a state.
-template <class E, class H, class Scalar, int Dof>
-SEMIEXPLICIT_COLD std::string share_of_gradient(const E& effect, const H& whole,
-                                                const PhasePoint<Scalar, Dof>& z) {
-  using Column = Vector<Scalar, Dof>;
-  const Column q = z.q(), p = z.p();
-  PhasePoint<Scalar, Dof> one(z.dof()), all(z.dof());
-  Column by_q = Column::Zero(z.dof()), by_p = by_q;
-  add_effect(effect, q, p, by_q, by_p);
-  one.q() = by_q;
-  one.p() = by_p;
-  gradient_at(whole, z.vector().data(), all.vector().data(), z.dof());
-  return ", " + in_words(static_cast<double>(norm(one.vector()) / norm(all.vector())), 2) +
-         " of the gradient";
-}
-
 /// Lists effects: a + b, and with a state their sizes.
 template <class H, class State>
 class EffectWords {
@@ -39,7 +24,8 @@ class EffectWords {
   template <class E>
   void add(const E& effect, bool with_size = true) {
     text_ += (text_.empty() ? "" : " + ") + effect_name(effect);
-    if (z_ && with_size) text_ += share_of_gradient(effect, whole_, *z_);
+    if (z_ && with_size)
+      text_ += ", " + in_words(size_of_effect(effect, whole_, *z_), 2) + " of the gradient";
   }
   const std::string& text() const { return text_; }
 

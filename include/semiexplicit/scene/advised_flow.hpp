@@ -1,0 +1,116 @@
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <type_traits>
+#include <utility>
+
+#include <semiexplicit/core/cold.hpp>
+#include <semiexplicit/core/phase_point.hpp>
+#include <semiexplicit/core/words.hpp>
+#include <semiexplicit/scene/exact_flow.hpp>
+#include <semiexplicit/scene/scene.hpp>
+
+namespace semiexplicit {
+
+namespace detail {
+
+/// |∇effect|/|∇H| at a state.
+template <class E, class H, class Scalar, int Dof>
+SEMIEXPLICIT_COLD double size_of_effect(const E& effect, const H& whole, const PhasePoint<Scalar, Dof>& z) {
+  using Column = Vector<Scalar, Dof>;
+  const Column q = z.q(), p = z.p();
+  PhasePoint<Scalar, Dof> one(z.dof()), all(z.dof());
+  Column by_q = Column::Zero(z.dof()), by_p = by_q;
+  add_effect(effect, q, p, by_q, by_p);
+  one.q() = by_q;
+  one.p() = by_p;
+  gradient_at(whole, z.vector().data(), all.vector().data(), z.dof());
+  return static_cast<double>(norm(one.vector()) / norm(all.vector()));
+}
+
+/// The effects whose bits of a mask are set, as Exactly<...>.
+template <std::size_t mask, class Left, class Chosen = Exactly<>>
+struct GroupOf {
+  using Type = Chosen;
+};
+template <std::size_t mask, class First, class... Left, class... Chosen>
+struct GroupOf<mask, Exactly<First, Left...>, Exactly<Chosen...>>
+    : GroupOf<(mask >> 1), Exactly<Left...>,
+              std::conditional_t<mask % 2 == 1, Exactly<Chosen..., First>, Exactly<Chosen...>>> {};
+
+/// The flow of such a group; void: it has none, or its effects are there more than once.
+template <class Group, class Whole>
+struct SmallRestFlow;
+template <class... Group, class... Effects>
+struct SmallRestFlow<Exactly<Group...>, Scene<Effects...>> {
+  template <class Flow>
+  static constexpr bool suits() {
+    if constexpr (std::is_void_v<Flow>)
+      return false;
+    else
+      return rest_is_small<Flow>();
+  }
+  static constexpr bool once = ((count_of<Group, Effects...> == 1) && ...);
+  using Found = typename FlowOf<Group...>::Type;
+  using Type = std::conditional_t<once && suits<Found>(), Found, void>;
+};
+
+}  // namespace detail
+
+/// The exact flow that a scene should be run with, in words for a user, or nothing: of two or three effects,
+/// whose rest has a size below 1e-4, for there it takes several times fewer gradient calls. `sizes` are
+/// |∇effect|/|∇H|, in the order of the effects. Of several the one that leaves least.
+template <class... Effects>
+SEMIEXPLICIT_COLD std::optional<std::string> advised_flow(
+    const Scene<Effects...>& scene, const std::array<double, sizeof...(Effects)>& sizes) {
+  constexpr std::size_t n = sizeof...(Effects);
+  std::optional<std::string> advice;
+  double least = 1e-4;
+  const auto consider = [&]<std::size_t mask>(std::integral_constant<std::size_t, mask>) {
+    if constexpr (std::popcount(mask) == 2 || std::popcount(mask) == 3) {
+      using Group = typename detail::GroupOf<mask, detail::Exactly<Effects...>>::Type;
+      using Flow = typename detail::SmallRestFlow<Group, Scene<Effects...>>::Type;
+      if constexpr (!std::is_void_v<Flow>) {
+        std::string names;
+        double rest = 0;
+        std::size_t i = 0;
+        scene.for_each([&](const auto& effect) {
+          if ((mask >> i) % 2 == 1)
+            names += (names.empty() ? "" : " + ") + detail::effect_name(effect);
+          else
+            rest += sizes[i];
+          ++i;
+        });
+        if (!(rest < least)) return;
+        least = rest;
+        advice =
+            names + " have an exact flow (" + Flow::name + "), and the rest is " + detail::in_words(rest, 2) +
+            " of the gradient: stepper_for(scene, exactly<...>()) should take several times fewer gradient "
+            "calls";
+      }
+    }
+  };
+  if constexpr (n <= 10) [&]<std::size_t... masks>(std::index_sequence<masks...>) {
+      (consider(std::integral_constant<std::size_t, masks>()), ...);
+    }
+  (std::make_index_sequence<(std::size_t{1} << n)>());
+  return advice;
+}
+
+/// The same with the sizes at z.
+template <class... Effects>
+std::optional<std::string> advised_flow(
+    const Scene<Effects...>& scene,
+    const PhasePoint<typename Scene<Effects...>::Scalar, Scene<Effects...>::Dof>& z) {
+  std::array<double, sizeof...(Effects)> sizes{};
+  std::size_t i = 0;
+  scene.for_each([&](const auto& effect) { sizes[i++] = detail::size_of_effect(effect, scene, z); });
+  return advised_flow(scene, sizes);
+}
+
+}  // namespace semiexplicit

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include <semiexplicit/derivatives.hpp>
@@ -65,6 +66,20 @@ TEST_CASE("gradients of fast charges in all fields are those of their energies, 
   // Slowly it is MagneticKinetic.
   const charges::RelativisticKinetic slow(1.0, 2.0, 1e5, bottle);
   CHECK(slow.energy(q, p) == Approx(charges::MagneticKinetic(1.0, 2.0, bottle).energy(q, p)).epsilon(1e-9));
+}
+
+TEST_CASE("a field by automatic differentiation has the precision of the place and the time") {
+  const charges::FieldFrom field([](const auto& t, const auto& x) {
+    return std::array{0 * t + 0 * x[0], x[0] * x[0] * x[0] / (1 + t * t), 0 * t + 0 * x[0]};
+  });
+  const long double x = 0.1L, t = 0.7L, v = 1.3L;
+  const Vector<long double, 3> at(x, 0, 0), along(0, v, 0);
+  Vector<long double, 3> by_x(0, 0, 0), by_t = by_x;
+  field.add_gradient(t, at, along, 1.0L, by_x);
+  field.add_time_derivative(t, at, by_t);
+  const long double rounding = 4 * std::numeric_limits<long double>::epsilon(), slope = 1 + t * t;
+  CHECK(std::abs(by_x[0] / (3 * v * x * x / slope) - 1) <= rounding);
+  CHECK(std::abs(by_t[1] / (-2 * t * x * x * x / (slope * slope)) - 1) <= rounding);
 }
 
 TEST_CASE("at gamma 10 a charge gyrates at eB/(γm) with the radius p/(eB)") {

@@ -2,6 +2,7 @@
 
 #include <concepts>
 #include <memory>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -21,32 +22,50 @@ namespace semiexplicit::effects::charges {
 /// One that depends on the time also makes an electric field, -∂A/∂t; it is for RelativisticCharge.
 template <class Potential>
 class FieldFrom {
-  using Dual = semiexplicit::detail::Dual<double, 4>;  // by x, y, z, t
+  template <class Scalar>
+  using Dual = semiexplicit::detail::Dual<Scalar, 4>;  // by x, y, z, t
+  template <class Scalar>
   struct Place {
-    Dual of[3];
-    const Dual& operator[](int i) const { return of[i]; }
+    Dual<Scalar> of[3];
+    explicit Place(const auto& x) {
+      for (int i = 0; i < 3; ++i) {
+        of[i] = Dual<Scalar>(x[i]);
+        of[i].derivative[i] = Scalar(1);
+      }
+    }
+    const Dual<Scalar>& operator[](int i) const { return of[i]; }
   };
-  static constexpr bool driven = std::invocable<const Potential&, const Dual&, const Place&>;
+  template <class X>
+  using ScalarOf = std::decay_t<decltype(std::declval<const X&>()[0])>;
+  static constexpr bool driven = std::invocable<const Potential&, const Dual<double>&, const Place<double>&>;
 
  public:
   explicit FieldFrom(Potential potential) : potential_(std::move(potential)) {}
 
   /// a += A.
   void add_potential(const auto& x, auto& a) const requires(!driven) { add(potential_(x), a); }
-  void add_potential(double t, const auto& x, auto& a) const requires driven { add(potential_(t, x), a); }
-  /// out += factor ∂(v·A)/∂x, at fixed v.
-  void add_gradient(const auto& x, const auto& v, double factor, auto& out) const requires(!driven) {
-    gradient(potential_(place(x)), v, factor, out);
+  void add_potential(const auto& t, const auto& x, auto& a) const requires driven {
+    add(potential_(t, x), a);
   }
-  void add_gradient(double t, const auto& x, const auto& v, double factor, auto& out) const requires driven {
-    gradient(potential_(Dual(t), place(x)), v, factor, out);
+  /// out += factor ∂(v·A)/∂x, at fixed v.
+  template <class X>
+  void add_gradient(const X& x, const auto& v, const auto& factor, auto& out) const requires(!driven) {
+    gradient<ScalarOf<X>>(potential_(Place<ScalarOf<X>>(x)), v, factor, out);
+  }
+  template <class X>
+  void add_gradient(const auto& t, const X& x, const auto& v, const auto& factor,
+                    auto& out) const requires driven {
+    using Scalar = ScalarOf<X>;
+    gradient<Scalar>(potential_(Dual<Scalar>(t), Place<Scalar>(x)), v, factor, out);
   }
   /// a += ∂A/∂t.
-  void add_time_derivative(double t, const auto& x, auto& a) const requires driven {
-    Dual time(t);
-    time.derivative[3] = 1;
-    const auto potential = potential_(time, place(x));
-    for (int i = 0; i < 3; ++i) a[i] += Dual(at(potential, i)).derivative[3];
+  template <class X>
+  void add_time_derivative(const auto& t, const X& x, auto& a) const requires driven {
+    using Scalar = ScalarOf<X>;
+    Dual<Scalar> time(t);
+    time.derivative[3] = Scalar(1);
+    const auto potential = potential_(time, Place<Scalar>(x));
+    for (int i = 0; i < 3; ++i) a[i] += Dual<Scalar>(at(potential, i)).derivative[3];
   }
 
  private:
@@ -54,17 +73,10 @@ class FieldFrom {
   static void add(const auto& potential, auto& a) {
     for (int i = 0; i < 3; ++i) a[i] += at(potential, i);
   }
-  static Place place(const auto& x) {
-    Place duals;
-    for (int i = 0; i < 3; ++i) {
-      duals.of[i] = Dual(x[i]);
-      duals.of[i].derivative[i] = 1;
-    }
-    return duals;
-  }
-  static void gradient(const auto& potential, const auto& v, double factor, auto& out) {
+  template <class Scalar>
+  static void gradient(const auto& potential, const auto& v, const auto& factor, auto& out) {
     for (int i = 0; i < 3; ++i)
-      for (int k = 0; k < 3; ++k) out[k] += factor * v[i] * Dual(at(potential, i)).derivative[k];
+      for (int k = 0; k < 3; ++k) out[k] += factor * v[i] * Dual<Scalar>(at(potential, i)).derivative[k];
   }
 
   Potential potential_;

@@ -61,4 +61,15 @@ Task make_task(const Problem<H>& problem, bool is_short) {
   return task;
 }
 
+/// The same problem a hundred times as long: what drifts is seen to drift.
+template <class H>
+Task make_long_task(Problem<H> problem, bool is_short) {
+  problem.name += "_long";
+  problem.title += ", long";
+  problem.end *= 100;
+  problem.short_end *= 10;
+  problem.max_seconds = 20;
+  return make_task(problem, is_short);
+}
+
 }  // namespace work_precision

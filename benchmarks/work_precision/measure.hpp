@@ -46,6 +46,10 @@ struct Errors {
   std::vector<double> invariants;
   double trajectory = nan;  ///< relative to the size of the initial state
 
+  /// Of the other invariants; NaN: there are none.
+  double worst_invariant() const {
+    return invariants.empty() ? nan : *std::max_element(invariants.begin(), invariants.end());
+  }
   /// An error that grows steadily is twice as large in the second half.
   double growth() const { return second_half / first_half; }
   bool drifts() const { return growth() > 1.5; }

@@ -103,17 +103,25 @@ double cost_of(const Row& row, Cost cost) {
   return cost == Cost::seconds ? row.seconds : static_cast<double>(row.outcome.gradients);
 }
 
+namespace {
+
+/// An energy error of a tenth is not worth a point.
+bool counts(const Row& row, const std::vector<std::string>& of_families, Cost cost, bool all = false) {
+  return contains(of_families, row.method.family) && row.errors.energy < 0.1 &&
+         (row.careful() || ((all || cost == Cost::gradients) && row.ok()));
+}
+
+}  // namespace
+
 std::vector<std::size_t> front(const std::vector<Row>& rows, const std::vector<std::string>& of_families,
                                Cost cost, bool all) {
   std::vector<std::size_t> indices;
   for (std::size_t i = 0; i < rows.size(); ++i)
-    if (contains(of_families, rows[i].method.family) &&
-        (rows[i].careful() || ((all || cost == Cost::gradients) && rows[i].ok())))
-      indices.push_back(i);
+    if (counts(rows[i], of_families, cost, all)) indices.push_back(i);
   std::sort(indices.begin(), indices.end(),
             [&](std::size_t a, std::size_t b) { return cost_of(rows[a], cost) < cost_of(rows[b], cost); });
   std::vector<std::size_t> best;
-  double error = 0.1;  // worse than that is not worth a point
+  double error = INFINITY;
   for (const std::size_t i : indices)
     if (rows[i].errors.energy < error) {
       error = rows[i].errors.energy;
@@ -123,10 +131,12 @@ std::vector<std::size_t> front(const std::vector<Row>& rows, const std::vector<s
 }
 
 const Row* cheapest(const std::vector<Row>& rows, const std::vector<std::string>& of_families, Cost cost,
-                    double target) {
+                    double target, ErrorOf error) {
   const Row* best = nullptr;
-  for (const std::size_t i : front(rows, of_families, cost))
-    if (best == nullptr && rows[i].errors.energy <= target) best = &rows[i];
+  for (const Row& row : rows)
+    if (counts(row, of_families, cost) && error(row) <= target &&
+        (best == nullptr || cost_of(row, cost) < cost_of(*best, cost)))
+      best = &row;
   return best;
 }
 

@@ -58,8 +58,15 @@ double cost_of(const Row& row, Cost cost);
 std::vector<std::size_t> front(const std::vector<Row>& rows, const std::vector<std::string>& of_families,
                                Cost cost, bool all = false);
 
-/// The cheapest row of these families whose energy error is within the target; null: there is none.
+/// Which error a target is about.
+using ErrorOf = double (*)(const Row& row);
+inline double energy_error(const Row& row) { return row.errors.energy; }
+inline double invariant_error(const Row& row) { return row.errors.worst_invariant(); }
+inline double trajectory_error(const Row& row) { return row.errors.trajectory; }
+
+/// The cheapest row of these families whose error is within the target, of those that front() looks at; null:
+/// there is none.
 const Row* cheapest(const std::vector<Row>& rows, const std::vector<std::string>& of_families, Cost cost,
-                    double target);
+                    double target, ErrorOf error = energy_error);
 
 }  // namespace work_precision

@@ -58,9 +58,9 @@ std::string setting(const Row& row) {
 /// target it is infinite or zero, where none does NaN.
 double advantage(const std::vector<Row>& rows, Cost cost, double target,
                  const std::vector<std::string>& rivals,
-                 const std::vector<std::string>& of_us = family_names(true)) {
-  const Row* own = cheapest(rows, of_us, cost, target);
-  const Row* rival = cheapest(rows, rivals, cost, target);
+                 const std::vector<std::string>& of_us = family_names(true), ErrorOf error = energy_error) {
+  const Row* own = cheapest(rows, of_us, cost, target, error);
+  const Row* rival = cheapest(rows, rivals, cost, target, error);
   if (own == nullptr) return rival == nullptr ? nan : 0;
   return rival == nullptr ? INFINITY : cost_of(*rival, cost) / cost_of(*own, cost);
 }
@@ -165,7 +165,7 @@ void write_goals(std::ostream& out, const std::vector<Result>& results) {
   out << "| goal | problem | factors | |\n|--|--|--|--|\n";
   for (const Goal& goal : goals())
     for (const Result& result : results) {
-      if (goal.problems.empty() ? result.name == "nls5_long"
+      if (goal.problems.empty() ? result.name.ends_with("_long")
                                 : std::count(goal.problems.begin(), goal.problems.end(), result.name) == 0)
         continue;
       std::string cells;
@@ -184,19 +184,23 @@ void write_goals(std::ostream& out, const std::vector<Result>& results) {
     }
 }
 
-/// A line a problem: the cheapest of these and of those at some targets.
+/// A line a problem where there is such an error: the cheapest of these and of those at some targets.
 void write_fronts(std::ostream& out, const std::vector<Result>& results,
-                  const std::vector<std::string>& of_us, const std::vector<std::string>& rivals) {
+                  const std::vector<std::string>& of_us, const std::vector<std::string>& rivals,
+                  ErrorOf error = energy_error) {
   const std::vector<double> levels{1e-4, 1e-6, 1e-8, 1e-10, 1e-12};
   out << "| problem |";
   for (const double level : levels) out << formatted(" %.0e |", level);
   out << "\n|--|--|--|--|--|--|\n";
   for (const Result& result : results) {
+    if (std::none_of(result.rows.begin(), result.rows.end(),
+                     [&](const Row& row) { return std::isfinite(error(row)); }))
+      continue;
     out << "| " << result.title << " |";
     for (const double level : levels) {
-      const Row* own = cheapest(result.rows, of_us, Cost::seconds, level);
-      const Row* rival = cheapest(result.rows, rivals, Cost::seconds, level);
-      const double factor = advantage(result.rows, Cost::seconds, level, rivals, of_us);
+      const Row* own = cheapest(result.rows, of_us, Cost::seconds, level, error);
+      const Row* rival = cheapest(result.rows, rivals, Cost::seconds, level, error);
+      const double factor = advantage(result.rows, Cost::seconds, level, rivals, of_us, error);
       const auto who = [](const Row* row) { return row == nullptr ? "" : " " + row->method.family; };
       out << ' ' << cost_text(own, Cost::seconds) << who(own) << " / " << cost_text(rival, Cost::seconds)
           << who(rival) << ": " << (factor >= 1 ? "**" : "") << factor_text(factor)
@@ -240,6 +244,11 @@ void write_summary(const std::filesystem::path& folder, const std::vector<Result
     out << "\nThe semiexplicit methods alone: ours / best rival, the library's Gauss methods among "
            "these.\n\n";
     write_fronts(out, results, family_names(true), family_names(false));
+    out << "\nThe library as a whole, by the largest error of the other invariants (mass, impulses, angular "
+           "momentum, Carter's constant), of the settings that are timed for the energy.\n\n";
+    write_fronts(out, results, families_in_library(true), families_in_library(false), invariant_error);
+    out << "\nThe same by the error of the trajectory, where that is known in closed form.\n\n";
+    write_fronts(out, results, families_in_library(true), families_in_library(false), trajectory_error);
     out << "\nGoals, as factors best rival / ours, with the wanted ones in brackets; bold: missed.\n\n";
     write_goals(out, results);
   });

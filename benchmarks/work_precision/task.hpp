@@ -88,9 +88,11 @@ Task product_task(bool is_short);
 Task nls5_task(bool is_short);
 Task nls5_long_task(bool is_short);
 Task nls1000_task(bool is_short);
+Task nls1000_long_task(bool is_short);
 Task vortices_task(bool is_short);
 Task disparate_vortices_task(bool is_short);
 Task vortices300_task(bool is_short);
+Task vortices300_long_task(bool is_short);
 Task bottle_task(bool is_short);
 Task kerr_task(bool is_short);
 

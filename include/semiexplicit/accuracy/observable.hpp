@@ -65,11 +65,11 @@ class Observable {
 
  private:
   template <class Result>
-  static Value column(const Result& result) {
+  static Value column(Result&& result) {
     if constexpr (std::convertible_to<Result, Scalar>)
       return Value::Constant(1, Scalar(result));
     else
-      return Value(result);
+      return Value(std::forward<Result>(result));
   }
   std::function<Value(const PhasePoint<Scalar, Dof>&)> value_{};
 };

@@ -54,8 +54,8 @@ class Path {
   /// A label above the graph for what is not plain to see.
   std::string label() const {
     const double turns = turned_ / (2 * std::acos(-1.0));
-    const std::string text = sparse()     ? std::to_string(rows_) + " rows, too few a turn for a line"
-                             : turns > 30 ? formatted("%.0f turns over one another", turns)
+    const std::string text = sparse()     ? std::to_string(rows_) + " rows, too few per orbit for a line"
+                             : turns > 30 ? formatted("%.0f orbits superimposed", turns)
                                           : "";
     return text.empty() ? "unset label 1\n"
                         : "set label 1 " + quoted(text) + " at graph 0, graph 1.015 left font ',12'\n";

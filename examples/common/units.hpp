@@ -73,7 +73,9 @@ inline Unit read_unit(const std::string& text) {
     if (name.empty() && power == "1") continue;  // 1/s
     if (name.empty())
       throw std::invalid_argument("'" + text + "' is no unit; write one as km, km/s or AU^3/year^2");
-    const auto found = known_units().find(name);
+    auto found = known_units().find(name);
+    if (found == known_units().end() && name.size() > 3 && name.back() == 's')  // days
+      found = known_units().find(name.substr(0, name.size() - 1));
     if (found == known_units().end()) {
       std::vector<std::string> valid;
       for (const auto& [known, unit] : known_units()) valid.push_back(known);

@@ -1,4 +1,4 @@
-// A run that knows its error: a companion with half the step goes along. Kepler's orbit, whose place is known
+// Error estimate: a companion with half the step goes along. Kepler's orbit, whose place is known
 // in closed form.
 #include <cmath>
 #include <iostream>

@@ -28,7 +28,7 @@ prints(orbits "turns by the spin of the centre" "--effects kinetic,attraction,sp
 # What means nothing is not printed.
 prints(orbits "does not measure what the step hides" "--dt \"4 day\""
   "perihelion advance: not measured, (the energy error|a companion run) leaves [^0-9]+ [0-9.e+]+ arcseconds a century open; give a smaller --dt")
-prints(orbits "does not measure a perihelion in less than two orbits" "--time \"100 day\"" "not measured, the run has no two whole orbits; give more --time")
+prints(orbits "does not measure a perihelion in less than two orbits" "--time \"100 days\"" "not measured, the run has no two whole orbits; give more --time")
 prints(orbits "does not measure the perihelion of a circle" "--e 0 --time \"1 year\"" "too near to a circle")
 prints(orbits "does not measure by a formula for something else" "--effects kinetic,attraction,rotating_frame --frame-rate 1 --time \"1 year\""
   "perihelion advance: not measured, that is for")
@@ -59,7 +59,7 @@ refuses(orbits "a mass ratio above 1/4" "--nu 7" "--nu: '7' is not a number from
 refuses(orbits "light that stands" "--c 0" "--c: '0' is not a positive number")
 refuses(orbits "an inclination of more than half a turn" "--inclination 200deg" "--inclination: '200deg' is not an angle from 0 to 180 deg")
 refuses(orbits "an effect named twice" "--effects kinetic,attraction,kinetic" "--effects: kinetic is named twice")
-refuses(orbits "a value for an effect that is off" "--j2 1e-3" "--j2 means nothing to the preset mercury with these effects; it goes with j2")
+refuses(orbits "a value for an effect that is off" "--j2 1e-3" "--j2 means nothing to the preset mercury with these effects; it goes with j2, as in --effects kinetic,attraction,1pn,j2")
 refuses(black_hole "a spin of what does not turn" "--spin 2" "--spin means nothing to the preset schwarzschild .*it goes with kerr")
 refuses(lattice "a negative width" "--width -3" "--width: '-3' is not a number from 0 on")
 refuses(lattice "half a seed" "--seed 1.5" "--seed: '1.5' is not a whole number from 0")

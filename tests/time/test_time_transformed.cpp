@@ -91,6 +91,20 @@ TEST_CASE("Kepler's orbits of any eccentricity: a hundred of them, in a hundred 
   }
 }
 
+TEST_CASE("A monitor function may take the gradient that it writes by reference", "[time transformed]") {
+  const auto cubed = [](const auto& q, auto& dgdq) {
+    const double r = q.norm(), g = std::pow(r, 1.5);
+    dgdq = 1.5 * g / (r * r) * q;
+    return g;
+  };
+  const TimeTransformed by_hand(Kepler<2>{}, cubed, -0.5), bundled(Kepler<2>{}, monitors::Distance{1.5}, -0.5);
+  Semiexplicit one(by_hand), other(bundled);
+  auto z = by_hand.extended(kepler_orbit(0.9, 0), 0.0), x = z;
+  integrate(one, z, {.dt = 0.1, .steps = 100});
+  integrate(other, x, {.dt = 0.1, .steps = 100});
+  CHECK((z.vector() - x.vector()).norm() < 1e-11);
+}
+
 TEST_CASE("A step of fixed size fails where the transformed one is exact", "[time transformed]") {
   const Kepler<2> h;
   const double e = 0.99;

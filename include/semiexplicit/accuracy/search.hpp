@@ -218,8 +218,12 @@ class Search {
       return spread * beyond(seen, probe.length, squared ? 2 : 1);
     return spread * seen + std::max(0.0, probe.late - probe.early) * 2 / probe.length * (T - probe.length);
   }
+  /// No smaller than with any shorter step that was tried: an error that dips at one step is luck.
   double error(const Candidate& candidate, const Probe& probe, double dt) const {
-    return estimate(candidate, probe, dt).sum();
+    double worst = estimate(candidate, probe, dt).sum();
+    for (const auto& [step, seen] : candidate.trials)
+      if (step < dt && seen.works()) worst = std::max(worst, estimate(candidate, seen, step).sum());
+    return worst;
   }
 
   /// Nothing where the calls do not suffice.
@@ -493,7 +497,7 @@ class Search {
                   .confirmed = seen.confirmed};
       if (seen.works()) {
         const Estimate parts = estimate(candidate, seen, step);
-        row.error = parts.sum();
+        row.error = error(candidate, seen, step);
         row.gradients = seen.rate * table_.time;
         row.seconds = row.gradients * seconds_per_call(candidate);
         row.limit = parts.drift > row.error / 3      ? LimitedBy::drift

@@ -7,6 +7,7 @@
 #include <semiexplicit/core/extended_phase_space.hpp>
 #include <semiexplicit/core/ranks.hpp>
 #include <semiexplicit/core/solver.hpp>
+#include <semiexplicit/schemes/named.hpp>
 #include <semiexplicit/solvers/simplified_newton.hpp>
 #include <semiexplicit/steppers/detail/doubled_step.hpp>
 
@@ -41,6 +42,10 @@ class Semiexplicit {
                Summation summation = Summation::compensated)
       : Semiexplicit(detail::DoubledStep<H>(std::move(hamiltonian), std::move(scheme), summation),
                      std::move(solver)) {}
+
+  /// The same with low_defect6_s13, the scheme to begin with.
+  explicit Semiexplicit(H hamiltonian)
+      : Semiexplicit(std::move(hamiltonian), schemes::low_defect6_s13<Scalar>()) {}
 
   /// The same scheme, solver and summation with another Hamiltonian, and no memory of earlier steps.
   Semiexplicit with(H hamiltonian) const { return {doubled_.with(std::move(hamiltonian)), solver_}; }

@@ -47,9 +47,10 @@ template <class G, class Scalar, int Dof>
 Scalar pace(const G& g, const PhasePoint<Scalar, Dof>& z, [[maybe_unused]] PhasePoint<Scalar, Dof>& scratch) {
   if constexpr (HasMonitorValue<G, Scalar, Dof>)
     return static_cast<Scalar>(g.value(z.q(), z.p()));
-  else if constexpr (PhaseMonitor<G, Scalar, Dof>)
-    return static_cast<Scalar>(g(z.q(), z.p(), scratch.q(), scratch.p()));
-  else
+  else if constexpr (PhaseMonitor<G, Scalar, Dof>) {
+    auto dgdq = scratch.q(), dgdp = scratch.p();  // a monitor may take them by reference
+    return static_cast<Scalar>(g(z.q(), z.p(), dgdq, dgdp));
+  } else
     return static_cast<Scalar>(g(z.q(), z.p()));
 }
 

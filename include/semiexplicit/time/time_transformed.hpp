@@ -109,10 +109,11 @@ requires(PositionMonitor<G, typename H::Scalar, H::Dof> ||
   /// g, and its gradient to dg.
   template <class Q, class P>
   Scalar pace(const Q& q, const P& p, Point& dg) const {
+    auto dgdq = dg.q(), dgdp = dg.p();  // a monitor may take them by reference
     if constexpr (PhaseMonitor<G, Scalar, H::Dof>)
-      return monitor_(q, p, dg.q(), dg.p());
+      return monitor_(q, p, dgdq, dgdp);
     else
-      return monitor_(q, dg.q());
+      return monitor_(q, dgdq);
   }
 
   H hamiltonian_;

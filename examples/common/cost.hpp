@@ -42,15 +42,16 @@ struct CostRequest {
   bool with_gauss = true;  ///< false: what the program measures asks for a projected step
   std::optional<CostRow> chosen{};
 
-  void add_to(CLI::App& app) {
+  /// `angles`: the program measures some, which an accuracy with a unit is about.
+  void add_to(CLI::App& app, bool angles = false) {
     auto* const flag =
         app.add_flag("--cost", curve, "print what accuracy costs here, and draw it, instead of a long run");
     app.add_option("--accuracy", text_,
-                   "largest relative energy error, or with a unit that of the figure which the preset "
-                   "measures: choose "
-                   "the cheapest method and step for it, and run")
+                   std::string("largest relative energy error") +
+                       (angles ? ", or with a unit that of the angle which the preset measures" : "") +
+                       ": choose the cheapest method and step for it, and run")
         ->check(CLI::Validator([this](std::string& text) { return read(text); }, "", "accuracy"))
-        ->type_name("X[ UNIT]")
+        ->type_name(angles ? "X[ UNIT]" : "X")
         ->excludes(flag);
     add_value(app, "--cost-by", by, "what cheap means: seconds, gradients", one_of({"seconds", "gradients"}),
               "NAME");

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <iostream>
@@ -200,7 +201,8 @@ int run_scene_program(const SceneProgram<Dof>& program, int argc, char** argv, c
   app.get_option("--scheme")->default_str("splitting: blanes_moan6, tao: yoshida6, else low_defect6_s13");
   add_output(app, settings);
   app.get_option("--samples")->default_str("the preset's");
-  cost.add_to(app);
+  cost.add_to(app, std::any_of(program.presets.begin(), program.presets.end(),
+                               [](const auto& preset) { return bool(preset.figure); }));
   checkpoint.add_to(app);
   app.get_option("--audit")->excludes("--checkpoint")->excludes("--cost")->excludes("--accuracy");
 

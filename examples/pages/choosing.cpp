@@ -59,7 +59,7 @@ int main() {
             << " in " << broyden.evaluations << " evaluations a step, Robust " << robust.error << " in "
             << robust.evaluations << '\n';
 
-  // Tao's omega: too small, and the copies part.
+  // Tao's omega: too small, and the copies separate.
   double worst = 0, best = std::numeric_limits<double>::infinity();
   for (const double omega : {1.0, 10.0, 100.0}) {
     const double error = tried(Tao(H, schemes::kahan_li6<double>(), omega), 0.005).error;

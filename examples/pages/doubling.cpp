@@ -1,5 +1,5 @@
-// One Strang step of the doubled system by hand and by Pihajoki; then how far the copies part, free, coupled
-// and projected.
+// One Strang step of the doubled system by hand and by Pihajoki; then how far the copies separate, free,
+// coupled and projected.
 #include <algorithm>
 #include <iostream>
 

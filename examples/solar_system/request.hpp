@@ -72,7 +72,7 @@ struct Request {
         ->default_str("aba1064; with --audit aba82");
     app.add_flag("--audit", audit, "Clemence's table: what each effect turns Mercury's perihelion by");
     add_output(app, settings);
-    cost.add_to(app);
+    cost.add_to(app, true);
     checkpoint.add_to(app);
     app.get_option("--audit")->excludes("--checkpoint");
   }

@@ -15,7 +15,8 @@ namespace semiexplicit {
 /// of a step is the first of the next, and only a run's first step calls once more. Symplectic in the doubled
 /// space only.
 ///
-/// ω is a matter of trial: too small, and the copies part; 2ωh near a multiple of π swaps or freezes them.
+/// ω is a matter of trial: too small, and the copies separate; 2ωh near a multiple of π swaps or freezes
+/// them.
 ///
 /// Source: M. Tao, Phys. Rev. E 94 (2016) 043303. Memory: four vectors of length 2d, and H.
 template <class H>

@@ -97,9 +97,10 @@ TEST_CASE("A monitor function may take the gradient that it writes by reference"
     dgdq = 1.5 * g / (r * r) * q;
     return g;
   };
-  const TimeTransformed by_hand(Kepler<2>{}, cubed, -0.5),
-      bundled(Kepler<2>{}, monitors::Distance{1.5}, -0.5);
-  Semiexplicit one(by_hand), other(bundled);
+  const TimeTransformed by_hand(Kepler<2>{}, cubed, -0.5);
+  const TimeTransformed bundled(Kepler<2>{}, monitors::Distance{1.5}, -0.5);
+  Semiexplicit one(by_hand);
+  Semiexplicit other(bundled);
   auto z = by_hand.extended(kepler_orbit(0.9, 0), 0.0), x = z;
   integrate(one, z, {.dt = 0.1, .steps = 100});
   integrate(other, x, {.dt = 0.1, .steps = 100});

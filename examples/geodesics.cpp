@@ -33,7 +33,8 @@ std::string script(const std::filesystem::path& png, const std::filesystem::path
                    const std::string& title) {
   return gnuplot_prologue(png, 1100, 900) + "set title " + quoted(title + "; orange: chaotic") +
          " noenhanced\nset xlabel 'r/M'\nset ylabel 'p_r'\nset key off\nunset colorbox\n"
-         "set palette defined (0 '#0072B2', 1 '#009E73', 2 '#E69F00', 3 '#56B4E9', 4 '#CC79A7')\n"
+         "set offsets graph 0.02, graph 0.02, graph 0.02, graph 0.02\n"
+         "set palette defined (0 '#0072B2', 1 '#009E73', 2 '#56B4E9', 3 '#666666')\n"
          "plot " +
          quoted(csv.string()) +
          " using ($4 > 0 ? $2 : NaN):3 skip 1 with points pointtype 7 pointsize 0.25 " +

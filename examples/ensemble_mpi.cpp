@@ -20,6 +20,7 @@
 
 #include "common/arguments.hpp"
 #include "common/finished_blocks.hpp"
+#include "common/mpi_program.hpp"
 #include "ensemble_mpi/results.hpp"
 #include "ensemble_mpi/sweep.hpp"
 
@@ -133,10 +134,6 @@ int run(const World& world, const Job& job) {
 
 int run_job(int argc, char** argv) {
   const World world;
-  if (!world.first()) {  // what is said of bad arguments is said once
-    std::cout.setstate(std::ios::failbit);
-    std::cerr.setstate(std::ios::failbit);
-  }
   CLI::App app{
       "Four point vortices: three on a triangle, the fourth at random; which places make them chaotic? By "
       "many processes: mpirun -n 4 ensemble_mpi."};
@@ -157,28 +154,13 @@ int run_job(int argc, char** argv) {
   add_output(app, job.settings, false);
   app.add_flag("--progress", job.progress,
                "show the progress on stderr though it is no terminal, as under mpirun");
-  return run_program(app, argc, argv, [&] {
-    job.sweep.dt = job.sweep.time / static_cast<double>(job.sweep.steps());
-    std::cout.clear();
-    std::cerr.clear();
-    try {
-      return run(world, job);
-    } catch (const std::exception& error) {
-      // The others wait for this process: only all together can end.
-      std::cerr << "ensemble_mpi, process " << world.rank << ": " << error.what() << std::endl;
-      MPI_Abort(MPI_COMM_WORLD, 1);
-      return 1;
-    }
-  });
+  const auto fit_step = [&] { job.sweep.dt = job.sweep.time / static_cast<double>(job.sweep.steps()); };
+  return run_mpi_program(app, "ensemble_mpi", world.rank, argc, argv, fit_step,
+                         [&] { return run(world, job); });
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  int provided = MPI_THREAD_SINGLE;
-  MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED,
-                  &provided);  // only the first thread of a process calls MPI
-  const int code = run_job(argc, argv);
-  MPI_Finalize();
-  return code;
+  return with_mpi(argc, argv, [&] { return run_job(argc, argv); });
 }

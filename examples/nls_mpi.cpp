@@ -20,6 +20,7 @@
 #include <semiexplicit/semiexplicit.hpp>
 
 #include "common/arguments.hpp"
+#include "common/mpi_program.hpp"
 #include "nls_mpi/block_lattice.hpp"
 #include "nls_mpi/generations.hpp"
 #include "nls_mpi/ranks.hpp"
@@ -88,10 +89,6 @@ int run(const Ranks& ranks, Job& job) {
 
 int run_job(int argc, char** argv) {
   const Ranks ranks;
-  if (!ranks.first()) {  // what is said of bad arguments is said once
-    std::cout.setstate(std::ios::failbit);
-    std::cerr.setstate(std::ios::failbit);
-  }
   CLI::App app{
       "One lattice of the nonlinear Schrödinger equation over many processes, each with a range of "
       "its sites: mpirun -n 4 nls_mpi."};
@@ -108,30 +105,13 @@ int run_job(int argc, char** argv) {
   add_value(app, "--threads", job.threads, "of each process, where the program is built with OpenMP",
             whole_number(1, 4096), "N");
   add_value(app, "--output", job.settings.output, "folder for the checkpoints", CLI::Validator(), "DIR");
-  return run_program(app, argc, argv, [&] {
-    steps_in(job.settings.time, job.settings.dt);  // refuses a step that is longer
-    std::cerr.clear();
-    try {
-      return run(ranks, job);
-    } catch (const std::exception& error) {
-      // The others wait for this process: only all together can end.
-      // In one piece: mpirun mixes what processes write.
-      std::cerr << "nls_mpi, process " + std::to_string(ranks.rank()) + ": " + error.what() + '\n'
-                << std::flush;
-      MPI_Abort(MPI_COMM_WORLD, 1);
-      return 1;
-    }
-  });
+  const auto refuse_long_step = [&] { steps_in(job.settings.time, job.settings.dt); };
+  return run_mpi_program(app, "nls_mpi", ranks.rank(), argc, argv, refuse_long_step,
+                         [&] { return run(ranks, job); });
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  int provided = MPI_THREAD_SINGLE;
-  MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED,
-                  &provided);  // only the first thread of a process calls MPI
-  const int code = run_job(argc, argv);
-  MPI_Barrier(MPI_COMM_WORLD);  // what the first one says is out before another one's exit code ends all
-  MPI_Finalize();
-  return code;
+  return with_mpi(argc, argv, [&] { return run_job(argc, argv); });
 }

@@ -149,6 +149,7 @@ class Events {
     for (bool& one : open_) visit(one);
     for (bool& one : pending_) visit(one);
     for (bool& one : fired_) visit(one);
+    for (bool& one : rests_) visit(one);
     for (Scalar& level : level_) visit(level);
     for (Scalar& scale : scale_) visit(scale);
     visit(since_);
@@ -202,16 +203,21 @@ class Events {
       if (abs(since_) < steps_at_rest * abs(longest_)) since_ += h;
       return first;
     }
+    sides_[first.kind] = after[first.kind];
+    crossed[first.kind] = false;
     // Rounding decides on which side of a surface that is crossed at the same time the state at the event is,
     // and the action may turn it back: these events are noted before it.
-    move(first.x, at_event_);
-    const Scalar same = 16 * Eigen::NumTraits<Scalar>::epsilon() * abs(longest_);
-    each([&](std::size_t k, auto& kind) {
-      pending_[k] = crossed[k] && (k == first.kind || abs(Scalar(when[k] - first.x)) <= same ||
-                                   detail::side_of(value(kind, at_event_)) == after[k]);
-      if (pending_[k]) sides_[k] = after[k];
-    });
-    pending_[first.kind] = false;
+    bool others = false;
+    for (const bool one : crossed) others = others || one;
+    if (others) {
+      move(first.x, at_event_);
+      const Scalar same = 16 * Eigen::NumTraits<Scalar>::epsilon() * abs(longest_);
+      each([&](std::size_t k, auto& kind) {
+        pending_[k] = crossed[k] && (abs(Scalar(when[k] - first.x)) <= same ||
+                                     detail::side_of(value(kind, at_event_)) == after[k]);
+        if (pending_[k]) sides_[k] = after[k];
+      });
+    }
     return first;
   }
 
@@ -238,7 +244,8 @@ class Events {
       }
       level_[k] = value(kind, z);
       fired_[k] = abs(level_[k]) <= 2 * abs(before) || abs(level_[k]) <= rounding(kind, z);
-      if (fired_[k]) return;
+      rests_[k] = fired_[k];
+      if (rests_[k]) return;
       open_[k] = false;  // the action has moved it off the surface
       sides_[k] = detail::side_of(level_[k]);
     });
@@ -288,6 +295,7 @@ class Events {
   void forget_sides() {
     sides_.fill(0);
     scale_.fill(Scalar(0));
+    rests_.fill(false);
     open_.fill(true);
   }
 
@@ -348,11 +356,13 @@ class Events {
       enlarge(k, value(kind, end));
     else
       enlarge(k, at(near));  // costs no step, and both ends may be on the surface
-    const bool on = fired_[k] || abs(from) <= noise || is_near(k, from, near, at);
-    const Scalar level = fired_[k] ? level_[k] : from;
+    const bool on = rests_[k] || abs(from) <= noise || is_near(k, from, near, at);
+    const Scalar level = rests_[k] ? level_[k] : from;
     const Leaving gone =
         on ? leaving(level, noise, near, most, at) : Leaving{detail::side_of(from), near, from};
-    if (gone.side == 0) return false;  // it rests on the surface
+    rests_[k] = gone.side == 0;
+    level_[k] = level;
+    if (rests_[k]) return false;
     // On its way through the surface s doubles in twice the time since the event; it grows fourfold where the
     // action has left it no speed, and more where it comes back.
     if constexpr (acts<Kind>)
@@ -370,7 +380,8 @@ class Events {
   }
 
   /// Where in the interval from `start` to `end` the orbit leaves the side that it is on; the time only of
-  /// what counts, or where it is `timed`. at_once: a start just on the surface is the crossing.
+  /// what counts, or where it is `timed`. at_once: the orbit does not begin at `start`, nor is there an
+  /// event, so that a start on the surface is the crossing.
   template <class Kind, class At>
   Crossing leaves_side(std::size_t k, const Kind& kind, const State& start, const State& end, const Scalar& h,
                        const Scalar& near, const At& at, bool timed = false, bool at_once = false) {
@@ -383,7 +394,7 @@ class Events {
     const Scalar from = value(kind, start);
     if (at_once && from == Scalar(0)) return {after, Scalar(0)};
     const bool beyond = detail::side_of(from) != sides_[k];
-    if (beyond || is_near(k, from, near, at)) {
+    if (beyond || (!at_once && is_near(k, from, near, at))) {
       const Leaving gone = leaving(from, rounding(kind, start), near, h, at);
       const Scalar level = beyond ? from : Scalar(0);
       if (gone.side == 0 || (gone.side != after && detail::side_of(Scalar(to - level)) != after)) return {};
@@ -428,7 +439,10 @@ class Events {
       longest_ = Scalar(0);
       forget_sides();
     }
-    if (std::exchange(arc_, intervals_.arcs()) != intervals_.arcs()) open_.fill(true);
+    if (std::exchange(arc_, intervals_.arcs()) != intervals_.arcs()) {
+      open_.fill(true);
+      rests_.fill(false);
+    }
     lengthen(h);
     using std::abs;
     const Scalar shortest = shortly(h), near = abs(shortest) < abs(h) ? shortest : h;
@@ -485,7 +499,8 @@ class Events {
   std::array<bool, number> open_{};     ///< an orbit or what follows an event has begun: see settle()
   std::array<bool, number> pending_{};  ///< crossed where the orbit is, and not yet acted upon
   std::array<bool, number> fired_{};    ///< open since its own event, which left it on its surface
-  std::array<Scalar, number> level_{};  ///< s behind that event
+  std::array<bool, number> rests_{};    ///< open, and s has not moved off level_ yet
+  std::array<Scalar, number> level_{};
   Scalar since_ = Scalar(0);            ///< the time since the last event, up to steps_at_rest
   std::array<Scalar, number> scale_{};  ///< the largest |s| seen
   std::int64_t orbit_ = 0, arc_ = 0;
@@ -501,9 +516,12 @@ class Events {
 ///                            on_event(top, [&](double t, const auto& z) { tops.push_back(t); }));
 ///     integrate(stepper, z, {.dt = 0.01, .t_end = 10}, watch);
 ///
-/// Each s(q, p) is to be continuous, and the steps so small that it changes its sign once in each: of an
-/// angle take sin(q), not q modulo 2π. A start on a surface is no event, nor is a state that only touches it.
-/// Of an extended Hamiltonian s has the extended q and p, so that the time is the last q.
+/// Each s(q, p) is to be a number everywhere (NaN throws std::invalid_argument), continuous, and the steps so
+/// small that it changes its sign once in each: of an angle take sin(q), not q modulo 2π. It crosses 0 with a
+/// slope. The orbit is on one side of a surface, also where a state lies on it: on the side to which s goes
+/// from there, seen as soon as s has moved by more than its rounding. A crossing is a change of that side: a
+/// start on a surface is none, nor is a state that only touches it. Of an extended Hamiltonian s has the
+/// extended q and p, so that the time is the last q.
 ///
 /// Where no action changes the state, events are found to rounding on the interpolation of the run
 /// (DenseOutput, `nodes` states), whose steps stay as they are; actions hear of the first ones up to nodes -
@@ -517,14 +535,22 @@ class Events {
 /// the run at the event, with the state there. Said plainly what that does: between the events each arc is as
 /// symplectic as its steps, but the map as a whole is not, since the cut depends on the state (a reversible
 /// action, as a bounce, in a reversible system keeps it reversible); what a stepper carries begins anew, as
-/// the compensation of its sums and the first iterates of Gauss's method;
-/// dense output and sections begin anew; Lyapunov exponents refuse such a run. An action on a ball whose
-/// bounces pile up is to end the run: events on a surface within 1e-5 of a step (in float 3e-3) throw
-/// std::runtime_error, and so do a thousand in one step. Surfaces crossed at the same time, to rounding, all
-/// have their events, in order of kinds behind the first, each action seeing what the one before made of the
-/// state. Only one observer of a run may change the state. Refused are: with a stepper
-/// that ChoosesSteps (ReversibleSteps), by the compiler; IntegrationOptions::subdivide; and to go on by
-/// `done` with a run that ended at an event: start a new one with t0 = report.t.
+/// the compensation of its sums and the first iterates of Gauss's method; dense output begins anew; Lyapunov
+/// exponents refuse such a run. With a TimeTransformed p_t takes up what the action does to H.
+///
+/// Surfaces crossed at the same time, to rounding, all have their events, in order of kinds behind the first,
+/// each action seeing what the one before made of the state. What then counts on the surface where the state
+/// is changed: the kinds of this observer are told of the orbit as it comes, before any action, so that a
+/// ball that bounces falls through the floor once and never rises through it; a section, and any other
+/// events(), see the orbit as it goes on: a bounce only touches the floor, a kick lets it go through, once,
+/// at the changed state. A jump over a surface crosses it for none of them.
+///
+/// An action on a ball whose bounces pile up is to end the run: an orbit that an action leaves no speed off
+/// the surface, or that is back on it within 1e-6 of a step (in float 3e-4), throws std::runtime_error, and
+/// so do a thousand events in one step. Only one observer of a run may change the state. Refused are: by the
+/// compiler a stepper that ChoosesSteps (ReversibleSteps), and such events within another observer or an
+/// Ensemble; IntegrationOptions::subdivide; and to go on by `done` with a run that ended at an event: start a
+/// new one with t0 = report.t.
 template <class H, class... Kinds>
 Events<H, Kinds...> events(H hamiltonian, Kinds... kinds) {
   return {std::move(hamiltonian), 4, std::forward<Kinds>(kinds)...};

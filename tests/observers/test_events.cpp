@@ -224,6 +224,32 @@ TEST_CASE("Which crossings count does not depend on rounding where events change
   }
 }
 
+TEST_CASE("A section in float counts the kicks on its surface, however little of a step is left behind them",
+          "[events]") {
+  // Far from 0, so that s is rounded coarsely.
+  const float centre = 35.3F;
+  const auto H = from_energy<1, float>([=](const auto& q, const auto& p) {
+    const auto x = q[0] - centre;
+    return (p[0] * p[0] + x * x) / 2;
+  });
+  const auto surface = [=](const auto& q, const auto&) { return q[0] - centre - 0.0523F; };
+  for (int i = 0; i < 200; ++i) {
+    CAPTURE(i);
+    Semiexplicit stepper(H, schemes::blanes_moan6<float>());
+    PhasePoint<float, 1> z(centre + 0.3F + 0.001F * float(i % 7), 0);
+    auto watch = events(H, on_event(surface, [n = 0](float, PhasePoint<float, 1>& at) mutable {
+                          at.p()[0] *= ++n % 2 == 0 ? 1.01F : 0.99F;
+                        }));
+    std::int64_t seen = 0;
+    auto section = poincare_section(H, surface, [&](float, const auto&) { ++seen; },
+                                    {.direction = CrossingDirection::both});
+    integrate(stepper, z, {.dt = 0.001F + 0.00001F * float(i % 150), .t_end = 8}, watch, section);
+    section.finish();
+    CHECK(watch.count() == 3);  // at t = 1.4, 4.9 and 7.7
+    CHECK(seen == 3);
+  }
+}
+
 TEST_CASE("An action that carries the state over a surface makes no crossing of it", "[events]") {
   // On a circle of length 1, by a jump from its end to its beginning.
   const auto end = [](const auto& q, const auto&) { return q[0] - 1; };

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string>
 #include <type_traits>
+#include <utility>
 
 #include <semiexplicit/core/checkpointable.hpp>
 #include <semiexplicit/core/cold.hpp>
@@ -196,6 +197,15 @@ SEMIEXPLICIT_COLD void check_clock(const S& stepper, const IntegrationOptions<ty
                                 ", and dt leads away from t_end; give a t_end beyond that");
 }
 
+/// Compiles for what a run tells of itself.
+template <class O, class Scalar, class State>
+consteval bool is_told() {
+  if constexpr (ChangesState<O>)
+    return true;
+  else
+    return is_observer<O, Scalar, State>();
+}
+
 /// Compiles unless an observer would change the state of a stepper that chooses its steps.
 template <class S, class... Observers>
 consteval bool lets_state_change() {
@@ -323,9 +333,17 @@ IntegrationReport integrate_checked(S& stepper, typename S::State& state,
   }
   Scalar t = report.steps > 0 ? time_after(report.steps) : options.t0;
   // Every observer hears of every step, also when one before it asks to stop.
+  const auto show = [&](auto& observer) {
+    if constexpr (ChangesState<decltype(observer)>) {
+      observer.see(t, std::as_const(state), std::as_const(report));
+      return true;
+    } else {
+      return notify(observer, t, state, report);
+    }
+  };
   const auto wanted = [&] {
     bool go_on = true;
-    ((go_on = notify(observers, t, state, report) && go_on), ...);
+    ((go_on = show(observers) && go_on), ...);
     return go_on;
   };
   const auto finish = [&](Status status) {
@@ -399,7 +417,7 @@ IntegrationReport integrate(S& stepper, State& state,
                             Observers&&... observers) {
   using Scalar = typename detail::StepperScalar<S>::Type;
   if constexpr (!detail::is_stepper_of<S, State>() ||
-                !(detail::is_observer<std::remove_reference_t<Observers>, Scalar, State>() && ...) ||
+                !(detail::is_told<std::remove_reference_t<Observers>, Scalar, State>() && ...) ||
                 !detail::lets_state_change<S, std::remove_reference_t<Observers>...>())
     return {};
   else

@@ -12,13 +12,29 @@
 // case saved_without_options: lists its options, or a run could be resumed with others: write
 // case solver_without_options: does not list its options, so it could be resumed with others: write
 // case reversible_steps_changed_by_events: events that change the state need a stepper of equal steps, and this one chooses its steps
+// case changed_by_events_within_every: events that change the state are an argument of integrate() itself
+// case changed_by_events_within_each: events that change the state are an argument of integrate() itself
+// case changed_by_events_within_estimate: events that change the state are an argument of integrate() itself
+// case changed_by_events_within_at_times: events that change the state are an argument of integrate() itself
+// case changed_by_events_by_reference: events that change the state are an argument of integrate() itself
+#include <functional>
+#include <vector>
+
 #include <semiexplicit/checkpoint/checkpoints.hpp>
+#include <semiexplicit/ensemble/ensemble.hpp>
+#include <semiexplicit/observers/error_estimate.hpp>
 #include <semiexplicit/observers/events.hpp>
 #include <semiexplicit/observers/every.hpp>
 #include <semiexplicit/schemes/named.hpp>
 #include <semiexplicit/steppers/semiexplicit.hpp>
 #include <semiexplicit/systems/product.hpp>
 #include <semiexplicit/time/reversible_steps.hpp>
+
+#if defined(changed_by_events_within_every) || defined(changed_by_events_within_each) ||        \
+    defined(changed_by_events_within_estimate) || defined(changed_by_events_within_at_times) || \
+    defined(changed_by_events_by_reference)
+#define changed_by_events
+#endif
 
 using namespace semiexplicit;
 using Point = PhasePoint<double, 1>;
@@ -74,6 +90,9 @@ struct MyStepper {
 int main() {
   const auto scheme = schemes::strang<double>();
   const auto right = [](double, const Point&) {};
+  [[maybe_unused]] const systems::Product<double> H;
+  [[maybe_unused]] const auto first = [](const auto& q, const auto&) { return q[0]; };
+  [[maybe_unused]] const auto change = [](double, Point& at) { at.p()[0] = 1; };
 #if defined(observer_of_other_arguments) || defined(nested_observer)
   const auto observer = [](const Point&) {};
 #elif defined(observer_wants_mutable_state)
@@ -99,11 +118,25 @@ int main() {
   Semiexplicit stepper(systems::Product<double>(), scheme, MySolver());
   Checkpoints checkpoints("file", {}, stepper, options);
 #elif defined(reversible_steps_changed_by_events)
-  const systems::Product<double> H;
   ReversibleSteps stepper(Semiexplicit(H, scheme), [](const auto&, const auto&) { return 1.0; });
-  auto watch = events(
-      H, on_event([](const auto& q, const auto&) { return q[0]; }, [](double, Point& at) { at.p()[0] = 1; }));
+  auto watch = events(H, on_event(first, change));
   integrate(stepper, z, options, watch);
+#elif defined(changed_by_events)
+  Semiexplicit stepper(H, scheme);
+  auto watch = events(H, on_event(first, change));
+#if defined(changed_by_events_within_every)
+  integrate(stepper, z, options, every(1, watch));
+#elif defined(changed_by_events_within_each)
+  std::vector watches{watch, watch};
+  Ensemble ensemble(H, std::vector<Point>{z, z}, scheme);
+  ensemble.run({.dt = 0.1, .steps = 10}, each(watches));
+#elif defined(changed_by_events_within_estimate)
+  integrate(stepper, z, options, with_error_estimate(stepper, {}, watch));
+#elif defined(changed_by_events_within_at_times)
+  integrate(stepper, z, options, at_times(H, {0.5}, watch));
+#else
+  integrate(stepper, z, options, std::ref(watch));
+#endif
 #elif defined(nested_observer)
   Semiexplicit stepper(systems::Product<double>(), scheme);
   integrate(stepper, z, options, every(10, observer));

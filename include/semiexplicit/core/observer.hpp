@@ -1,6 +1,7 @@
 #pragma once
 
 #include <concepts>
+#include <functional>
 #include <type_traits>
 
 #include <semiexplicit/core/report.hpp>
@@ -26,8 +27,9 @@ concept Observer = std::invocable<O&, const Scalar&, const State&> ||
     detail::TakesStepReport<O, Scalar, State> || detail::TakesRunReport<O, Scalar, State>;
 
 /// An observer for which integrate() cuts steps, since it may change the state there: `static constexpr bool
-/// changes_state = true;`, first_event(start, end, h, move), the first event on a step, and act(found, t, z,
-/// report), which may change z; see Events.
+/// changes_state = true;`, see(t, z, report), which is told what observers are, first_event(start, end, h,
+/// move), the first event on a step, and act(found, t, z, report), which may change z; see Events. It is no
+/// Observer, so that none of those can hide it from integrate().
 template <class O>
 concept ChangesState = requires {
   requires bool(std::remove_cvref_t<O>::changes_state);
@@ -38,6 +40,9 @@ namespace detail {
 /// Compiles for an observer of such a run; of anything else the compiler says what is missing.
 template <class O, class Scalar, class State>
 consteval bool is_observer() {
+  static_assert(!ChangesState<std::unwrap_reference_t<std::remove_cvref_t<O>>>,
+                "events that change the state are an argument of integrate() itself: not within every(), "
+                "each(), at_times(), with_error_estimate() or std::ref(), and not of an Ensemble");
   static_assert(
       Observer<O, Scalar, State>,
       "this observer cannot be called: write `void operator()(const Scalar& t, const State& state)`, "

@@ -52,12 +52,12 @@ class DenseOutput {
 
   /// Takes in the next state.
   void operator()(const Scalar& t, const State& z, const IntegrationReport& run = {}) {
-    push(t, z, run, [](bool) {});
+    push(t, z, run, [](auto) {});
   }
 
-  /// The same; where z does not continue what it holds, done(other) is called first: nothing more comes
-  /// between the states held, and z belongs to another orbit, or else to the way back. Whether there is one
-  /// more interval to look at.
+  /// The same; where z does not continue what it holds, done(next) is called first, with how z is related to
+  /// these states (detail::RunClock, `follows` on the way back): nothing more comes between them. Whether
+  /// there is one more interval to look at.
   template <class Done>
   bool push(const Scalar& t, const State& z, const IntegrationReport& run, const Done& done) {
     using Next = typename detail::RunClock<Scalar>::Next;
@@ -71,10 +71,10 @@ class DenseOutput {
     clock_.set(t, run, next);
     if (next == Next::again) return false;
     if (next != Next::follows) {
-      done(true);
+      done(next);
       size_ = 0;
     } else if (size_ > 1 && (after > Scalar(0)) != (node(size_ - 1).after > Scalar(0))) {
-      done(false);
+      done(next);
       first_ = (first_ + size_ - 1) % wanted_;  // the last state stays
       size_ = 1;
     }
@@ -210,17 +210,21 @@ class Intervals {
  public:
   using Scalar = typename DenseOutput<H>::Scalar;
   using State = typename DenseOutput<H>::State;
+  using Next = typename RunClock<Scalar>::Next;
 
   Intervals(H hamiltonian, int nodes) : dense(std::move(hamiltonian), nodes) {}
 
   /// Takes in the next state, and hands look(i) the intervals from state i of `dense` to the next one.
   template <class Look>
   void take(const Scalar& t, const State& z, const IntegrationReport& run, const Look& look) {
-    const auto done = [&](bool other) {
+    const auto done = [&](Next next) {
+      cut_ = next == Next::changed;
       finish(look);
-      orbits_ += other ? 1 : 0;
+      if (next != Next::follows) ++(next == Next::changed ? arcs_ : orbits_);
     };
-    if (!dense.push(t, z, run, done)) return;
+    const bool more = dense.push(t, z, run, done);
+    cut_ = run.at_event;
+    if (!more) return;
     ++unseen_;
     if (dense.ready()) finish(look);
   }
@@ -240,16 +244,23 @@ class Intervals {
     dense.visit_memory(visit);
     visit(unseen_);
     visit(orbits_);
+    visit(arcs_);
+    visit(cut_);
   }
 
   /// How many orbits were begun.
   std::int64_t orbits() const { return orbits_; }
+  /// How often an orbit went on behind an event that may have changed its state.
+  std::int64_t arcs() const { return arcs_; }
+  /// Whether interval i ends at such an event.
+  bool cut(std::size_t i) const { return cut_ && i + 2 == dense.size(); }
 
   DenseOutput<H> dense;
 
  private:
   std::size_t unseen_ = 0;  ///< intervals at the end
-  std::int64_t orbits_ = 0;
+  std::int64_t orbits_ = 0, arcs_ = 0;
+  bool cut_ = false;  ///< the last state is that of an event
 };
 
 }  // namespace detail

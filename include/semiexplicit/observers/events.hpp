@@ -25,10 +25,14 @@ namespace detail {
 template <class A, class Scalar, class State>
 concept StateChange = std::invocable<A&, const Scalar&, State&> && !Observer<A, Scalar, State>;
 
-/// +1, -1, or 0 on the surface.
+/// +1, -1, or 0 on the surface. Throws std::invalid_argument where s is NaN.
 template <class Scalar>
 int side_of(const Scalar& s) {
-  return s > Scalar(0) ? 1 : s < Scalar(0) ? -1 : 0;
+  if (s > Scalar(0)) return 1;
+  if (s < Scalar(0)) return -1;
+  if (s == Scalar(0)) return 0;
+  throw std::invalid_argument(
+      "events: a surface s(q, p) is NaN at a state of the run; let it be a number wherever the orbit comes");
 }
 
 }  // namespace detail
@@ -77,28 +81,31 @@ class Events {
   Events(H hamiltonian, int nodes, Kinds... kinds)
       : intervals_(std::move(hamiltonian), nodes),
         kinds_(std::forward<Kinds>(kinds)...),
-        at_event_(dof_of(dense().hamiltonian())) {}
+        at_event_(dof_of(dense().hamiltonian())),
+        last_(at_event_) {
+    forget_sides();
+  }
 
   /// Takes in the next state; false where an action asked to stop.
-  bool operator()(const Scalar& t, const State& z, const IntegrationReport& run = {}) {
-    if constexpr (changes_state) {
-      // integrate() asks first_event() where a step is to be cut; what starts anew is seen here.
-      if (run.steps == 0 && !run.at_event) {
-        longest_ = Scalar(0);
-        if (!(started_ && t == time_)) {
-          sides_.fill(0);
-          left_.fill(false);
-          pending_.fill(false);
-        }
+  bool operator()(const Scalar& t, const State& z,
+                  const IntegrationReport& run = {}) requires(!changes_state) {
+    bool go_on = true;
+    intervals_.take(t, z, run, [&](std::size_t i) { go_on = look(i, run) && go_on; });
+    return go_on;
+  }
+  /// The same where changes_state: a run that begins with another state than the last one is seen here, all
+  /// else by first_event().
+  void see(const Scalar&, const State& z, const IntegrationReport& run) requires(changes_state) {
+    if (run.steps == 0 && !run.at_event) {
+      longest_ = Scalar(0);
+      if (!started_ || z.vector() != last_.vector()) {
+        forget_sides();
+        pending_.fill(false);
+        fired_.fill(false);
       }
-      started_ = true;
-      time_ = t;
-      return true;
-    } else {
-      bool go_on = true;
-      intervals_.take(t, z, run, [&](std::size_t i) { go_on = look(i, run) && go_on; });
-      return go_on;
     }
+    started_ = true;
+    last_ = z;
   }
 
   /// Looks through a run that ended before it had as many states as the interpolation has nodes.
@@ -133,13 +140,19 @@ class Events {
   void visit_memory(Visitor&& visit) {
     intervals_.visit_memory(visit);
     for (int& side : sides_) visit(side);
-    visit(orbit_);
     for (std::int64_t& count : counts_) visit(count);
+    visit(orbit_);
+    visit(arc_);
     visit(started_);
-    visit(time_);
+    visit(last_.vector());
     visit(longest_);
-    for (bool& one : left_) visit(one);
+    for (bool& one : open_) visit(one);
     for (bool& one : pending_) visit(one);
+    for (bool& one : fired_) visit(one);
+    for (bool& one : rests_) visit(one);
+    for (Scalar& level : level_) visit(level);
+    for (Scalar& scale : scale_) visit(scale);
+    visit(since_);
     each([&](std::size_t, auto& kind) { detail::visit_inner(visit, kind.action); });
   }
 
@@ -156,52 +169,44 @@ class Events {
   template <class Move>
   Found first_event(const State& start, const State& end, const Scalar& h, const Move& move) {
     using std::abs;
-    for (std::size_t k = 0; k < number; ++k)
-      if (std::exchange(pending_[k], false)) {
-        left_[k] = true;
-        return {k, Scalar(0)};
-      }
-    if (h == Scalar(0)) return {};
-    if (abs(h) > abs(longest_)) longest_ = h;
-    const Scalar near =
-        h > Scalar(0) ? Scalar(shortest() * abs(longest_)) : Scalar(-shortest() * abs(longest_));
-    const bool decides = abs(h) > abs(near);
-    Found first;
-    std::array<int, number> after{};
-    std::array<bool, number> crossed{};
-    std::array<Scalar, number> when{};
-    each([&](std::size_t k, auto& kind) {
-      after[k] = sides_[k];
-      if (left_[k] && !decides) return;
-      const auto at = [&](const Scalar& x) {
+    if (const Found found = take_pending()) return found;
+    lengthen(h);
+    const Scalar near = shortly(h == Scalar(0) ? longest_ : h);
+    const auto along = [&](const auto& kind) {
+      return [&](const Scalar& x) {
         move(x, at_event_);
         return value(kind, at_event_);
       };
-      // A surface that an event was on: which side it was left to shows a little later.
-      const Scalar from_x = left_[k] ? near : Scalar(0);
-      const Scalar from = left_[k] ? at(from_x) : value(kind, start), to = value(kind, end);
-      if (detail::side_of(from) != 0) sides_[k] = detail::side_of(from);
-      after[k] = detail::side_of(to);
-      if (after[k] == 0) after[k] = sides_[k];
-      if (sides_[k] == 0 || after[k] == sides_[k] || !kind.counts(after[k])) return;
-      const Scalar x = from == Scalar(0) ? from_x : detail::bracketed_root(at, from_x, from, h, to);
-      if (left_[k] && abs(x) < 10 * abs(near))
-        throw std::runtime_error(
-            "events: a surface is crossed again within " +
-            detail::in_words(10 * static_cast<double>(shortest()), 2) +
-            " of a step, and its events pile up; let the action end the run before, or hold the state");
+    };
+    each([&](std::size_t k, auto& kind) {
+      if (!open_[k] || (!fired_[k] && abs(h) <= abs(near))) return;
+      pending_[k] = settle(k, kind, start, end, near, longest_, along(kind));
+    });
+    if (const Found found = take_pending()) return found;
+    if (h == Scalar(0)) return {};
+    Found first;
+    std::array<int, number> after = sides_;
+    std::array<bool, number> crossed{};
+    std::array<Scalar, number> when{};
+    each([&](std::size_t k, auto& kind) {
+      if (open_[k]) return;
+      const auto crossing = leaves_side(k, kind, start, end, h, near, along(kind));
+      if (!crossing.to) return;
+      after[k] = crossing.to;
+      if (!kind.counts(crossing.to)) return;
       crossed[k] = true;
-      when[k] = x;
-      if (!first || abs(x) < abs(first.x)) first = {k, x};
+      when[k] = crossing.x;
+      if (!first || abs(crossing.x) < abs(first.x)) first = {k, crossing.x};
     });
     if (!first) {
       sides_ = after;
-      if (decides) left_.fill(false);
+      if (abs(since_) < steps_at_rest * abs(longest_)) since_ += h;
       return first;
     }
+    sides_[first.kind] = after[first.kind];
+    crossed[first.kind] = false;
     // Rounding decides on which side of a surface that is crossed at the same time the state at the event is,
     // and the action may turn it back: these events are noted before it.
-    crossed[first.kind] = false;
     bool others = false;
     for (const bool one : crossed) others = others || one;
     if (others) {
@@ -210,28 +215,39 @@ class Events {
       each([&](std::size_t k, auto& kind) {
         pending_[k] = crossed[k] && (abs(Scalar(when[k] - first.x)) <= same ||
                                      detail::side_of(value(kind, at_event_)) == after[k]);
+        if (pending_[k]) sides_[k] = after[k];
       });
     }
-    if (abs(first.x) >= abs(near)) left_.fill(false);
-    left_[first.kind] = true;
     return first;
   }
 
   /// Calls its action; false: it wants the run to stop.
   bool act(const Found& found, const Scalar& t, State& z, const IntegrationReport& run) {
     bool go_on = true;
+    open_.fill(true);
+    since_ = Scalar(0);
     each([&](std::size_t k, auto& kind) {
       if (k != found.kind) return;
+      using std::abs;
       ++counts_[k];
-      using Action = std::remove_reference_t<decltype(kind.action)>;
-      if constexpr (detail::StateChange<Action, Scalar, State>) {
-        if constexpr (std::same_as<std::invoke_result_t<Action&, const Scalar&, State&>, bool>)
+      const Scalar before = value(kind, z);
+      if constexpr (acts<decltype(kind)>) {
+        last_ = z;
+        if constexpr (std::same_as<std::invoke_result_t<decltype(kind.action)&, const Scalar&, State&>, bool>)
           go_on = kind.action(t, z);
         else
           kind.action(t, z);
+        if constexpr (requires { dense().hamiltonian().follow_change(std::as_const(last_), z); })
+          dense().hamiltonian().follow_change(std::as_const(last_), z);
       } else {
         go_on = told(kind, t, z, run);
       }
+      level_[k] = value(kind, z);
+      fired_[k] = abs(level_[k]) <= 2 * abs(before) || abs(level_[k]) <= rounding(kind, z);
+      rests_[k] = fired_[k];
+      if (rests_[k]) return;
+      open_[k] = false;  // the action has moved it off the surface
+      sides_[k] = detail::side_of(level_[k]);
     });
     return go_on;
   }
@@ -242,11 +258,153 @@ class Events {
 
  private:
   static constexpr std::size_t none = ~std::size_t{0};
-  /// The part of a step within which a surface is not crossed again after an event on it.
-  static Scalar shortest() {
+  /// A state that has not moved off a surface for so long had no speed.
+  static constexpr int steps_at_rest = 16;
+  template <class Kind>
+  static constexpr bool acts =
+      detail::StateChange<std::remove_reference_t<decltype(std::declval<Kind>().action)>, Scalar, State>;
+
+  /// Where s goes from a state on the surface: to that side (0: not seen), seen at the time x.
+  struct Leaving {
+    int side;
+    Scalar x, s;
+  };
+  /// A crossing to that side (0: none) at the time x.
+  struct Crossing {
+    int to = 0;
+    Scalar x = Scalar(0);
+  };
+
+  /// The time from an event after which it shows where a surface was left to, in the direction of h: the
+  /// least part of a step that events on it lie apart.
+  Scalar shortly(const Scalar& h) const {
+    using std::abs;
     using std::sqrt;
     const Scalar rounding = sqrt(Eigen::NumTraits<Scalar>::epsilon());
-    return rounding > Scalar(1e-6) ? rounding : Scalar(1e-6);
+    const Scalar size = (rounding > Scalar(1e-6) ? rounding : Scalar(1e-6)) * abs(longest_);
+    return h < Scalar(0) ? Scalar(-size) : size;
+  }
+  void lengthen(const Scalar& h) {
+    using std::abs;
+    if (abs(h) > abs(longest_)) longest_ = h;
+  }
+  void enlarge(std::size_t k, const Scalar& s) {
+    using std::abs;
+    if (abs(s) > scale_[k]) scale_[k] = abs(s);
+  }
+  void forget_sides() {
+    sides_.fill(0);
+    scale_.fill(Scalar(0));
+    rests_.fill(false);
+    open_.fill(true);
+  }
+
+  Found take_pending() {
+    for (std::size_t k = 0; k < number; ++k)
+      if (std::exchange(pending_[k], false)) return {k, Scalar(0)};
+    return {};
+  }
+
+  /// By how much the rounding of the coordinates, several units each, moves s.
+  template <class Kind>
+  Scalar rounding(const Kind& kind, const State& z) {
+    using std::abs;
+    const Scalar s = value(kind, z);
+    Scalar sum(0);
+    at_event_ = z;
+    for (Eigen::Index i = 0; i < z.vector().size(); ++i) {
+      Scalar& x = at_event_.vector()[i];
+      x *= 1 + 16 * Eigen::NumTraits<Scalar>::epsilon();
+      const Scalar moved = abs(Scalar(value(kind, at_event_) - s));
+      if (moved > Scalar(0)) sum += moved;  // none where it is NaN, beyond the edge of what s is defined on
+      x = z.vector()[i];
+    }
+    return sum;
+  }
+
+  /// Whether s = from is so small that it is crossed, or was, within about `near`.
+  template <class At>
+  bool is_near(std::size_t k, const Scalar& from, const Scalar& near, const At& at) const {
+    using std::abs;
+    return !(abs(from) > scale_[k] / 10) && abs(from) <= abs(Scalar(at(near) - from));
+  }
+
+  /// To which side of s = from it goes, at(x) being s at the time x: seen at `near` or, where s does not move
+  /// by more than `noise` until then, later, up to `most`.
+  template <class At>
+  static Leaving leaving(const Scalar& from, const Scalar& noise, const Scalar& near, const Scalar& most,
+                         const At& at) {
+    using std::abs;
+    for (Scalar x = near;; x *= 8) {
+      if (abs(x) > abs(most)) x = most;
+      const Scalar s = at(x), moved = s - from;
+      if (!(abs(moved) <= noise)) return {detail::side_of(moved), x, s};
+      if (x == most) return {0, x, s};
+    }
+  }
+
+  /// Decides on which side of its surface the orbit is that begins at `start`, or goes on there behind an
+  /// event: the side of `start`, or where it is on the surface, the side to which it goes. Whether that is a
+  /// crossing that counts, of which no event told.
+  template <class Kind, class At>
+  bool settle(std::size_t k, const Kind& kind, const State& start, const State& end, const Scalar& near,
+              const Scalar& most, const At& at) {
+    using std::abs;
+    const Scalar from = value(kind, start), noise = rounding(kind, start);
+    enlarge(k, from);
+    if constexpr (changes_state)
+      enlarge(k, value(kind, end));
+    else
+      enlarge(k, at(near));  // costs no step, and both ends may be on the surface
+    const bool on = rests_[k] || abs(from) <= noise || is_near(k, from, near, at);
+    const Scalar level = rests_[k] ? level_[k] : from;
+    const Leaving gone =
+        on ? leaving(level, noise, near, most, at) : Leaving{detail::side_of(from), near, from};
+    rests_[k] = gone.side == 0;
+    level_[k] = level;
+    if (rests_[k]) return false;
+    // On its way through the surface s doubles in twice the time since the event; it grows fourfold where the
+    // action has left it no speed, and more where it comes back.
+    if constexpr (acts<Kind>)
+      if (fired_[k] && gone.side == sides_[k] &&
+          (abs(since_) >= steps_at_rest * abs(longest_) ||
+           !(abs(Scalar(at(since_ + 2 * gone.x) - level)) <= 3 * abs(Scalar(gone.s - level)))))
+        throw std::runtime_error(
+            "events: behind an event the state has no speed off the surface, or comes back to it within " +
+            detail::in_words(static_cast<double>(near / longest_), 2) +
+            " of a step: bounces pile up there; let the action end the run before, or hold the state");
+    open_[k] = false;
+    const int before = std::exchange(sides_[k], gone.side);
+    return !std::exchange(fired_[k], false) && on && before != 0 && before != gone.side &&
+           kind.counts(gone.side);
+  }
+
+  /// Where in the interval from `start` to `end` the orbit leaves the side that it is on; the time only of
+  /// what counts, or where it is `timed`. at_once: the orbit does not begin at `start`, nor is there an
+  /// event, so that a start on the surface is the crossing.
+  template <class Kind, class At>
+  Crossing leaves_side(std::size_t k, const Kind& kind, const State& start, const State& end, const Scalar& h,
+                       const Scalar& near, const At& at, bool timed = false, bool at_once = false) {
+    const Scalar to = value(kind, end);
+    const int after = detail::side_of(to);
+    enlarge(k, to);
+    // On the surface it is not decided yet: an orbit that only touches it comes back to the side where it
+    // was.
+    if (after == 0 || after == sides_[k]) return {};
+    const Scalar from = value(kind, start);
+    if (at_once && from == Scalar(0)) return {after, Scalar(0)};
+    const bool beyond = detail::side_of(from) != sides_[k];
+    if (beyond || (!at_once && is_near(k, from, near, at))) {
+      const Leaving gone = leaving(from, rounding(kind, start), near, h, at);
+      const Scalar level = beyond ? from : Scalar(0);
+      if (gone.side == 0 || (gone.side != after && detail::side_of(Scalar(to - level)) != after)) return {};
+      if (gone.side != after)  // away from the surface, and back to it
+        return {after, detail::bracketed_root([&](const Scalar& x) { return Scalar(at(x) - level); }, gone.x,
+                                              Scalar(gone.s - level), h, Scalar(to - level))};
+      if (beyond) return {after, Scalar(0)};
+    }
+    timed = timed || kind.counts(after);
+    return {after, timed ? detail::bracketed_root(at, Scalar(0), from, h, to) : h};
   }
 
   template <class F>
@@ -275,55 +433,80 @@ class Events {
 
   /// The events between state i and the next one, in order.
   bool look(std::size_t i, const IntegrationReport& run) {
-    if (std::exchange(orbit_, intervals_.orbits()) != intervals_.orbits()) sides_.fill(0);
+    const State &start = dense().state(i), &end = dense().state(i + 1);
+    const Scalar h = dense().interval(i);
+    if (std::exchange(orbit_, intervals_.orbits()) != intervals_.orbits()) {
+      longest_ = Scalar(0);
+      forget_sides();
+    }
+    if (std::exchange(arc_, intervals_.arcs()) != intervals_.arcs()) {
+      open_.fill(true);
+      rests_.fill(false);
+    }
+    lengthen(h);
+    using std::abs;
+    const Scalar shortest = shortly(h), near = abs(shortest) < abs(h) ? shortest : h;
+    bool go_on = true;
     std::array<bool, number> found{};
     std::array<Scalar, number> when{};
-    each([&](std::size_t k, const auto& kind) {
-      const Scalar from = value(kind, dense().state(i)), to = value(kind, dense().state(i + 1));
-      if (detail::side_of(from) != 0) sides_[k] = detail::side_of(from);
-      const int before = sides_[k], after = detail::side_of(to);
-      // On the surface it is not decided yet: an orbit that only touches it comes back to the side where it
-      // was.
-      if (after == 0) return;
-      sides_[k] = after;
-      if (before == 0 || before == after || !kind.counts(after)) return;
+    each([&](std::size_t k, auto& kind) {
       const auto at = [&](const Scalar& x) {
         dense().after(i, x, at_event_);
         return value(kind, at_event_);
       };
-      found[k] = true;
-      when[k] = from == Scalar(0)
-                    ? Scalar(0)
-                    : detail::bracketed_root(at, Scalar(0), from, Scalar(dense().interval(i)), to);
+      const bool begins = open_[k];
+      if (begins && settle(k, kind, start, end, near, h, at)) go_on = tell(k, i, Scalar(0), run) && go_on;
+      if (open_[k]) return;
+      const bool cut = intervals_.cut(i);
+      const Crossing crossing = leaves_side(k, kind, start, end, h, near, at, cut, !begins);
+      // On the surface of an event that changed the state it is the way on that decides.
+      if (!crossing.to ||
+          (cut && (abs(Scalar(h - crossing.x)) <= abs(near) || abs(value(kind, end)) <= rounding(kind, end))))
+        return;
+      sides_[k] = crossing.to;
+      found[k] = kind.counts(crossing.to);
+      when[k] = crossing.x;
     });
-    bool go_on = true;
     for (;;) {
-      using std::abs;
       std::size_t next = none;
       for (std::size_t k = 0; k < number; ++k)
         if (found[k] && (next == none || abs(when[k]) < abs(when[next]))) next = k;
       if (next == none) return go_on;
       found[next] = false;
-      dense().after(i, when[next], at_event_);
-      each([&](std::size_t k, auto& kind) {
-        if (k != next) return;
-        ++counts_[k];
-        go_on = told(kind, Scalar(dense().time(i) + when[next]), std::as_const(at_event_), run) && go_on;
-      });
+      go_on = tell(next, i, when[next], run) && go_on;
     }
+  }
+
+  /// Tells the n-th kind of its event at the time x after state i.
+  bool tell(std::size_t n, std::size_t i, const Scalar& x, const IntegrationReport& run) {
+    bool go_on = true;
+    dense().after(i, x, at_event_);
+    each([&](std::size_t k, auto& kind) {
+      if (k != n) return;
+      ++counts_[k];
+      go_on = told(kind, Scalar(dense().time(i) + x), std::as_const(at_event_), run);
+    });
+    return go_on;
   }
 
   detail::Intervals<H> intervals_;
   std::tuple<Kinds...> kinds_;
   State at_event_;
-  std::array<int, number>
-      sides_{};  ///< of each surface where the orbit was last: -1, 1; 0 before it was seen beside it
   std::array<std::int64_t, number> counts_{};
-  std::int64_t orbit_ = 0;
+  /// The side of each surface on which the orbit is, also where a state is on the surface: -1, 1; 0 before it
+  /// is known.
+  std::array<int, number> sides_{};
+  std::array<bool, number> open_{};     ///< an orbit or what follows an event has begun: see settle()
+  std::array<bool, number> pending_{};  ///< crossed where the orbit is, and not yet acted upon
+  std::array<bool, number> fired_{};    ///< open since its own event, which left it on its surface
+  std::array<bool, number> rests_{};    ///< open, and s has not moved off level_ yet
+  std::array<Scalar, number> level_{};
+  Scalar since_ = Scalar(0);            ///< the time since the last event, up to steps_at_rest
+  std::array<Scalar, number> scale_{};  ///< the largest |s| seen
+  std::int64_t orbit_ = 0, arc_ = 0;
+  State last_;
   bool started_ = false;
-  Scalar time_ = Scalar(0), longest_ = Scalar(0);  ///< longest: of the steps so far
-  std::array<bool, number> left_{};     ///< surfaces that an event was on, and not yet seen beside since
-  std::array<bool, number> pending_{};  ///< crossed at the time of the last event, and not yet acted upon
+  Scalar longest_ = Scalar(0);  ///< of the steps so far
 };
 
 /// An observer of events: calls the actions where the orbit crosses their surfaces, in order of time.
@@ -333,9 +516,12 @@ class Events {
 ///                            on_event(top, [&](double t, const auto& z) { tops.push_back(t); }));
 ///     integrate(stepper, z, {.dt = 0.01, .t_end = 10}, watch);
 ///
-/// Each s(q, p) is to be continuous, and the steps so small that it changes its sign once in each: of an
-/// angle take sin(q), not q modulo 2π. A start on a surface is no event, nor is a state that only touches it.
-/// Of an extended Hamiltonian s has the extended q and p, so that the time is the last q.
+/// Each s(q, p) is to be a number everywhere (NaN throws std::invalid_argument), continuous, and the steps so
+/// small that it changes its sign once in each: of an angle take sin(q), not q modulo 2π. It crosses 0 with a
+/// slope. The orbit is on one side of a surface, also where a state lies on it: on the side to which s goes
+/// from there, seen as soon as s has moved by more than its rounding. A crossing is a change of that side: a
+/// start on a surface is none, nor is a state that only touches it. Of an extended Hamiltonian s has the
+/// extended q and p, so that the time is the last q.
 ///
 /// Where no action changes the state, events are found to rounding on the interpolation of the run
 /// (DenseOutput, `nodes` states), whose steps stay as they are; actions hear of the first ones up to nodes -
@@ -349,14 +535,22 @@ class Events {
 /// the run at the event, with the state there. Said plainly what that does: between the events each arc is as
 /// symplectic as its steps, but the map as a whole is not, since the cut depends on the state (a reversible
 /// action, as a bounce, in a reversible system keeps it reversible); what a stepper carries begins anew, as
-/// the compensation of its sums and the first iterates of Gauss's method;
-/// dense output and sections begin anew; Lyapunov exponents refuse such a run. An action on a ball whose
-/// bounces pile up is to end the run: events on a surface within 1e-5 of a step (in float 3e-3) throw
-/// std::runtime_error, and so do a thousand in one step. Surfaces crossed at the same time, to rounding, all
-/// have their events, in order of kinds behind the first, each action seeing what the one before made of the
-/// state. Only one observer of a run may change the state. Refused are: with a stepper
-/// that ChoosesSteps (ReversibleSteps), by the compiler; IntegrationOptions::subdivide; and to go on by
-/// `done` with a run that ended at an event: start a new one with t0 = report.t.
+/// the compensation of its sums and the first iterates of Gauss's method; dense output begins anew; Lyapunov
+/// exponents refuse such a run. With a TimeTransformed p_t takes up what the action does to H.
+///
+/// Surfaces crossed at the same time, to rounding, all have their events, in order of kinds behind the first,
+/// each action seeing what the one before made of the state. What then counts on the surface where the state
+/// is changed: the kinds of this observer are told of the orbit as it comes, before any action, so that a
+/// ball that bounces falls through the floor once and never rises through it; a section, and any other
+/// events(), see the orbit as it goes on: a bounce only touches the floor, a kick lets it go through, once,
+/// at the changed state. A jump over a surface crosses it for none of them.
+///
+/// An action on a ball whose bounces pile up is to end the run: an orbit that an action leaves no speed off
+/// the surface, or that is back on it within 1e-6 of a step (in float 3e-4), throws std::runtime_error, and
+/// so do a thousand events in one step. Only one observer of a run may change the state. Refused are: by the
+/// compiler a stepper that ChoosesSteps (ReversibleSteps), and such events within another observer or an
+/// Ensemble; IntegrationOptions::subdivide; and to go on by `done` with a run that ended at an event: start a
+/// new one with t0 = report.t.
 template <class H, class... Kinds>
 Events<H, Kinds...> events(H hamiltonian, Kinds... kinds) {
   return {std::move(hamiltonian), 4, std::forward<Kinds>(kinds)...};

@@ -38,10 +38,12 @@ class PoincareSection : public Events<H, OnEvent<Surface, Observer>> {
 ///     integrate(stepper, z, {.dt = 0.1, .steps = 100'000}, section);
 ///
 /// s is to be continuous, and the steps so small that it changes its sign once in each: of an angle take
-/// sin(q), not q modulo 2π. A start on the surface is no crossing, nor is a state that only touches it. Of an
-/// extended Hamiltonian s has the extended q and p, so that the time is the last q, and the observer gets the
-/// time and the phase point without it. An observer that returns false ends the run. Call finish() after a
-/// run of fewer than nodes - 1 steps. A named observer is referred to, a temporary is kept.
+/// sin(q), not q modulo 2π; NaN throws std::invalid_argument. A start on the surface is no crossing, nor is a
+/// state that only touches it, nor a jump over it by an action of events(), which says what counts where the
+/// state is changed on the surface itself. Of an extended Hamiltonian s has the extended q and p, so that the
+/// time is the last q, and the observer gets the time and the phase point without it. An observer that
+/// returns false ends the run. Call finish() after a run of fewer than nodes - 1 steps. A named observer is
+/// referred to, a temporary is kept.
 ///
 /// Points and times are as accurate as the run and the interpolation: on an orbit of systems::Product with 80
 /// steps a period the times are found to 1e-10 with four nodes and to 1e-12 with six.

@@ -52,13 +52,14 @@ class RunClock {
     first,    ///< nothing was seen before
     again,    ///< the state that was seen last, as a run shows it that continues an earlier one
     follows,  ///< a later state of the same run, or of one that continues it; interval() is the time between
+    changed,  ///< the last one, as an event has left it; see events()
     anew      ///< the start of another run
   };
 
   /// How the state at t is related to the last one, to which it is equal or not.
   Next relation(const Scalar& t, bool equal, const IntegrationReport& run) const {
     if (!started_) return Next::first;
-    if (run.changes != changes_ && run.changes > 0) return Next::anew;   // an event changed the state
+    if (run.changes != changes_ && run.changes > 0) return Next::changed;
     if (at_event_ && equal && t == t_) return Next::again;               // at the end of its step
     const bool starts = run.dt != 0 && run.steps == 0 && !run.at_event;  // no dt: called by hand
     if (equal && rounding_.same(t, t_, Scalar(run.dt)) && (starts || run.dt == 0)) return Next::again;

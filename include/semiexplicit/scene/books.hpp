@@ -60,8 +60,7 @@ class RunningIntegral {
   }
   /// Up to the last value.
   Scalar value() const {
-    if (count_ < 2) return Scalar(0);
-    return sum_ + (carry_ + integral(full_ ? 4 : 0, last()));
+    return count_ < 2 ? sum_ + carry_ : sum_ + (carry_ + integral(full_ ? 4 : 0, last()));
   }
 
   template <class Visitor>

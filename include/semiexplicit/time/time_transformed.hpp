@@ -72,6 +72,15 @@ requires(PositionMonitor<G, typename H::Scalar, H::Dof> ||
     return Space::join(z, t, energy_ - energy);
   }
 
+  /// Behind a change of (q, p), as by an action of events(), which calls it: p_t takes up what H has changed
+  /// by, so that K is as near to 0 as it was. Where p_t was changed, too, it stays.
+  void follow_change(const State& before, State& after) const {
+    const Eigen::Index d = dof() - 1;
+    if (after.p()[d] != before.p()[d]) return;
+    after.p()[d] += hamiltonian_.energy(Space::head(before.q()), Space::head(before.p())) -
+                    hamiltonian_.energy(Space::head(after.q()), Space::head(after.p()));
+  }
+
   /// K, which stays near 0.
   Scalar energy(const In<Scalar, Dof>& q, const In<Scalar, Dof>& p) const {
     auto&& dg = work();

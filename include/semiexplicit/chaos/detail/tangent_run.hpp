@@ -53,6 +53,10 @@ class TangentRun {
     const bool equal = clock_.started() && z.vector() == previous_.vector();
     const Next next = clock_.relation(t, equal, run);
     if (next == Next::first) tangents_.check(z);
+    if (run.at_event || next == Next::changed)
+      refuse(
+          "an event that may change the state cuts a step, and its tangent map is not known; follow the "
+          "arcs between events in runs of their own");
     if (next == Next::anew && !equal)
       refuse("another orbit begins; every orbit wants an observer of its own, from its first state on");
     if (next == Next::follows) {

@@ -125,6 +125,21 @@ TEST_CASE("Lyapunov exponents say what they cannot do", "[lyapunov]") {
   CHECK(says(message, "no tangent map of the step to t = 1e+200"));
 }
 
+TEST_CASE("Vectors to start with that are parallel but for rounding are refused", "[lyapunov]") {
+  const systems::NlsLattice<double, 3> lattice;
+  const Semiexplicit stepper(lattice);
+  for (int i = 1; i <= 50; ++i) {
+    CAPTURE(i);
+    Eigen::Matrix<double, 6, 2> parallel;
+    for (int k = 0; k < 6; ++k) parallel(k, 0) = std::sin(i + 7.0 * k);
+    parallel.col(1) = parallel.col(0) * (1 + 0.1 * i) / 3;
+    LyapunovExponents lyapunov(stepper, 2);
+    CHECK(refuses([&] { lyapunov.start_with(parallel); }, "not independent"));
+    parallel(0, 1) += 1e-6;
+    CHECK_NOTHROW(LyapunovExponents(stepper, 2).start_with(parallel));
+  }
+}
+
 TEST_CASE("Lyapunov exponents refuse a time that turns round", "[lyapunov]") {
   const auto h = from_energy<1>([](const auto& q, const auto& p) { return (q[0] * q[0] + p[0] * p[0]) / 2; });
   Semiexplicit stepper(h, schemes::strang());

@@ -145,6 +145,41 @@ TEST_CASE("A member whose gradient throws says so, and the others go on") {
   }
 }
 
+TEST_CASE("A member whose own observer throws says so, and the others go on") {
+  struct Strict {
+    double limit;
+    int seen = 0;
+    void operator()(double, const PhasePoint<double, 1>& z) {
+      ++seen;
+      if (z.q()[0] > limit) throw std::runtime_error("above " + std::to_string(int(limit)));
+    }
+  };
+  Eigen::MatrixXd k = Eigen::MatrixXd::Constant(1, 11, 1.0);
+  const std::vector<PhasePoint<double, 1>> starts(11, PhasePoint<double, 1>(0, 3));
+  const auto family = []<class S>(const S* parameters) { return Fragile<S>{parameters[0], 100}; };
+  const auto check = [&](auto ensemble, auto undisturbed) {
+    std::vector<Strict> observers;
+    for (int i = 0; i < 11; ++i) observers.push_back({i % 4 == 2 ? 2.0 : 10.0});
+    const EnsembleReport all = ensemble.run({.dt = 0.05, .steps = 100}, each(observers));
+    undisturbed.run({.dt = 0.05, .steps = 100});
+    CHECK(all.failed == 3);
+    for (Eigen::Index i = 0; i < 11; ++i) {
+      CAPTURE(i);
+      if (i % 4 == 2) {
+        CHECK(ensemble.report(i).status == Status::observer_threw);
+        CHECK(ensemble.failure(i) == "an observer of this member threw: above 2");
+        CHECK(ensemble.report(i).steps == 15);  // 3 sin(0.75) > 2
+      } else {
+        CHECK(ensemble.report(i).ok());
+        CHECK(same_bits(ensemble.state(i), undisturbed.state(i)));
+        CHECK(observers[static_cast<std::size_t>(i)].seen == 101);
+      }
+    }
+  };
+  check(Ensemble(family, k, starts, scheme), Ensemble(family, k, starts, scheme));
+  check(Ensemble(family, k, starts, scheme, Broyden{}), Ensemble(family, k, starts, scheme, Broyden{}));
+}
+
 TEST_CASE("A member that fails says so, and the others go on") {
   auto starts = lattices(11);
   for (const std::size_t i : {3u, 10u}) starts[i].q()[0] = 50;  // too fast for the step

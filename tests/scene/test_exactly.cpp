@@ -163,6 +163,8 @@ TEST_CASE(
   CHECK(stepper_for(turning, exactly<Kinetic, orbits::RotatingFrame<double, 2>>()).list().name ==
         "blanes_moan_nystrom6");
   const Scene coupled(Kinetic{}, orbits::RotatingFrame<double, 2>{}, orbits::PostNewtonian1<double, 2>{});
+  CHECK(explain(stepper_for(coupled, exactly<Kinetic, orbits::RotatingFrame<double, 2>>()))
+            .ends_with("of order 2 in all, as the kicks are, of several parts or doubled"));
   CHECK(stepper_for(coupled, exactly<Kinetic, orbits::RotatingFrame<double, 2>>()).list().name ==
         "blanes_moan6");
   CHECK(

@@ -1,5 +1,7 @@
 #include "catch.hpp"
 
+#include <boost/multiprecision/cpp_bin_float.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -338,6 +340,56 @@ TEST_CASE("A step that fails says why and leaves the state", "[flow_splitting]")
   z = good;
   CHECK(weak.step(z, 0.1).status == Status::invalid_stepper);  // NOLINT: moved from, on purpose
   CHECK(moved_to.step(z, 0.1).ok());
+}
+
+/// (q² + p²)/2 exact, and q⁴/4 kicked; no flow is prepared for more than 2.
+struct Anharmonic {
+  using Scalar = double;
+  static constexpr int Dof = 1;
+  struct Prepared {
+    double sine = 0, less = 0;
+    Status increments(const auto& q, const auto& p, auto& dq, auto& dp) const {
+      dq[0] = sine * p[0] - less * q[0];
+      dp[0] = -sine * q[0] - less * p[0];
+      return Status::success;
+    }
+  };
+  Prepared prepared(double t) const {
+    if (std::abs(t) > 2) throw std::runtime_error("too long");
+    return {std::sin(t), 2 * std::sin(t / 2) * std::sin(t / 2)};
+  }
+  Status flow(double t, const auto& q, const auto& p, auto& dq, auto& dp) const {
+    return prepared(t).increments(q, p, dq, dp);
+  }
+  std::string flow_name() const { return "oscillator"; }
+  double energy(In<double, 1> q, In<double, 1> p) const {
+    return (q[0] * q[0] + p[0] * p[0]) / 2 + std::pow(q[0], 4) / 4;
+  }
+  void gradient(In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
+    dHdq[0] = q[0] + std::pow(q[0], 3);
+    dHdp = p;
+  }
+  void rest_position_gradient(In<double, 1> q, Out<double, 1> dHdq) const { dHdq[0] = std::pow(q[0], 3); }
+};
+
+TEST_CASE("A flow that cannot be prepared leaves those of the step before as they were", "[flow_splitting]") {
+  FlowSplitting stepper(Anharmonic{}, schemes::blanes_moan6<double>()), other = stepper;
+  PhasePoint<double, 1> z(0.5, 1), x = z;
+  integrate(stepper, z, {.dt = 0.1, .steps = 10});
+  CHECK_THROWS_AS(integrate(stepper, z, {.dt = 9, .steps = 1}), std::runtime_error);
+  integrate(stepper, z, {.dt = 0.1, .steps = 10});
+  integrate(other, x, {.dt = 0.1, .steps = 20});
+  CHECK(z.vector() == x.vector());
+}
+
+TEST_CASE("The lists of this library have the digits of wide types", "[flow_splitting]") {
+  using Wide = boost::multiprecision::cpp_bin_float_50;
+  CHECK_NOTHROW(schemes::aba82<Wide>());
+  CHECK_NOTHROW(schemes::aba84<Wide>());
+  CHECK_NOTHROW(schemes::aba104<Wide>());
+  CHECK_NOTHROW(schemes::aba864<Wide>());
+  CHECK_NOTHROW(schemes::aba1064<Wide>());
+  CHECK_NOTHROW(schemes::blanes_moan_nystrom6<Wide>());
 }
 
 TEST_CASE("A run with an exact flow in float keeps its energy to float's rounding", "[flow_splitting]") {

@@ -64,6 +64,14 @@ struct Returning {
   }
 };
 static_assert(Hamiltonian<Autonomous<Returning>> && HasEnergy<Autonomous<Returning>>);
+/// With one that returns something else.
+struct Talking : ForcedOscillator {
+  bool gradient(double t, In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
+    ForcedOscillator::gradient(t, q, p, dHdq, dHdp);
+    return true;
+  }
+};
+static_assert(!Autonomous<Talking>::gradient_follows_work && Autonomous<Talking>::follows_work);
 
 /// Nonlinear and not separable, driven: H = (q² + 1)(p² + 1)/2 + q p sin(2t)/2.
 const Autonomous driven_product(from_energy<1>([](const auto& t, const auto& q, const auto& p) {
@@ -148,6 +156,7 @@ TEST_CASE("Without dH/dt the motion is the same", "[autonomous]") {
 TEST_CASE("A gradient that returns dH/dt does what a time_derivative does", "[autonomous]") {
   const Autonomous with{ForcedOscillator()};
   const Autonomous returning{Returning()};
+  const Autonomous talking{Talking()};
   auto Z = with.extended({1, 0}, 0.0), W = Z;
   Semiexplicit one(with, schemes::blanes_moan4());
   Semiexplicit other(returning, schemes::blanes_moan4());
@@ -155,6 +164,7 @@ TEST_CASE("A gradient that returns dH/dt does what a time_derivative does", "[au
   integrate(other, W, {.dt = 0.1, .steps = 100});
   CHECK(Z.vector() == W.vector());
   CHECK(check_gradient(returning, Z).ok());
+  CHECK(check_gradient(talking, Z).ok());
 }
 
 TEST_CASE("Driven steps have the order of the scheme", "[autonomous]") {

@@ -25,13 +25,14 @@ enum class Status {
   stopped,          ///< a run only: an observer returned false
   gradient_threw,   ///< a member of an Ensemble only: its gradient threw an exception
   close_encounter,  ///< an exact flow only: bodies came closer than the limit of its scene
-  invalid_monitor   ///< of steps that follow a monitor function: it is not finite and positive, or grew too
+  invalid_monitor,  ///< of steps that follow a monitor function: it is not finite and positive, or grew too
                     ///< fast
+  observer_threw    ///< a member of an Ensemble only: an observer of its own, by each(), threw an exception
 };
 
 namespace detail {
 /// The last of them, for who reads one from a file.
-inline constexpr Status last_status = Status::invalid_monitor;
+inline constexpr Status last_status = Status::observer_threw;
 }  // namespace detail
 
 /// What happened, in words, with the remedy.
@@ -66,6 +67,8 @@ SEMIEXPLICIT_COLD inline std::string describe(Status status) {
     case Status::invalid_monitor:
       return "the monitor function is not finite and positive here, or grew to more than about twice its "
              "value within a step; reduce dt, or check the monitor function near this state";
+    case Status::observer_threw:
+      return "an observer of this member threw an exception";
   }
   return "unknown status";
 }

@@ -78,8 +78,9 @@ class Ensemble {
                  starts, std::move(scheme), std::move(solver)) {}
 
   /// Takes every member to step `steps` from where it is. Observers are those of members (MemberObserver;
-  /// each() of the library's) and those of the whole (WholeObserver), in any order. An exception of a
-  /// member's observer ends the run of the members that are stepped together with it (status `stopped`), and
+  /// each() of the library's) and those of the whole (WholeObserver), in any order. An exception of one by
+  /// each() ends the run of its member (status `observer_threw`; failure() has the text). One of an observer
+  /// of all members ends the run of those that are stepped together with the member (status `stopped`), and
   /// is thrown again when all the others have come to where all are together. Throws std::invalid_argument
   /// for options that make no sense.
   template <class... Observers>

@@ -84,7 +84,8 @@ class Each {
 };
 
 /// `each(observers)`: an observer for each member, of integrate()'s kind, in the order of the members. They
-/// are referred to.
+/// are referred to. One that throws, as LyapunovExponents without a tangent map, ends the run of its member
+/// (status `observer_threw`); what an observer of all members throws ends the run of all.
 ///
 ///     std::vector<LyapunovExponents<...>> exponents;  // one made with ensemble.stepper(i) for each member i
 ///     ensemble.run({.dt = 0.1, .steps = 1000}, each(exponents));
@@ -106,11 +107,22 @@ struct EnsemblePart {
   bool begins() const { return from == 0; }
 };
 
+/// What was thrown, and by whom.
+inline std::string thrown_in_words(const std::string& who, const std::exception_ptr& thrown) {
+  try {
+    std::rethrow_exception(thrown);
+  } catch (const std::exception& error) {
+    return who + " threw: " + error.what();
+  } catch (...) {
+    return who + " threw something that is no std::exception";
+  }
+}
+
 /// What is known of every member.
 struct MemberRecords {
   explicit MemberRecords(std::size_t members) : report(members), thrown(members) {}
   std::vector<IntegrationReport> report;
-  std::vector<std::string> thrown;  ///< by the gradients, in words
+  std::vector<std::string> thrown;  ///< by gradients and observers, in words
 };
 
 /// Calls the observers of members, and knows when.
@@ -120,19 +132,33 @@ class MemberWatch {
   MemberWatch(std::int64_t every, const Observers&... observers) : every_(every), observers_(observers...) {}
 
   bool due(std::int64_t steps) const { return sizeof...(Observers) > 0 && every_ > 0 && steps % every_ == 0; }
-  /// False: one of them wants this member to stop. All hear of it.
-  bool operator()(Eigen::Index member, double t, const State& state, const IntegrationReport& run) const {
+  /// `success`; `stopped`: one of them wants this member to stop; `observer_threw`: one of its own threw,
+  /// what `threw` then says. All hear of it.
+  Status operator()(Eigen::Index member, double t, const State& state, const IntegrationReport& run,
+                    std::string& threw) const {
     bool go_on = true;
     std::apply(
-        [&](const auto&... observer) { ((go_on = tell(observer, member, t, state, run) && go_on), ...); },
+        [&](const auto&... observer) {
+          ((go_on = tell(observer, member, t, state, run, threw) && go_on), ...);
+        },
         observers_);
-    return go_on;
+    return go_on ? Status::success : threw.empty() ? Status::stopped : Status::observer_threw;
   }
 
  private:
   template <class O>
+  static bool tell(const Each<O>& each, Eigen::Index member, double t, const State& state,
+                   const IntegrationReport& run, std::string& threw) {
+    try {
+      return each(member, t, state, run);
+    } catch (...) {
+      threw = thrown_in_words("an observer of this member", std::current_exception());
+      return false;
+    }
+  }
+  template <class O>
   static bool tell(const O& observer, Eigen::Index member, double t, const State& state,
-                   const IntegrationReport& run) {
+                   const IntegrationReport& run, std::string&) {
     const auto call = [&]() -> decltype(auto) {
       if constexpr (std::invocable<const O&, Eigen::Index, double, const State&, const IntegrationReport&>)
         return observer(member, t, state, run);
@@ -170,17 +196,6 @@ void visit_report(Visitor&& visit, IntegrationReport& report) {
        {&report.t, &report.dt, &report.max_correction, &report.last.correction, &report.last.rate})
     visit(*number);
   visit(report.last.escalations);
-}
-
-/// Of what a gradient threw.
-inline std::string thrown_in_words(const std::exception_ptr& thrown) {
-  try {
-    std::rethrow_exception(thrown);
-  } catch (const std::exception& error) {
-    return std::string("the gradient threw: ") + error.what();
-  } catch (...) {
-    return "the gradient threw something that is no std::exception";
-  }
 }
 
 }  // namespace detail

@@ -58,7 +58,7 @@ struct PackRun {
   /// step of lane k in parts.
   template <class H, class InParts, class Watch>
   void advance(SemiexplicitPack<H>& stepper, PackPoint<H::Dof>& point, const EnsemblePart& part,
-               const InParts& in_parts, const Watch& watch) {
+               const InParts& in_parts, MemberRecords& records, const Watch& watch) {
     PackReport step{};
     bool stepped = false;
     gradient_threw = nullptr;
@@ -76,7 +76,7 @@ struct PackRun {
       if (watch.due(steps)) {
         for (std::size_t k = 0; k < going.size(); ++k)
           if (going[k]) report[k].last = step[k];
-        tell(point, part, watch);
+        tell(point, part, records, watch);
       }
     }
     for (std::size_t k = 0; k < going.size(); ++k) {
@@ -89,11 +89,15 @@ struct PackRun {
 
   /// Tells the observers where those are that go on.
   template <int Dof, class Watch>
-  void tell(const PackPoint<Dof>& point, const EnsemblePart& part, const Watch& watch) {
+  void tell(const PackPoint<Dof>& point, const EnsemblePart& part, MemberRecords& records,
+            const Watch& watch) {
     try {
       for (std::size_t k = 0; k < going.size(); ++k) {
-        if (!going[k] || watch(member[k], part.time(steps), point.lane(k), report[k])) continue;
-        report[k].status = Status::stopped;
+        if (!going[k]) continue;
+        const Status status = watch(member[k], part.time(steps), point.lane(k), report[k],
+                                    records.thrown[static_cast<std::size_t>(member[k])]);
+        if (status == Status::success) continue;
+        report[k].status = status;
         going[k] = false;
       }
     } catch (...) {
@@ -152,10 +156,10 @@ class LaneMembers {
     PackPoint<Dof>& point = points_[static_cast<std::size_t>(task)];
     const std::vector<Many> parameters = all.packs(first);
     Stepper stepper = first_.with(all.family(parameters.data()));
-    if (part.begins() && watch.due(0)) run.tell(point, part, watch);
+    if (part.begins() && watch.due(0)) run.tell(point, part, records, watch);
     run.advance(
         stepper, point, part, [&](std::size_t k) { return in_parts(all, k, point, run, k, part, records); },
-        watch);
+        records, watch);
     // Some member's gradient throws: each goes on alone, in all lanes.
     if (run.gradient_threw)
       for (std::size_t k = 0; k < run.going.size(); ++k)
@@ -239,7 +243,7 @@ class LaneMembers {
       copies = copies.alone(0);
       return done;
     };
-    alone.advance(stepper, copies, part, parts, watch);
+    alone.advance(stepper, copies, part, parts, records, watch);
     if (alone.gradient_threw)
       gave_up(alone.report[0], records.thrown[static_cast<std::size_t>(run.member[k])], alone.gradient_threw);
     point.take(k, copies);
@@ -249,7 +253,7 @@ class LaneMembers {
 
   static void gave_up(IntegrationReport& report, std::string& words, const std::exception_ptr& thrown) {
     report.status = Status::gradient_threw;
-    words = thrown_in_words(thrown);
+    words = thrown_in_words("the gradient", thrown);
   }
 
   Eigen::Index size_;

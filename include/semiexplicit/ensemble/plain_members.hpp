@@ -44,12 +44,14 @@ class PlainMembers {
       stepper.visit_memory(restore);
     }
     std::exception_ptr observer_threw;
+    Status told = Status::success;
     IntegrationReport seen = report;
     const auto tell = [&](double t, const State& z, const IntegrationReport& so_far) {
       seen = so_far;
       if (!watch.due(so_far.steps)) return true;
       try {
-        return watch(task, t, z, so_far);
+        told = watch(task, t, z, so_far, records.thrown[i]);
+        return told == Status::success;
       } catch (...) {
         observer_threw = std::current_exception();
         return false;
@@ -64,8 +66,9 @@ class PlainMembers {
                           .t0 = part.t0,
                           .done = report},
                          tell);
+      if (told == Status::observer_threw) report.status = told;
     } catch (...) {
-      records.thrown[i] = thrown_in_words(std::current_exception());
+      records.thrown[i] = thrown_in_words("the gradient", std::current_exception());
       report = seen;
       report.status = Status::gradient_threw;
       report.dt = part.dt;

@@ -84,7 +84,11 @@ SEMIEXPLICIT_COLD std::string explained(const FlowSplitting<H, Solver>& stepper,
     else
       text += ", " + calls_in_words(stepper.max_gradients()) + " a step";
   }
-  if constexpr (requires { split.scene(); }) text += motion_in_words(split.scene());
+  if constexpr (requires { split.scene(); }) {
+    if constexpr (!Stepper::kicks_exactly && !H::rest_is_small)
+      text += "; of order 2 in all, as the kicks are, of several parts or doubled";
+    text += motion_in_words(split.scene());
+  }
   return text;
 }
 

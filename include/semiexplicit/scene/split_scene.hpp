@@ -90,6 +90,7 @@ class SplitScene<Scene<Effects...>, Group...> {
   static constexpr bool drifts_positions = ((is_kicked<Effects> && !PositionEffect<Effects>) || ...);
   static constexpr bool doubles = (is_coupled<Effects> || ...);
   static constexpr bool flow_is_quadratic = quadratic_in_momenta<Flow>();
+  static constexpr bool rest_is_small = detail::rest_is_small<Flow>();
 
   explicit SplitScene(Whole scene)
       : scene_(std::move(scene)),
@@ -187,8 +188,9 @@ struct NoStepper {};
 /// Effects of the rest on q or on p alone are kicks; only what couples q and p is doubled. See FlowSplitting.
 /// The list is aba82, of generalised order (8,2), where the rest is small beside the group; where the flow
 /// says that it need not be (ExactFlow::rest_is_small), blanes_moan_nystrom6 for potentials (see
-/// NearIntegrable) and blanes_moan6 for all else. Another list, or a Scheme, may be given: aba864 for a rest
-/// of 1e-3.
+/// NearIntegrable) and blanes_moan6 for all else, which is of order 6 for a rest on p alone and of order 2
+/// for one of several parts or a coupled one (see FlowSplitting). Another list, or a Scheme, may be given:
+/// aba864 for a rest of 1e-3.
 template <class... Effects, class... Group, class Solver = SimplifiedNewton>
 auto stepper_for(const Scene<Effects...>& scene, detail::Exactly<Group...>,
                  NearIntegrable<typename Scene<Effects...>::Scalar> list, Solver solver = {}) {

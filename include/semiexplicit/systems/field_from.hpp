@@ -82,8 +82,8 @@ class FieldFrom {
   Potential potential_;
 };
 
-/// Magnetic fields chosen at run time, as one: A is the sum of theirs. A field costs a virtual call. Copies
-/// share the fields.
+/// Magnetic fields chosen at run time, as one: A is the sum of theirs, in double. A field costs a virtual
+/// call. Copies share the fields.
 class FieldSum {
  public:
   FieldSum() = default;

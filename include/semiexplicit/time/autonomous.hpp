@@ -44,17 +44,21 @@ class Autonomous : public ExtendedPhaseSpace<typename H::Scalar, H::Dof> {
   static constexpr int Dof = Space::Dof;
   static_assert(detail::is_in_one_process<H>());
 
-  /// Whether the gradient of H returns ∂H/∂t.
+  /// Whether the gradient of H returns ∂H/∂t, a Scalar.
   static constexpr bool gradient_follows_work =
       requires(const H& h, const Scalar& t, In<Scalar, H::Dof> q, Out<Scalar, H::Dof> dHdq) {
-    { h.gradient(t, q, q, dHdq, dHdq) } -> std::convertible_to<Scalar>;
+    { h.gradient(t, q, q, dHdq, dHdq) } -> std::same_as<Scalar>;
   };
-  /// Whether H says ∂H/∂t, so that p_t is followed, and whether there is K to check the run by.
-  static constexpr bool follows_work =
-      gradient_follows_work ||
+  /// Or has it by itself.
+  static constexpr bool has_time_derivative =
       requires(const H& h, const Scalar& t, In<Scalar, H::Dof> q, In<Scalar, H::Dof> p) {
     { h.time_derivative(t, q, p) } -> std::convertible_to<Scalar>;
   };
+  static_assert(
+      !(gradient_follows_work && has_time_derivative),
+      "this Hamiltonian says ∂H/∂t twice: let its gradient return nothing, or leave time_derivative out");
+  /// Whether H says ∂H/∂t, so that p_t is followed, and whether there is K to check the run by.
+  static constexpr bool follows_work = gradient_follows_work || has_time_derivative;
   static constexpr bool follows_energy =
       follows_work && requires(const H& h, const Scalar& t, In<Scalar, H::Dof> q, In<Scalar, H::Dof> p) {
     { h.energy(t, q, p) } -> std::convertible_to<Scalar>;

@@ -42,8 +42,14 @@ class TangentRun {
       refuse("vectors to start with are 2d rows in as many columns as it carries");
     if (!fresh()) refuse("it has begun; give the vectors to start with before the run");
     v = vectors;
-    orthonormalise([](Eigen::Index, Eigen::Index, const Scalar&) {});
-    if (!v.allFinite()) refuse("the vectors to start with are not independent");
+    bool independent = true;
+    orthonormalise([&](Eigen::Index i, Eigen::Index j, const Scalar& part) {
+      if (i != j) return;
+      // What is left of it beside the others is more than their rounding.
+      const Scalar least = 100 * Eigen::NumTraits<Scalar>::epsilon() * norm(vectors.col(j).eval());
+      independent = independent && part > least;
+    });
+    if (!independent || !v.allFinite()) refuse("the vectors to start with are not independent");
   }
 
   /// Takes in the next state; true where that was a step, which the vectors have gone along. Throws what

@@ -32,6 +32,10 @@ class ErrorEstimate {
   using Scalar = typename S::Scalar;
   using State = typename S::State;
   static constexpr const char* name = "with_error_estimate";
+  static_assert(
+      requires(const State& z) { z.vector(); },
+      "with_error_estimate takes steppers of phase points, and this one moves two copies: take "
+      "Semiexplicit or MidpointProjection");
 
   ErrorEstimate(S stepper, ErrorEstimateOptions options, Observers&&... observers)
       : stepper_(std::move(stepper)), options_(options), observers_(std::forward<Observers>(observers)...) {
@@ -195,10 +199,10 @@ class ErrorEstimate {
 ///
 /// No estimate either from the first step on that was cut into parts (IntegrationOptions::subdivide).
 ///
-/// An observer and no stepper, so that the run stays what it is, bit for bit, and takes any stepper: one that
-/// chooses its steps as well, around which the companion halves each (give it `stepper.stepper()`). Costs
-/// twice the gradient calls of the run. Errors that both have in common, a wrong H or a start that is off, it
-/// cannot see.
+/// An observer and no stepper, so that the run stays what it is, bit for bit, and takes any stepper of
+/// phase points: one that chooses its steps as well, around which the companion halves each (give it
+/// `stepper.stepper()`). Costs twice the gradient calls of the run. Errors that both have in common, a wrong
+/// H or a start that is off, it cannot see.
 ///
 /// Source: E. Hairer, S. Nørsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed., section II.4
 /// (Richardson).

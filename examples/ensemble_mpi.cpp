@@ -8,6 +8,7 @@
 #include <ctime>
 #include <filesystem>
 #include <iostream>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -77,7 +78,10 @@ void show_progress(const Job& job, const FinishedBlocks& checkpoints, std::int64
 int run(const World& world, const Job& job) {
   const FinishedBlocks checkpoints(job.settings.output / "sweep",
                                    job.sweep.in_words() + ", block " + std::to_string(job.block));
+  std::unique_ptr<DurableFile> lock;
   if (world.first()) {
+    job.settings.make_output_folder();
+    lock = checkpoints.lock();
     Settings{.output = checkpoints.folder()}.make_output_folder();
     std::cout << "checkpoints: " << checkpoints.folder().string() << std::endl;
   }

@@ -1,6 +1,8 @@
 // The finite-time Lyapunov exponent of a wave packet that spreads in a disordered nonlinear chain, in weak
 // and strong chaos.
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <iostream>
 #include <numbers>
@@ -13,6 +15,7 @@
 #include <semiexplicit/semiexplicit.hpp>
 
 #include "chaos/chain.hpp"
+#include "chaos/series.hpp"
 #include "common/arguments.hpp"
 #include "common/output.hpp"
 
@@ -28,26 +31,14 @@ struct Regime {
 };
 const std::vector<Regime> regimes{{"weak", 0.04, -0.25}, {"strong", 0.72, -0.3}};
 constexpr Eigen::Index excited = 21;
-
-struct Series {
-  std::vector<double> t, log_exponent;  ///< the mean over the realizations of log10 Λ
-
-  /// By least squares over the last two decades.
-  double slope() const {
-    double n = 0, x = 0, y = 0, xx = 0, xy = 0;
-    for (std::size_t i = 0; i < t.size(); ++i) {
-      if (t[i] < t.back() / 100) continue;
-      const double at = std::log10(t[i]);
-      ++n, x += at, y += log_exponent[i], xx += at * at, xy += at * log_exponent[i];
-    }
-    return (n * xy - x * y) / (n * xx - x * x);
-  }
-};
+constexpr double picture_begin = 10;
 
 struct Request {
   Eigen::Index sites = 1000;
   std::int64_t realizations = 1, seed = 1;
   double dt = 0.15, time = 3e4;
+
+  std::int64_t steps() const { return steps_in(time, dt); }
 };
 
 Series run(const Regime& regime, const Request& request) {
@@ -73,16 +64,12 @@ Series run(const Regime& regime, const Request& request) {
     const std::string name = regime.name + " chaos, realization " + std::to_string(k + 1);
     Progress progress(request.time, name);
     const auto report = integrate(stepper, z, {.dt = request.dt, .t_end = request.time}, lyapunov,
-                                  every(100, invariants), progress);
+                                  every(std::min<std::int64_t>(100, request.steps()), invariants), progress);
     std::cerr << name << formatted(": %.2g a step", 1e6 * report.seconds / static_cast<double>(report.steps))
               << formatted(" µs, %.2f evaluations", double(report.evaluations) / double(report.steps))
               << formatted(", energy error %.1e, %.0f s", invariants["energy"].worst, report.seconds)
               << std::endl;
-    mean.t = lyapunov.times();
-    mean.log_exponent.resize(mean.t.size());
-    const auto series = lyapunov.series();
-    for (std::size_t i = 0; i < series.size(); ++i)
-      mean.log_exponent[i] += std::log10(series[i]) / static_cast<double>(request.realizations);
+    mean.add(lyapunov.times(), lyapunov.series());
   }
   return mean;
 }
@@ -90,8 +77,7 @@ Series run(const Regime& regime, const Request& request) {
 void write(const std::filesystem::path& csv, const std::vector<Series>& all) {
   CsvWriter writer(csv, {"t", "weak_exponent", "strong_exponent"});
   for (std::size_t i = 0; i < all[0].t.size(); ++i)
-    writer.row(std::vector<double>{all[0].t[i], std::pow(10.0, all[0].log_exponent[i]),
-                                   std::pow(10.0, all[1].log_exponent[i])});
+    writer.row(std::vector<double>{all[0].t[i], all[0].exponent(i), all[1].exponent(i)});
   writer.commit();
 }
 
@@ -100,16 +86,19 @@ std::string picture(const std::filesystem::path& png, const std::filesystem::pat
   std::string script = gnuplot_prologue(png, 1000, 700) +
                        "set logscale xy\nset format xy '10^{%T}'\nset xlabel 'time'\n"
                        "set ylabel 'largest Lyapunov exponent up to the time'\nset key bottom left\n"
-                       "set xrange [10:*]\nset yrange [*:1]\nplot ";
+                       "set yrange [*:1]\n" +
+                       formatted("set xrange [%g:*]\nplot ", picture_begin);
   for (std::size_t i = 0; i < all.size(); ++i) {
-    const auto& [name, beta, slope] = regimes[i];
-    const double end = all[i].t.back(), at_end = std::pow(10.0, all[i].log_exponent.back());
+    const auto& [name, beta, published] = regimes[i];
+    const double end = all[i].t.back(), at_end = all[i].end(), slope = all[i].slope();
     const std::string color = i == 0 ? "'#08519c'" : "'#cb181d'";
     script += quoted(csv.string()) + " skip 1 using 1:" + std::to_string(i + 2) + " with lines lw 2 lc rgb " +
-              color + " title '" + name + " chaos, β = " + formatted("%g, slope %.2f", beta, all[i].slope()) +
-              "', \\\n  [" + formatted("%g:%g", end / 1e3, end) + "] " +
-              formatted("%g * (x / %g)**%g", 1.3 * at_end, end, slope) + " dashtype 2 lc rgb " + color +
-              " title 'published: t^{" + formatted("%g", slope) + "}', \\\n  ";
+              color + " title '" + name + " chaos, β = " + formatted("%g", beta) +
+              (std::isfinite(slope) ? formatted(", slope %.2f", slope) : "") + "', \\\n  ";
+    if (!std::isfinite(at_end)) continue;  // nothing to compare with
+    script += "[" + formatted("%g:%g", end / 1e3, end) + "] " +
+              formatted("%g * (x / %g)**%g", 1.3 * at_end, end, published) + " dashtype 2 lc rgb " + color +
+              " title 'published: t^{" + formatted("%g", published) + "}', \\\n  ";
   }
   return script + "[10:1e4] 2 / x lc rgb '#999999' title 'order: 1/t'\n";
 }
@@ -131,18 +120,19 @@ int main(int argc, char** argv) {
   app.footer("About a minute. One realization scatters: average over several, with --time 3e5 or more.");
 
   return run_program(app, argc, argv, [&] {
+    request.steps();  // refused before the folder is made
     settings.make_output_folder();
     std::vector<Series> all;
     for (const Regime& regime : regimes) {
       all.push_back(run(regime, request));
-      std::cout << regime.name << " chaos: exponent "
-                << formatted("%.3g", std::pow(10.0, all.back().log_exponent.back()))
-                << formatted(" at t = %g; slope %.3f over the last two decades, published %.2f\n",
-                             all.back().t.back(), all.back().slope(), regime.published_slope);
+      std::cout << regime.name << " chaos: " << all.back().in_words(regime.published_slope) << '\n';
     }
     const std::filesystem::path csv = settings.output / "chaos.csv";
     write(csv, all);
-    if (!settings.no_plot)
+    if (settings.no_plot) return 0;
+    if (all[0].t.back() <= picture_begin)
+      std::cout << formatted("no picture: it begins at t = %g\n", picture_begin);
+    else
       draw(settings.output / "chaos.png", picture(settings.output / "chaos.png", csv, all));
     return 0;
   });

@@ -22,34 +22,25 @@
 #include "common/method.hpp"
 #include "common/output.hpp"
 #include "common/run.hpp"
+#include "geodesics/picture.hpp"
 #include "geodesics/request.hpp"
 #include "geodesics/section.hpp"
+#include "geodesics/summary.hpp"
 
 namespace {
 
 using namespace examples;
 
-std::string script(const std::filesystem::path& png, const std::filesystem::path& csv,
-                   const std::string& title) {
-  return gnuplot_prologue(png, 1100, 900) + "set title " + quoted(title + "; orange: chaotic") +
-         " noenhanced\nset xlabel 'r/M'\nset ylabel 'p_r'\nset key off\nunset colorbox\n"
-         "set offsets graph 0.02, graph 0.02, graph 0.02, graph 0.02\n"
-         "set palette defined (0 '#0072B2', 1 '#009E73', 2 '#56B4E9', 3 '#666666')\n"
-         "plot " +
-         quoted(csv.string()) +
-         " using ($4 > 0 ? $2 : NaN):3 skip 1 with points pointtype 7 pointsize 0.25 " +
-         "linecolor rgb '#D55E00', " + quoted(csv.string()) +
-         " using ($4 > 0 ? NaN : $2):3:1 skip 1 with points pointtype 7 pointsize 0.35 palette\n";
-}
-
 /// What --cost and --accuracy ask for, of the energy on one orbit of the section; true: there is nothing else
 /// to do.
-bool answer(Request& request, const RuntimeScene<double, 4>& scene, const State4& start) {
+bool answer(Request& request, const RuntimeScene<double, 4>& scene, const State4& start,
+            const Region& region) {
   const std::int64_t some = std::min<std::int64_t>(request.crossings, 20);
-  const Orbit orbit = follow(scene, request.method, start, request.settings.dt, some, [](std::int64_t) {});
-  if (orbit.ended)
-    throw std::runtime_error(
-        "the orbit in the middle, whose energy is judged, does not stay; take other parameters, or --dt");
+  const Orbit orbit =
+      follow(scene, request.method, start, region, request.settings.dt, some, [](std::int64_t) {});
+  if (orbit.end != Orbit::End::all_passages)
+    throw std::runtime_error(std::string("the orbit in the middle, whose energy is judged, ") +
+                             describe(orbit.end) + "; take other parameters, or --dt");
   request.settings.time = orbit.time * static_cast<double>(request.crossings) / static_cast<double>(some);
   return request.cost.answer(scene, start, request.method, request.settings, "geodesics_cost",
                              "geodesics, " + request.metric);
@@ -57,7 +48,8 @@ bool answer(Request& request, const RuntimeScene<double, 4>& scene, const State4
 
 /// All orbits. Those that are finished are kept where that is wanted, and not computed again.
 std::vector<Orbit> section(const Request& request, const RuntimeScene<double, 4>& scene,
-                           const std::function<State4(std::int64_t)>& start, const FinishedBlocks& finished) {
+                           const std::function<State4(std::int64_t)>& start, const Region& region,
+                           const FinishedBlocks& finished) {
   const bool keeps = request.checkpoint.wanted();
   if (keeps) {
     Settings{.output = finished.folder()}.make_output_folder();
@@ -70,8 +62,8 @@ std::vector<Orbit> section(const Request& request, const RuntimeScene<double, 4>
   for (std::int64_t k = 0; k < request.orbits; ++k) {
     const auto numbers = keeps ? finished.load_if_sound(k) : std::nullopt;
     orbits.push_back(numbers ? Orbit::from(*numbers)
-                             : follow(scene, request.method, start(k), request.settings.dt, request.crossings,
-                                      [&](std::int64_t n) {
+                             : follow(scene, request.method, start(k), region, request.settings.dt,
+                                      request.crossings, [&](std::int64_t n) {
                                         progress(static_cast<double>(k * request.crossings + n), k);
                                       }));
     if (keeps && !numbers) finished.save(k, orbits.back().numbers());
@@ -82,42 +74,48 @@ std::vector<Orbit> section(const Request& request, const RuntimeScene<double, 4>
 template <class M>
 int run(const M& metric, Request& request, const CLI::App& app, const std::string& title) {
   const Settings& settings = request.settings;
-  const auto interval = allowed(metric, request.energy, request.l, 2.1, 200, 0.001);
-  std::cout << formatted("bound in the equator from r = %.3f to %.3f\n", interval.first, interval.second);
+  const Region region = allowed(metric, request.energy, request.l);
+  std::cout << formatted("bound in the equator from r = %.3f to %.3f\n", region.inner, region.outer);
   const RuntimeScene<double, 4> scene{geodesics::Geodesic<M>{metric}};
   const auto start = [&](std::int64_t k) {
-    return start_of(metric, interval, k, request.orbits, request.energy, request.l);
+    return start_of(metric, region, k, request.orbits, request.energy, request.l);
   };
   const std::int64_t middle = request.orbits / 2;
-  if (request.cost.wanted(app) && answer(request, scene, start(middle))) return 0;
+  if (request.cost.wanted(app) && answer(request, scene, start(middle), region)) return 0;
 
   const FinishedBlocks finished(request.checkpoint.file, request.in_words());
-  const std::vector<Orbit> orbits = section(request, scene, start, finished);
+  const auto lock = request.checkpoint.wanted() ? finished.lock() : nullptr;
+  const std::vector<Orbit> orbits = section(request, scene, start, region, finished);
   settings.make_output_folder();
   const std::filesystem::path csv = settings.output / "geodesics.csv",
                               png = settings.output / "geodesics.png";
   CsvWriter writer(csv, {"orbit", "r", "p_r", "chaotic", "log10_gali2"});
-  double worst = 0, number = 0;
-  std::int64_t chaotic = 0, fallen = 0;
+  double number = 0;
   for (const Orbit& orbit : orbits) {
-    if (orbit.ended)
-      ++fallen;
-    else if (!(orbit.worst_energy <= worst))
-      worst = orbit.worst_energy;
-    if (orbit.chaotic()) ++chaotic;
     for (std::size_t i = 0; i < orbit.points.size(); i += 2)
       writer.row({number, orbit.points[i], orbit.points[i + 1], orbit.chaotic() ? 1.0 : 0.0,
                   orbit.log_alignment / std::log(10)});
     ++number;
   }
   writer.commit();
-  std::cout << request.orbits << " orbits, " << chaotic << " of them chaotic (GALI_2 below 1e-8), " << fallen
-            << " fell into the hole, left or failed\n"
-            << formatted("error of g^{μν} p_μ p_ν, at worst: %.1e\n", worst);
-  request.cost.compare_with_energy(orbits[static_cast<std::size_t>(middle)].worst_energy);
+  const Summary summary(orbits);
+  summary.print(std::cout, region);
+  const Orbit& judged = orbits[static_cast<std::size_t>(middle)];
+  if (judged.end == Orbit::End::all_passages)
+    request.cost.compare_with_energy(judged.worst_energy);
+  else if (request.cost.chosen)
+    std::cout << "energy error: not measured, the orbit in the middle " << describe(judged.end) << '\n';
   std::cout << "data: " << csv.string() << '\n';
   if (request.checkpoint.wanted()) finished.remove();
-  if (!settings.no_plot) draw(png, script(png, csv, title));
+  if (summary.failed == request.orbits && summary.points == 0) {
+    std::cerr << "geodesics: every orbit failed before it passed the equator; give a smaller --dt\n";
+    return 1;
+  }
+  if (settings.no_plot) return 0;
+  if (summary.points == 0)
+    std::cout << "no picture: no orbit passed the equator\n";
+  else
+    draw(png, section_picture(png, csv, title));
   return 0;
 }
 

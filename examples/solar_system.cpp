@@ -73,7 +73,8 @@ int run(Request& request, const System& system) {
   std::cout << formatted("%g years, %.0f steps of %.6g days: ", report.t, double(report.steps),
                          settings.dt * days_a_year)
             << formatted("energy error %.1e (at the end %.1e), ", kept["energy"].worst, kept["energy"].final)
-            << formatted("angular momentum %.1e\n", kept["angular_momentum"].worst)
+            << formatted("angular momentum about %s %.1e\n", system.oblate ? "the Sun's axis" : "z",
+                         kept["angular_momentum"].worst)
             << formatted("seconds: %.2f, %.3g years a second\n", report.seconds, report.t / report.seconds);
   if (report.ok()) request.cost.compare_with_energy(kept["energy"].worst);
   writer.commit();

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <iostream>
 #include <iterator>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -28,6 +29,13 @@ class FinishedBlocks {
         folder_(beside.string() + "-" + std::to_string(semiexplicit::checksum(settings_)) + ".checkpoints") {}
 
   const std::filesystem::path& folder() const { return folder_; }
+
+  /// Keeps other runs away from the folder while what is given lives: the first of them to end would take
+  /// away what the others count on. Lies beside the folder, since that goes first. Throws std::runtime_error
+  /// where another run has it.
+  std::unique_ptr<semiexplicit::DurableFile> lock() const {
+    return std::make_unique<semiexplicit::DurableFile>(folder_.string() + ".lock");
+  }
 
   void save(std::int64_t block, const std::vector<double>& numbers) const {
     std::string bytes = head(block);

@@ -28,10 +28,10 @@ struct Request {
   std::string in_words() const {
     std::ostringstream out;
     out.precision(17);
-    out << "geodesics of " << metric << ", field " << field << ", spin " << spin << ", energy " << energy
-        << ", angular momentum " << l << ", orbits " << orbits << ", crossings " << crossings << ", dt "
-        << settings.dt << ", " << method.name << ' ' << method.scheme_name() << ' ' << method.solver << ' '
-        << method.rule << ' ' << method.tolerance.value_or(0);
+    out << "section of geodesics of " << metric << ", field " << field << ", spin " << spin << ", energy "
+        << energy << ", angular momentum " << l << ", orbits " << orbits << ", crossings " << crossings
+        << ", dt " << settings.dt << ", " << method.name << ' ' << method.scheme_name() << ' '
+        << method.solver << ' ' << method.rule << ' ' << method.tolerance.value_or(0);
     return out.str();
   }
 

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <stdexcept>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <semiexplicit/chaos.hpp>
@@ -23,6 +23,12 @@ using namespace semiexplicit;
 namespace geodesics = effects::geodesics;
 using State4 = PhasePoint<double, 4>;
 
+/// r of the outer horizon.
+inline double horizon(const geodesics::KerrMetric<double>& hole) {
+  return hole.mass * (1 + std::sqrt((1 - hole.spin) * (1 + hole.spin)));
+}
+inline double horizon(const geodesics::ErnstMetric<double>& hole) { return 2 * hole.mass; }
+
 /// p_θ of a body in the equator at r, with p_r = 0, energy E and angular momentum L, from H = -1/2; none
 /// where it cannot be.
 template <class M>
@@ -35,55 +41,85 @@ std::optional<State4> equatorial(const M& metric, double r, double energy, doubl
   return State4(x, {-energy, 0, std::sqrt(square), l});
 }
 
-/// The widest interval of r between `least` and `most` in which a body can be, in steps of `step`, but not
-/// one that reaches to these: there it falls in or leaves.
-template <class M>
-std::pair<double, double> allowed(const M& metric, double energy, double l, double least, double most,
-                                  double step) {
-  std::pair<double, double> best(0, 0);
-  double begin = least;
-  bool inside = equatorial(metric, least, energy, l).has_value(), falls = inside;
-  for (double r = least; r < most; r += step) {
-    const bool can = equatorial(metric, r, energy, l).has_value();
-    if (can && !inside) begin = r;
-    if (!can && inside && !falls && r - begin > best.second - best.first) best = {begin, r - step};
-    if (!can) falls = false;
-    inside = can;
+/// Where a body of some E and L can be in the equator, and from where on it counts as lost.
+struct Region {
+  double inner = 0, outer = 0;       ///< r
+  double fallen = 0, left = 0;       ///< a smaller r, a larger one
+  std::int64_t most_periods = 1000;  ///< of a circle of the mean r, for one passage of the equator
+
+  double most_time() const {
+    return static_cast<double>(most_periods) * 2 * std::numbers::pi * std::pow((inner + outer) / 2, 1.5);
   }
-  if (!(best.second > best.first))
+};
+
+/// The widest region between the horizon and r = 10⁶ M in which a body can be, but not one that reaches to
+/// these: there it falls in or leaves. Looked for by steps of 1e-4 of the distance from the horizon, so that
+/// what is narrower may be missed; its ends are as exact as the numbers. Throws std::invalid_argument where
+/// there is none.
+template <class M>
+Region allowed(const M& metric, double energy, double l) {
+  const double r_horizon = horizon(metric);
+  const auto can = [&](double r) { return equatorial(metric, r, energy, l).has_value(); };
+  const auto edge = [&](double in, double out) {  // the last r that can be
+    for (int i = 0; i < 60; ++i) {
+      const double middle = (in + out) / 2;
+      (can(middle) ? in : out) = middle;
+    }
+    return in;
+  };
+  Region best;
+  double begin = 0, last = r_horizon * (1 + 1e-6);
+  bool inside = can(last), falls = inside;
+  for (double beyond = last - r_horizon; beyond < 1e6; beyond *= 1.0001) {
+    const double r = r_horizon + beyond;
+    const bool now = can(r);
+    if (now && !inside) begin = edge(r, last);
+    if (!now && inside && !falls) {
+      const double end = edge(last, r);
+      if (end - begin > best.outer - best.inner) best = {.inner = begin, .outer = end};
+    }
+    if (!now) falls = false;
+    inside = now, last = r;
+  }
+  if (!(best.outer > best.inner))
     throw std::invalid_argument(
         "no orbit of this --energy and --angular-momentum is bound outside of the hole");
+  best.fallen = r_horizon + (best.inner - r_horizon) / 40;
+  best.left = std::max(1e4, 10 * best.outer);
   return best;
 }
 
 /// What came of one orbit.
 struct Orbit {
+  enum class End { all_passages, fell, left, failed, most_time };
+
   double worst_energy = 0, log_alignment = 0;
-  bool ended = false;            ///< it fell into the hole, left, or a step failed
+  End end = End::all_passages;
   double time = 0;               ///< that it took, in M
   std::vector<double> points{};  ///< r and p_r where it passed the equator upwards, by turns
 
   bool chaotic() const { return log_alignment < std::log(1e-8); }
+  /// Whether it came through a step, so that there is an error.
+  bool measured() const { return time > 0; }
 
   /// All that as numbers, and back.
   std::vector<double> numbers() const {
-    std::vector<double> all{worst_energy, log_alignment, ended ? 1.0 : 0.0, time};
+    std::vector<double> all{worst_energy, log_alignment, static_cast<double>(end), time};
     all.insert(all.end(), points.begin(), points.end());
     return all;
   }
   static Orbit from(const std::vector<double>& all) {
-    return {all.at(0), all.at(1), all.at(2) > 0, all.at(3), {all.begin() + 4, all.end()}};
+    return {all.at(0), all.at(1), static_cast<End>(all.at(2)), all.at(3), {all.begin() + 4, all.end()}};
   }
 };
 
-/// A body that starts at rest in r in the middle of the k-th of `count` parts of the interval. Throws
+/// A body that starts at rest in r in the middle of the k-th of `count` parts of the region. Throws
 /// std::runtime_error where there is none.
 template <class M>
-State4 start_of(const M& metric, const std::pair<double, double>& interval, std::int64_t k,
-                std::int64_t count, double energy, double l) {
+State4 start_of(const M& metric, const Region& region, std::int64_t k, std::int64_t count, double energy,
+                double l) {
   const double part = (static_cast<double>(k) + 0.5) / static_cast<double>(count);
-  const auto start =
-      equatorial(metric, interval.first + (interval.second - interval.first) * part, energy, l);
+  const auto start = equatorial(metric, region.inner + (region.outer - region.inner) * part, energy, l);
   if (!start)
     throw std::runtime_error("no orbit starts in the middle of the allowed region; take other parameters");
   return *start;
@@ -91,7 +127,9 @@ State4 start_of(const M& metric, const std::pair<double, double>& interval, std:
 
 /// One orbit from the equator, until it has passed it so often upwards; seen(n) hears of each passage.
 inline Orbit follow(const RuntimeScene<double, 4>& scene, const Method& method, const State4& start,
-                    double dt, std::int64_t crossings, const std::function<void(std::int64_t)>& seen) {
+                    const Region& region, double dt, std::int64_t crossings,
+                    const std::function<void(std::int64_t)>& seen) {
+  using End = Orbit::End;
   Orbit orbit;
   with_projected_stepper(method, scene, [&](auto& stepper) {
     AlignmentIndex alignment(stepper, 2);
@@ -104,13 +142,31 @@ inline Orbit follow(const RuntimeScene<double, 4>& scene, const Method& method, 
     };
     auto section = poincare_section(
         scene, [](const auto& q, const auto&) { return std::numbers::pi / 2 - q[2]; }, write);
-    const auto stays = [](double, const State4& now) { return now.q()[1] > 2.05 && now.q()[1] < 1e4; };
+    const auto stays = [&](double t, const State4& now) {
+      const double r = now.q()[1];
+      orbit.time = t;
+      if (r < region.fallen) orbit.end = End::fell;
+      if (r > region.left) orbit.end = End::left;
+      return orbit.end == End::all_passages;
+    };
     State4 z = start;
-    const IntegrationReport run =
-        integrate(stepper, z, {.dt = dt, .steps = 50'000 * crossings, .on_failure = OnFailure::stop}, section,
-                  alignment, invariants, stays);
-    orbit.ended = !run.ok() || count < crossings;
-    orbit.time = run.t;
+    const double most_steps = std::ceil(region.most_time() * static_cast<double>(crossings) / dt);
+    try {
+      const IntegrationReport run = integrate(stepper, z,
+                                              {.dt = dt,
+                                               .steps = static_cast<std::int64_t>(std::min(most_steps, 1e15)),
+                                               .on_failure = OnFailure::stop},
+                                              section, alignment, invariants, stays);
+      orbit.time = run.t;
+      if (!run.ok())
+        orbit.end = End::failed;
+      else if (count == crossings)
+        orbit.end = End::all_passages;
+      else if (run.status == Status::success)
+        orbit.end = End::most_time;
+    } catch (const std::runtime_error&) {  // of the alignment index: the step has no tangent map
+      orbit.end = End::failed;
+    }
     orbit.worst_energy = invariants["energy"].worst;
     orbit.log_alignment = alignment.log_index(2);
   });

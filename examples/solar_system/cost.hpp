@@ -8,6 +8,7 @@
 #include <iostream>
 #include <limits>
 #include <ostream>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -64,22 +65,25 @@ inline Trial try_list(const System& system, const NearIntegrable<double>& list, 
   return result;
 }
 
+/// The steps that are tried: a quarter of the period of the innermost planet, and then ever shorter ones by
+/// 2^{1/4}; each half as long as the one four before.
+inline constexpr int tried_steps = 18, trials_to_half = 4;
+inline double tried_step(const System& system, int k) { return system.period / 4 * std::pow(2, -k / 4.0); }
+
 /// What accuracy costs over `time`, by trials of all lists: over 200 periods of the innermost planet, or the
-/// whole time where that is shorter, with a quarter of its period for a step and then ever shorter ones by
-/// 2^{1/4}, until the error has stayed below `enough`, or rounding, down to half the step. The error of the
-/// energy is the largest in the trial, and no less than what rounding makes of a whole run, ε/2 times the
-/// root of its steps. That of the perihelion is by_half_the_step(). Neither is less than with any shorter
-/// step: what is better than that is so by accident. Gradient calls and seconds are those of the trial, times
-/// time/trial.
+/// whole time where that is shorter, with the steps of tried_step(), until the error has stayed below
+/// `enough`, or rounding, down to half the step. The error of the energy is the largest in the trial, and no
+/// less than what rounding makes of a whole run, ε/2 times the root of its steps. That of the perihelion is
+/// by_half_the_step(). Neither is less than with any shorter step: what is better than that is so by
+/// accident. Gradient calls and seconds are those of the trial, times time/trial.
 inline CostTable cost_of_lists(const System& system, double time, Judge judge, double enough, CostBy by) {
-  constexpr int steps = 18;
-  constexpr std::size_t half = 4;  // so many trials later the step is half as long
+  constexpr std::size_t half = trials_to_half;
   CostTable table{.by = by, .time = time, .window_time = std::min(time, 200 * system.period)};
   for (const auto& list : lists()) {
     std::vector<Trial> trials;
     std::size_t below = 0;  // so many in a row
-    for (int k = 0; k < steps && below <= half; ++k) {
-      const double dt = system.period / 4 * std::pow(2, -k / 4.0);
+    for (int k = 0; k < tried_steps && below <= half; ++k) {
+      const double dt = tried_step(system, k);
       if (dt > table.window_time) continue;
       trials.push_back(try_list(system, list, dt, table.window_time, time, judge));
       const std::size_t later = judge == Judge::perihelion ? half : 0;
@@ -115,13 +119,18 @@ inline void print_costs(std::ostream& out, const CostTable& cost, Judge judge) {
 }
 
 /// Does what --cost or --accuracy ask for. True: the costs are shown, and there is nothing else to do; else
-/// the cheapest list and step are chosen.
+/// the cheapest list and step are chosen. Throws std::invalid_argument where the time is too short for any.
 inline bool answer(CostRequest& request, const System& system, Judge judge, std::string& list,
                    Settings& settings) {
   const bool angle = judge == Judge::perihelion;
   const double asked =
       request.unit.empty() ? request.accuracy : request.aim_at("perihelion of Mercury", "arcsec");
   const double target = asked / CostRequest::safety;
+  const double shortest = tried_step(system, tried_steps - 1 - (angle ? trials_to_half : 0));
+  if (settings.time < shortest)
+    throw std::invalid_argument(
+        formatted("--time is shorter than a step; the shortest for --cost and --accuracy has %.3g days",
+                  shortest * days_a_year));
   settings.make_output_folder();
   const CostTable cost = cost_of_lists(system, settings.time, judge, target, request.cost_by());
   print_costs(std::cout, cost, judge);

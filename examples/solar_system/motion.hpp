@@ -33,6 +33,12 @@ inline const NearIntegrable<double>& list_called(const std::string& name) {
   throw std::invalid_argument("--list: no list " + name);
 }
 
+/// The axis that the Sun turns about, of length one; R. Carrington (1863).
+inline Eigen::Vector3d sun_axis() {
+  const double tilt = 7.25 * degree, node = 75.76 * degree;  // of its equator
+  return {std::sin(node) * std::sin(tilt), -std::cos(node) * std::sin(tilt), std::cos(tilt)};
+}
+
 /// Calls use(stepper) with the splitting that moves the Kepler parts exactly, and doubles nothing but
 /// relativity.
 template <class Use>
@@ -53,26 +59,24 @@ void with_splitting(const System& system, const NearIntegrable<double>& list, co
       hand(more...);
   };
   if (!system.oblate) return with_relativity();
-  const double tilt = 7.25 * degree, node = 75.76 * degree;  // of the Sun's equator; R. Carrington (1863)
-  with_relativity(nbody::Oblateness<double>{
-      bodies,
-      sun_j2,
-      sun_radius,
-      {std::sin(node) * std::sin(tilt), -std::cos(node) * std::sin(tilt), std::cos(tilt)}});
+  const Eigen::Vector3d axis = sun_axis();
+  with_relativity(nbody::Oblateness<double>{bodies, sun_j2, sun_radius, {axis[0], axis[1], axis[2]}});
 }
 
 using Look = Measurement<Eigen::Dynamic>;
 using Kept = Invariants<double, Eigen::Dynamic>;
 
-/// The energy and the angular momentum, to be followed by integrate_system().
+/// The energy, and the angular momentum about z, or about the Sun's axis where the Sun is oblate: no other
+/// part is kept then. To be followed by integrate_system().
 inline Kept kept_of(const System& system) {
   Kept all;
   with_splitting(system, lists().front(), [&](const auto& stepper) { all = Kept(stepper.hamiltonian()); });
-  all.add("angular_momentum", [](const auto& q, const auto& p) {
+  const Eigen::Vector3d axis = system.oblate ? sun_axis() : Eigen::Vector3d::UnitZ();
+  all.add("angular_momentum", [axis](const auto& q, const auto& p) {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (Eigen::Index i = 0; i < q.size(); i += 3)
       sum += Eigen::Vector3d(q[i], q[i + 1], q[i + 2]).cross(Eigen::Vector3d(p[i], p[i + 1], p[i + 2]));
-    return sum[2];
+    return axis.dot(sum);
   });
   return all;
 }

@@ -77,11 +77,15 @@ struct Request {
     app.get_option("--audit")->excludes("--checkpoint");
   }
 
-  /// Fills in what the preset says.
+  /// Fills in what the preset says. Throws std::invalid_argument for what cannot be read, and for an effect
+  /// that is named twice: it would count twice.
   void read() {
     const Preset& chosen = preset_called(preset);
     const UnitSystem units{.about = "au, year", .length = au, .time = year};
     if (effects.empty()) effects = chosen.effects;
+    for (auto one = effects.begin(); one != effects.end(); ++one)
+      if (std::find(effects.begin(), one, *one) != one)
+        throw std::invalid_argument("--effects: " + *one + " is named twice");
     if (list.empty()) list = audit ? "aba82" : "aba1064";
     settings.dt = read_quantity(dt.empty() ? chosen.dt : dt, "s", units, true);
     settings.time = read_quantity(time.empty() ? chosen.time : time, "s", units, true);

@@ -101,4 +101,19 @@ TEST_CASE("Finished blocks are whole or not there", "[examples]") {
   CHECK(blocks.count() == 1);
 }
 
+TEST_CASE("Finished blocks belong to one run at a time, which may be killed", "[examples]") {
+  const Folder folder;
+  const FinishedBlocks blocks(folder.path / "sweep", "settings"), others(folder.path / "sweep", "others");
+  fs::create_directory(blocks.folder());
+  auto lock = blocks.lock();
+  CHECK(says(complaint([&] { blocks.lock(); }), "another run has it open"));
+  CHECK_NOTHROW(others.lock());
+  blocks.remove();
+  lock.reset();
+  CHECK(fs::is_empty(folder.path));
+  std::ofstream(blocks.folder().string() + ".lock.part");  // of a run that was killed
+  lock = blocks.lock();
+  CHECK(lock != nullptr);
+}
+
 }  // namespace test_files

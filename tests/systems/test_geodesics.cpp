@@ -52,6 +52,21 @@ struct KerrSchild {
   }
 };
 
+/// Schwarzschild's in ingoing coordinates (v, r, θ, φ), v = t + r + 2 log(r/2 - 1): regular at the horizon,
+/// g^{00} = 0.
+struct Ingoing {
+  auto operator()(const auto& x) const {
+    using std::sin;
+    geodesics::Components g(x);
+    const auto r = x[1], s = sin(x[2]);
+    g(0, 1) = 1;
+    g(1, 1) = 1 - 2 / r;
+    g(2, 2) = 1 / (r * r);
+    g(3, 3) = 1 / (r * r * s * s);
+    return g;
+  }
+};
+
 /// Flat, in a frame that turns about z: x = r cos(φ + ωt).
 struct TurningFlat {
   double omega = 0.3;
@@ -154,6 +169,30 @@ TEST_CASE(
   // At rest on the axis it falls as without the field: there Λ = 1.
   CHECK(some.body({0, 9, 1e-6, 0}, {0, 0, 0}).p()[0] ==
         Approx(none.body({0, 9, 1e-6, 0}, {0, 0, 0}).p()[0]).epsilon(1e-9));
+}
+
+TEST_CASE("a body has its energy where g^{00} is zero, and next to where it is") {
+  // There p_r = dv/dτ; a body that falls from rest at infinity has E = 1 and dr/dτ = -√(2/r).
+  const geodesics::Geodesic hole(Ingoing{});
+  for (const double r : {1.0, 2.0, 8.0}) {
+    const double fall = std::sqrt(2 / r);
+    CHECK(hole.body({0, r, 1, 0}, {1 / (1 + fall), 0, 0}).p()[0] == Approx(-1).epsilon(1e-15));
+  }
+  const Point round = hole.body({0, 8, 1, 0}, {1.3, 0.4, 2});
+  CHECK(hole.energy(round.q(), round.p()) == Approx(-0.5).epsilon(1e-15));
+  // With p_r ≤ 0 it would go back in v.
+  CHECK(std::isnan(hole.body({0, 8, 1, 0}, {-1.3, 0, 0}).p()[0]));
+  CHECK(std::isnan(hole.body({0, 8, 1, 0}, {0, 0, 0}).p()[0]));
+
+  // The same in coordinates (v + ε r, r, θ, φ), ε = -1e-12, whose g^{00} is all but zero.
+  const geodesics::Geodesic near([](const auto& x) {
+    constexpr double tilt = -1e-12;
+    auto g = Ingoing{}(x);
+    g(0, 0) = 2 * tilt + tilt * tilt * g(1, 1);
+    g(0, 1) = 1 + tilt * g(1, 1);
+    return g;
+  });
+  CHECK(near.body({0, 8, 1, 0}, {1 / 1.5 - 1e-12, 0, 0}).p()[0] == Approx(-1).epsilon(1e-11));
 }
 
 }  // namespace test_geodesics

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <concepts>
+#include <limits>
 #include <type_traits>
 #include <utility>
 
@@ -112,14 +113,19 @@ class Geodesic {
       }
   }
 
-  /// A body at x with the momenta p₁, p₂, p₃, and with the p₀ = -E that its rest mass asks for, into the
-  /// future where x₀ is a time. NaN where there is none.
+  /// A body at x with the momenta p₁, p₂, p₃, and with the p₀ = -E that its rest mass asks for, so that x₀
+  /// grows with proper time: into the future where x₀ is a time, or is constant on light that comes in or
+  /// goes out (Eddington-Finkelstein, g^{00} = 0). NaN where there is none.
   PhasePoint<Scalar, 4> body(const Vector<Scalar, 4>& x, const Vector<Scalar, 3>& momenta) const {
     using std::sqrt;
     const Components<Scalar> g = metric_(x);
     Vector<Scalar, 4> p(Scalar(0), momenta[0], momenta[1], momenta[2]);
     const Scalar a = g(0, 0), b = g(0, 1) * p[1] + g(0, 2) * p[2] + g(0, 3) * p[3], c = square(g, p) + 1;
-    p[0] = (-b + sqrt(b * b - a * c)) / a;
+    const Scalar rate = sqrt(b * b - a * c);  // dx₀/dτ = a p₀ + b
+    if (b > 0)
+      p[0] = -c / (b + rate);  // (rate - b)/a, without its difference of like numbers
+    else
+      p[0] = a == 0 ? std::numeric_limits<Scalar>::quiet_NaN() : Scalar((rate - b) / a);
     return {x, p};
   }
   const M& metric() const { return metric_; }

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "../common/output.hpp"
+
+namespace examples {
+
+/// The mean of log10 Λ over realizations, at each time. An exponent that is not positive, as early ones may
+/// be, has no logarithm, and is left out.
+class Series {
+ public:
+  std::vector<double> t{};
+
+  /// One realization; the times are those of all.
+  void add(const std::vector<double>& times, const std::vector<double>& exponents) {
+    t = times;
+    logarithms_.resize(t.size());
+    positive_.resize(t.size());
+    ++realizations_;
+    for (std::size_t i = 0; i < t.size(); ++i)
+      if (exponents[i] > 0) logarithms_[i] += std::log10(exponents[i]), ++positive_[i];
+  }
+
+  /// At t[i], or at the last t; NaN where none is positive.
+  double exponent(std::size_t i) const { return std::pow(10.0, mean(i)); }
+  double end() const { return exponent(t.size() - 1); }
+
+  /// By least squares over the last two decades; NaN where these have fewer than two points.
+  double slope() const {
+    double n = 0, x = 0, y = 0, xx = 0, xy = 0;
+    for (std::size_t i = 0; i < t.size(); ++i) {
+      if (!late(i) || positive_[i] == 0) continue;
+      const double at = std::log10(t[i]);
+      ++n, x += at, y += mean(i), xx += at * at, xy += at * mean(i);
+    }
+    return n < 2 ? std::nan("") : (n * xy - x * y) / (n * xx - x * x);
+  }
+
+  /// The exponent at the end and the slope beside the published one, or why there is none, and what they
+  /// leave out.
+  std::string in_words(double published) const {
+    std::int64_t left_out = 0, all = 0;
+    for (std::size_t i = 0; i < t.size(); ++i)
+      if (late(i)) all += realizations_, left_out += realizations_ - positive_[i];
+    const double at_end = end(), rate = slope();
+    std::string text = std::isnan(at_end)
+                           ? formatted("exponent at t = %g not measured, none is positive", t.back())
+                           : formatted("exponent %.3g at t = %g", at_end, t.back());
+    text += std::isnan(rate) ? "; slope over the last two decades not measured, fewer than two times have a "
+                               "positive exponent"
+                             : formatted("; slope %.3f over the last two decades", rate);
+    text += formatted(", published %.2f", published);
+    if (left_out > 0)
+      text += "; " + std::to_string(left_out) + " of " + std::to_string(all) +
+              " exponents there are not positive and left out";
+    return text;
+  }
+
+ private:
+  bool late(std::size_t i) const { return t[i] >= t.back() / 100; }
+  double mean(std::size_t i) const {
+    return positive_[i] == 0 ? std::nan("") : logarithms_[i] / static_cast<double>(positive_[i]);
+  }
+
+  std::vector<double> logarithms_{};      ///< sums of those that are
+  std::vector<std::int64_t> positive_{};  ///< how many these are
+  std::int64_t realizations_ = 0;
+};
+
+}  // namespace examples

@@ -1,0 +1,43 @@
+#include "../../examples/chaos/series.hpp"
+
+#include "catch.hpp"
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "refusal.hpp"
+
+namespace test_exponent_series {
+
+// The mean over realizations of what the program chaos measures.
+
+using namespace examples;
+
+TEST_CASE("the mean of logarithms leaves out what has none, and says so", "[examples]") {
+  Series series;
+  series.add({1, 10, 100}, {-1, 0.1, 0.01});
+  series.add({1, 10, 100}, {-2, -0.3, 0.0001});
+  CHECK(std::isnan(series.exponent(0)));
+  CHECK(series.exponent(1) == Approx(0.1));
+  CHECK(series.end() == Approx(0.001));
+  CHECK(series.slope() == Approx(-2));
+  CHECK(series.in_words(-0.3) ==
+        "exponent 0.001 at t = 100; slope -2.000 over the last two decades, published -0.30; "
+        "3 of 6 exponents there are not positive and left out");
+}
+
+TEST_CASE("an exponent and a slope that cannot be measured are said to be missing", "[examples]") {
+  Series falling, one, good;
+  falling.add({1, 10}, {0.1, -0.1});
+  CHECK(says(falling.in_words(-0.3),
+             "exponent at t = 10 not measured, none is positive; slope over the last "
+             "two decades not measured, fewer than two times"));
+  one.add({5}, {0.2});
+  CHECK(says(one.in_words(-0.3), "exponent 0.2 at t = 5; slope over the last two decades not measured"));
+  good.add({1, 10, 1e3, 1e4}, {-1, 3, 0.1, 0.01});  // the first two are no part of the last two decades
+  CHECK(good.in_words(-0.3) ==
+        "exponent 0.01 at t = 10000; slope -1.000 over the last two decades, published -0.30");
+}
+
+}  // namespace test_exponent_series

@@ -45,12 +45,12 @@ void draw_result(const std::filesystem::path& folder, const Result& result) {
              << " pointsize 0.6 title " << quoted(family.name);
     }
     panels << (is_time ? "set key off\nset xlabel 'CPU time in seconds'\nset ylabel 'largest relative energy "
-                         "error'\n"
+                         "error' offset 0.5\n"
                        : "set key at screen 0.77,0.9 left top Left reverse noenhanced\nset xlabel 'gradient "
                          "calls'\nunset "
                          "ylabel\n")
-           << "set lmargin at screen " << (panel == 0 ? 0.065 : 0.445) << "\nset rmargin at screen "
-           << (panel == 0 ? 0.38 : 0.76) << "\nplot NaN notitle" << curves.str() << '\n';
+           << "set lmargin at screen " << (panel == 0 ? 0.085 : 0.445) << "\nset rmargin at screen "
+           << (panel == 0 ? 0.39 : 0.76) << "\nplot NaN notitle" << curves.str() << '\n';
     ++panel;
   }
   std::ostringstream script;

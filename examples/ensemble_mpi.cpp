@@ -75,9 +75,8 @@ int run(const World& world, const Job& job) {
     for (const std::int64_t b : missing) members += job.last_of(b) - b * job.block;
     const double steps = 2.0 * static_cast<double>(job.sweep.steps() * members);
     std::cout << world.size << (world.size > 1 ? " processes, " : " process, ") << job.threads
-              << (job.threads > 1 ? " threads each: " : " thread each: ") << formatted("%.2f", seconds)
-              << " s, " << formatted("%.2e", steps / seconds) << " member-steps a second, "
-              << formatted("%.2e", steps / processor_seconds) << " a second of a processor\n";
+              << (job.threads > 1 ? " threads each: " : " thread each: ")
+              << throughput(steps, "member-steps", seconds, processor_seconds) << '\n';
   }
   std::cout << "data: " << results.write(job.settings.output).string() << std::endl;
   checkpoints.remove();

@@ -81,9 +81,7 @@ int run(const Ranks& ranks, Job& job) {
             << "worst energy error: " << formatted("%.1e", invariants["energy"].worst)
             << ", worst mass error: " << formatted("%.1e", invariants["mass"].worst) << '\n'
             << ranks.size() << (ranks.size() > 1 ? " processes: " : " process: ")
-            << formatted("%.2f", seconds) << " s, " << formatted("%.2e", site_steps / seconds)
-            << " site-steps a second, " << formatted("%.2e", site_steps / processor_seconds)
-            << " a second of a processor" << std::endl;
+            << throughput(site_steps, "site-steps", seconds, processor_seconds) << std::endl;
   return 0;
 }
 

@@ -8,8 +8,16 @@
 #include <CLI/CLI.hpp>
 
 #include "arguments.hpp"
+#include "output.hpp"
 
 namespace examples {
+
+/// "1.23 s, 4.56e+07 member-steps a second, 2.34e+07 a second of a processor".
+inline std::string throughput(double work, const std::string& unit, double seconds,
+                              double processor_seconds) {
+  return formatted("%.2f", seconds) + " s, " + formatted("%.2e", work / seconds) + ' ' + unit +
+         " a second, " + formatted("%.2e", work / processor_seconds) + " a second of a processor";
+}
 
 /// Calls program() on every process. Only the first thread of a process may call MPI there.
 template <class Program>

@@ -29,17 +29,6 @@ using Point = PhasePoint<double, 1>;
 const double pi = std::acos(-1.0);
 
 /// A ball in a field of strength 1: H = p²/2 + q.
-struct Ball {
-  using Scalar = double;
-  static constexpr int Dof = 1;
-  double energy(In<double, 1> q, In<double, 1> p) const { return p[0] * p[0] / 2 + q[0]; }
-  void gradient(In<double, 1>, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
-    dHdq[0] = 1;
-    dHdp[0] = p[0];
-  }
-};
-
-/// The same in another precision.
 template <class T>
 struct BallOf {
   using Scalar = T;
@@ -50,6 +39,7 @@ struct BallOf {
     dHdp[0] = p[0];
   }
 };
+using Ball = BallOf<double>;
 
 /// H = (p² + q²)/2.
 struct Oscillator {

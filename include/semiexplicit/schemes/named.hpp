@@ -529,4 +529,12 @@ SEMIEXPLICIT_COLD Scheme<Scalar> by_name(const std::string& name) {
 }
 
 }  // namespace schemes
+
+/// The scheme to begin with: order 6, blanes_moan6 for a separable Hamiltonian and low_defect6_s13 for any
+/// other.
+template <class Scalar = double>
+Scheme<Scalar> usual_scheme(bool separable) {
+  return separable ? schemes::blanes_moan6<Scalar>() : schemes::low_defect6_s13<Scalar>();
+}
+
 }  // namespace semiexplicit

@@ -144,11 +144,10 @@ class FlowSplitting {
       "Hamiltonian C that this one keeps");
   using State = PhasePoint<Scalar, Dof>;
   static constexpr const char* name = "FlowSplitting";
-  /// Whether a kick is the flow of the rest itself, for then the step has the order of the list.
-  static constexpr bool kicks_exactly =
-      !detail::HasCoupledRest<H> && !(detail::HasPositionRest<H> && detail::HasMomentumRest<H>);
   static constexpr bool has_position = detail::HasPositionRest<H>, has_momentum = detail::HasMomentumRest<H>,
                         has_coupled = detail::HasCoupledRest<H>;
+  /// Whether a kick is the flow of the rest itself, for then the step has the order of the list.
+  static constexpr bool kicks_exactly = !has_coupled && !(has_position && has_momentum);
 
   /// Throws std::invalid_argument, saying what is wrong, unless the list passes its own check and suits the
   /// Hamiltonian, and the solver's options make sense.

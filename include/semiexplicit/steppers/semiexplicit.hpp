@@ -43,9 +43,8 @@ class Semiexplicit {
       : Semiexplicit(detail::DoubledStep<H>(std::move(hamiltonian), std::move(scheme), summation),
                      std::move(solver)) {}
 
-  /// The same with low_defect6_s13, the scheme to begin with.
-  explicit Semiexplicit(H hamiltonian)
-      : Semiexplicit(std::move(hamiltonian), schemes::low_defect6_s13<Scalar>()) {}
+  /// The same with the usual scheme, low_defect6_s13.
+  explicit Semiexplicit(H hamiltonian) : Semiexplicit(std::move(hamiltonian), usual_scheme<Scalar>(false)) {}
 
   /// The same scheme, solver and summation with another Hamiltonian, and no memory of earlier steps.
   Semiexplicit with(H hamiltonian) const { return {doubled_.with(std::move(hamiltonian)), solver_}; }

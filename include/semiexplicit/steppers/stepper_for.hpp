@@ -19,13 +19,6 @@ auto stepper_for(H hamiltonian, Scheme<typename H::Scalar> scheme, Solver solver
     return Semiexplicit<H, Solver>(std::move(hamiltonian), std::move(scheme), std::move(solver));
 }
 
-/// The scheme to begin with: order 6, blanes_moan6 for a separable Hamiltonian and low_defect6_s13 for any
-/// other.
-template <class Scalar = double>
-Scheme<Scalar> usual_scheme(bool separable) {
-  return separable ? schemes::blanes_moan6<Scalar>() : schemes::low_defect6_s13<Scalar>();
-}
-
 /// The same with the usual scheme.
 template <Hamiltonian H>
 auto stepper_for(H hamiltonian) {

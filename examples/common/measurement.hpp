@@ -138,11 +138,12 @@ class Turning {
   double start_ = 0, now_ = 0, last_ = 0, turned_ = 0, radii_ = 0, largest_ = 0;
 };
 
-/// A line "what: measured; reference: expected (difference)".
+/// A line "what: measured; reference: expected (difference)", which is absolute where 0 is expected.
 inline void print_comparison(std::ostream& out, const std::string& what, double measured,
                              const std::string& reference, double expected) {
   out << what << ": " << formatted("%.8g", measured) << "; " << reference << ": "
-      << formatted("%.8g (relative difference %.1e)\n", expected, std::abs(measured / expected - 1));
+      << formatted(expected == 0 ? "%.8g (difference %.1e)\n" : "%.8g (relative difference %.1e)\n", expected,
+                   expected == 0 ? std::abs(measured) : std::abs(measured / expected - 1));
 }
 
 }  // namespace examples

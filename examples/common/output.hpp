@@ -17,8 +17,8 @@ namespace examples {
 
 template <class... Numbers>
 std::string formatted(const char* format, Numbers... numbers) {
-  char text[200];
-  std::snprintf(text, sizeof text, format, numbers...);
+  std::string text(static_cast<std::size_t>(std::snprintf(nullptr, 0, format, numbers...)), ' ');
+  std::snprintf(text.data(), text.size() + 1, format, numbers...);
   return text;
 }
 

@@ -42,14 +42,16 @@ inline Measurement<3> fast_gyration(const Choice& c) {
   const bool alone = only_field(c, "uniform_field");
   return {[=](double t, const In<double, 3>& q, const In<double, 3>&) { turning->see(t, q[0], q[1]); },
           [=](std::ostream& out, const Run&) {
-            const std::string coarse = too_coarse(turning->largest());
+            const double across = std::abs(std::sin(c["pitch"]));
+            const std::string coarse =
+                across < 1e-12 ? "it moves along the field" : too_coarse(turning->largest());
             if (!alone || !coarse.empty())
               return print_none(out, "gyrofrequency",
                                 alone ? coarse : "the formula holds for uniform_field alone");
             print_comparison(out, "gyrofrequency, rad/s", -turning->rate(), "eB/(γm)",
                              c["charge"] * c["b"] / (gamma_of(c) * c["mass"]));
             print_comparison(out, "gyroradius, m", turning->mean_radius(), "p/(eB)",
-                             momentum_of(c) * std::sin(c["pitch"]) / std::abs(c["charge"] * c["b"]));
+                             momentum_of(c) * across / std::abs(c["charge"] * c["b"]));
           },
           memory_of(turning)};
 }
@@ -94,6 +96,10 @@ inline Measurement<3> wiggle(const Choice& c) {
     const double period = c["period"], k = 2 * std::numbers::pi / period;
     const double strength = std::abs(c["charge"] * c["b0"]) / (c["mass"] * c["c"] * k), gamma = gamma_of(c);
     const double passed = (way.last - way.first)[2] / period;
+    if (strength == 0) return print_none(out, "wiggle", "there is no field");
+    if (std::abs(std::sin(k * way.first[2])) > 1e-9)
+      return print_none(out, "wiggle",
+                        "it starts where A is not 0 and so drifts aside; give a --z of whole half periods");
     if (passed < 5) return print_none(out, "wiggle", "it is less than five periods; give more --time");
     out << formatted("K = eB/(mck) = %.6g, %.1f periods\n", strength, passed);
     print_comparison(out, "wiggle, m", (way.widest - way.closest) / 2, "K/(γβk)",
@@ -108,10 +114,13 @@ inline Measurement<3> rotation(const Choice& c) {
   return of_way(c, "solenoid", [=](std::ostream& out, const Way& way) {
     const charges::SolenoidField field(c["b0"], c["length"], c["radius"]);
     if (way.first.head<2>().isZero(0)) return print_none(out, "turn of the plane", "it starts on the axis");
-    const double angle = std::atan2(way.first[0] * way.last[1] - way.first[1] * way.last[0],
+    const double pi = std::numbers::pi,
+                 angle = std::atan2(way.first[0] * way.last[1] - way.first[1] * way.last[0],
                                     way.first.head<2>().dot(way.last.head<2>()));
-    print_comparison(out, "turn of the plane, rad", angle, "Larmor, -e∫B dz/(2p)",
-                     -c["charge"] * field.integral(way.first[2], way.last[2]) / (2 * momentum_of(c)));
+    const double larmor = -c["charge"] * field.integral(way.first[2], way.last[2]) / (2 * momentum_of(c));
+    // A plane is the same after half a turn.
+    print_comparison(out, "turn of the plane, rad, but for half turns",
+                     angle + pi * std::round((larmor - angle) / pi), "Larmor, -e∫B dz/(2p)", larmor);
   });
 }
 
@@ -168,6 +177,8 @@ inline Measurement<3> stoermer(const Choice& c) {
             if (!only_field(c, "dipole_field"))
               return print_none(out, "Stoermer's region", "the formula holds for dipole_field alone");
             const Stoermer region(c, {1, 0, 0}, {0, seen->l, 0});
+            if (!std::isnormal(region.square) || !std::isfinite(seen->largest))
+              return print_none(out, "Stoermer's region", "there is no field, or no momentum");
             out << formatted("Stoermer's length: %.6g, angular momentum over it: %.6g\n",
                              std::sqrt(std::abs(region.square)),
                              region.per_momentum / std::sqrt(std::abs(region.square)))

@@ -247,14 +247,7 @@ Status cut_at_events(S& stepper, typename S::State& start, typename S::State& st
       if (!one.ok() && searched.ok()) searched = one;
       return one;
     };
-    const auto found = [&] {
-      try {
-        return observer.first_event(start, state, h, move);
-      } catch (...) {
-        state = start;
-        throw;
-      }
-    }();
+    const auto found = observer.first_event(start, state, h, move);
     if (!searched.ok()) {
       report.last = searched;
       state = start;
@@ -364,14 +357,16 @@ IntegrationReport integrate_checked(S& stepper, typename S::State& state,
                 "only one observer of a run may change the state: put these events into one events(H, ...)");
 
   if (report.steps == 0 && !wanted()) return finish(Status::stopped);
-  [[maybe_unused]] auto before = [&] {
+  // The state at the last whole step, and after the last event behind that.
+  const auto kept = [&] {
     if constexpr (changing_observers == 1)
       return typename S::State(state);
     else
       return 0;
-  }();
+  };
+  [[maybe_unused]] auto whole = kept(), start_of_rest = kept();
   while (by_clock ? t != options.t_end : report.steps < options.steps) {
-    if constexpr (changing_observers == 1) before = state;
+    if constexpr (changing_observers == 1) start_of_rest = whole = state;
     report.last = one_step(stepper, state, options.dt, options);
     report.evaluations += report.last.evaluations;
     report.gradients += report.last.gradients;
@@ -379,8 +374,15 @@ IntegrationReport integrate_checked(S& stepper, typename S::State& state,
     if (!report.last.ok() && !step_in_parts(stepper, state, options, report)) return fail(report.last.status);
     report.max_correction = std::max(report.max_correction, report.last.correction);
     if constexpr (changing_observers == 1) {
-      const Status status = cut_at_events(stepper, before, state, t, time_after(report.steps + 1), options,
-                                          report, wanted, changing(observers...));
+      const Status status = [&] {
+        try {
+          return cut_at_events(stepper, start_of_rest, state, t, time_after(report.steps + 1), options,
+                               report, wanted, changing(observers...));
+        } catch (...) {
+          state = whole;
+          throw;
+        }
+      }();
       if (status == Status::stopped) return finish(status);
       if (status != Status::success) return fail(status);
       ++report.steps;
@@ -406,7 +408,8 @@ IntegrationReport integrate_checked(S& stepper, typename S::State& state,
 ///
 /// Times are t0 + n dt, without accumulated rounding; of a stepper that ChoosesSteps they are its own. A step
 /// that fails leaves `state` at the last good one and throws IntegrationError, or ends the run
-/// (OnFailure::stop). An exception of a gradient or an observer passes through, with the state likewise.
+/// (OnFailure::stop). An exception of a gradient, an observer or an event's action passes through, with the
+/// state likewise; one from within a step at an event leaves the state of the step before.
 /// Throws std::invalid_argument for a negative number of steps, a t_end that dt leads away from, a senseless
 /// `subdivide`, one with an observer that changes the state (ChangesState), and a run to be gone on with that
 /// ended at an event within a step (`done.at_event`), or that another stepper made that ChoosesSteps. With a

@@ -7,6 +7,7 @@
 #include <string>
 
 #include <semiexplicit/accuracy/cost_of_accuracy.hpp>
+#include <semiexplicit/derivatives.hpp>
 #include <semiexplicit/observers/invariants.hpp>
 #include <semiexplicit/systems/nls_lattice.hpp>
 #include <semiexplicit/systems/product.hpp>
@@ -379,6 +380,19 @@ TEST_CASE("no advice is given for an orbit that ends before T") {
     CHECK(contains(text.str(), "the orbit ends near t = 1.5"));
   }
   CHECK(cost_of_accuracy(escapes, PhasePoint<double, 1>(1, 0.5), 1, {.targets = {1e-6}}).cheapest(1e-6));
+}
+
+TEST_CASE("a hard place on the way is not said to be the end of the orbit") {
+  // Past the centre at 0.02 of a unit, from 100 away.
+  const auto kepler = from_energy<2>([](const auto& q, const auto& p) {
+    using std::sqrt;
+    return (p[0] * p[0] + p[1] * p[1]) / 2 - 1 / sqrt(q[0] * q[0] + q[1] * q[1]);
+  });
+  const CostTable cost =
+      cost_of_accuracy(kepler, PhasePoint<double, 2>({-100, 0.2}, {1, 0}), 200, {.targets = {1e-7}});
+  REQUIRE_FALSE(cost.cheapest(1e-7));
+  CHECK(contains(cost.why(1e-7), "or is too hard there for the calls of the search"));
+  CHECK(contains(cost.why(1e-7), "raise options.min_gradients"));
 }
 
 TEST_CASE("the table does not depend on the locale") {

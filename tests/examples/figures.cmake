@@ -48,6 +48,10 @@ prints(lattice "does not compare a start with the end of an exchange" "--preset 
 prints(vortices "do not measure a turn that has hardly begun" "--preset disk --time 0.3" "turns at: not measured")
 prints(fast_charges "gyrates with the gamma of its rigidity" "--rigidity \"3e6 V\"" "gyrofrequency, rad/s: -2.953[0-9]*e.09; eB/.*: -2.953[0-9]*e.09 ")
 prints(fast_charges "does not measure a focus of what starts at 0" "--preset quadrupole --x 0" "x at the end[^\n]*not measured.*\ny at the end")
+prints(fast_charges "finds Larmor's turn behind the axis" "--preset solenoid --b0 \"1 T\"" "but for half turns: 5.46.*Larmor.*5.46.*difference [0-9.]+e-0[3-9]")
+prints(fast_charges "does not measure a wiggle with a drift" "--preset undulator --z 1" "wiggle: not measured, it starts where A is not 0")
+prints(fast_charges "does not measure a gyration along the field" "--pitch 0" "gyrofrequency: not measured, it moves along the field")
+prints(fast_charges "does not measure a region without a field" "--preset cosmic_ray --moment 0" "region: not measured, there is no field")
 prints(fast_charges "does not measure a turn from the axis" "--preset solenoid --x 0" "turn of the plane: not measured, it starts on the axis")
 check(charges "has no figures of a run that failed" "--dt 1e-6s --time 1e-4s --no-plot" EXIT_CODE 1 COMPLAINT "step 1 failed"
   PRINTS "energy error, worst +FAILED at t = 0\n.*nothing else is measured" LACKS "nan|0.0e.00|gyro")

@@ -727,6 +727,34 @@ TEST_CASE("A failure behind an event leaves the state of the event", "[events]")
   CHECK(z.p()[0] == 1);
 }
 
+TEST_CASE("What throws at an event leaves the state of the step before", "[events]") {
+  auto stepper = semiexplicit_of(Ball());
+  for (const bool action : {true, false}) {
+    for (const int which : {1, 2}) {  // two bounces in a step of 3
+      CAPTURE(action, which);
+      Point z(0.5, 0), good = z;
+      int bounces = 0;
+      auto watch = events(Ball(), on_event(
+                                      height,
+                                      [&](double, Point& at) {
+                                        at.p()[0] = 1;
+                                        if (++bounces == which && action) throw std::runtime_error("action");
+                                      },
+                                      CrossingDirection::falling));
+      CHECK_THROWS_AS(integrate(stepper, z, {.dt = 3.5, .steps = 10}, watch,
+                                [&](double, const Point& at, const IntegrationReport& run) {
+                                  if (!run.at_event)
+                                    good = at;
+                                  else if (bounces == which && !action)
+                                    throw std::runtime_error("observer");
+                                }),
+                      std::runtime_error);
+      CHECK(z.vector() == good.vector());
+      CHECK(z.p()[0] == 0);
+    }
+  }
+}
+
 TEST_CASE("Lyapunov exponents refuse a run whose state is changed", "[events]") {
   auto stepper = semiexplicit_of(Ball());
   Point z(0.5, 0);

@@ -241,6 +241,55 @@ TEST_CASE("Books of a run that turns round, or whose state an event changes, clo
   CHECK(std::abs(kicked.difference()) < 1e-9);
 }
 
+TEST_CASE("Books of many short runs are those of one long run, whatever the times they start at",
+          "[motion]") {
+  const Scene scene(Kinetic{}, Spring{}, Drag{.linear = 0.03});
+  const double dt = 0.1;
+  const int steps = 1000;
+  auto stepper = stepper_for(scene);
+  const PhasePoint<double, 2> z0({1, 0}, {0, 0.5});
+  PhasePoint<double, 2> z = z0;
+  Books whole(scene);
+  integrate(stepper, z, {.dt = dt, .steps = steps}, whole);
+  REQUIRE(std::abs(whole.difference()) < 1e-10);
+
+  Books rounded(scene), from_zero(scene);  // i dt is not the sum of i steps
+  z = z0;
+  for (int i = 0; i < steps; ++i) integrate(stepper, z, {.dt = dt, .steps = 1, .t0 = i * dt}, rounded);
+  CHECK(std::abs(rounded.difference()) < 1e-10);
+  z = z0;
+  for (int i = 0; i < 10; ++i) integrate(stepper, z, {.dt = dt, .steps = steps / 10}, from_zero);
+  CHECK(std::abs(from_zero.difference()) < 1e-7);  // every run begins a new integral
+  CHECK(from_zero.by_events() == 0);
+
+  // What is done to the state between two runs is no work, and loses none.
+  Books kicked(scene);
+  z = z0;
+  const auto first = integrate(stepper, z, {.dt = dt, .steps = 200}, kicked);
+  const double before = kicked.work(), energy = scene.energy(z.q(), z.p());
+  z.p()[0] += 2;
+  integrate(stepper, z, {.dt = dt, .steps = 0, .t0 = first.t}, kicked);
+  CHECK(kicked.work() == Approx(before).epsilon(1e-14));
+  CHECK(kicked.by_events() == Approx(scene.energy(z.q(), z.p()) - energy).epsilon(1e-14));
+  integrate(stepper, z, {.dt = dt, .steps = 200, .t0 = first.t}, kicked);
+  CHECK(std::abs(kicked.difference()) < 1e-7);
+}
+
+TEST_CASE("Books in float at late times are those at early ones", "[motion]") {
+  const Scene scene(effects::orbits::Kinetic<float, 2>{}, effects::orbits::Drag<float, 2>{.linear = 0.25f});
+  double work[2];
+  for (const bool late : {false, true}) {
+    auto stepper = stepper_for(scene);
+    PhasePoint<float, 2> z({0, 0}, {1, 0.5f});
+    Books books(scene);
+    // Times are 0.0078 apart there.
+    integrate(stepper, z, {.dt = 0.01f, .steps = 400, .t0 = late ? 1e5f : 0.f}, books);
+    work[late ? 1 : 0] = static_cast<double>(books.work());
+  }
+  CHECK(work[1] == Approx(work[0]).epsilon(1e-6));
+  CHECK(work[0] == Approx(1.25 / 2 * std::expm1(-2 * 0.25 * 4)).epsilon(1e-5));
+}
+
 TEST_CASE("Books keep the work done before an event that ends a step, or the run", "[motion]") {
   // Between two walls that cost nothing, with drag: p² decays as e^{-2kt}, also where every bounce falls on
   // the end of a step, as at a wall that is a whole number of steps away.

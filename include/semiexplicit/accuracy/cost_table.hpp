@@ -53,7 +53,7 @@ enum class Reach {
   met,          ///< CostTable::cheapest() has a setting for it
   rounding,     ///< it is below what rounding, noise, or the error of the reference leaves to be seen
   budget,       ///< the gradient calls ended first
-  orbit_ends,   ///< no step goes beyond CostTable::orbit_end
+  orbit_ends,   ///< no step tried goes beyond CostTable::orbit_end
   orbits_part,  ///< neighbouring orbits part so fast that no run in this precision can give it
   no_step       ///< none of the settings that were tried meets it
 };
@@ -121,7 +121,9 @@ struct CostTable {
                std::string("options.budget, min_gradients or max_gradients");
       case Reach::orbit_ends:
         return "the orbit ends near t = " + in_words(orbit_end, 3) +
-               ": no step goes beyond; give a shorter T";
+               ", or is too hard there for the calls of the search: no step tried goes beyond; give a "
+               "shorter "
+               "T, or raise options.min_gradients";
       case Reach::orbits_part:
         return "neighbouring orbits part as e^(" + in_words(parting_rate, 2) +
                " t): after t = " + in_words(horizon, 2) +

@@ -12,6 +12,7 @@
 
 #include <semiexplicit/core/phase_point.hpp>
 #include <semiexplicit/core/words.hpp>
+#include <semiexplicit/observers/run_clock.hpp>
 #include <semiexplicit/scene/nearest_names.hpp>
 #include <semiexplicit/scene/runtime_scene.hpp>
 #include <semiexplicit/scene/scene.hpp>
@@ -20,22 +21,17 @@ namespace semiexplicit {
 
 namespace detail {
 
-/// ∫ f dt of a function that is seen at one time after the other: by the polynomial through the eight last
-/// values over the interval in their middle, of order 8. Times may be spaced in any way, and run backwards.
+/// ∫ f dt of a function whose values are seen one after the other: by the polynomial through the eight last
+/// values over the interval in their middle, of order 8. Values may be spaced in any way, and time may turn.
 template <class Scalar>
 class RunningIntegral {
  public:
-  void see(const Scalar& t, const Scalar& value) {
-    if (count_ > 0 && t == times_[last()]) {  // a run that goes on tells of its start again
-      values_[last()] = value;
-      return;
-    }
-    if (count_ > 1 && (t > times_[last()]) != (times_[1] > times_[0])) {  // it has turned round
-      const Scalar here = times_[last()], there = values_[last()];
+  /// The value where the time is `interval` later than at the last one; without a last one the first.
+  void see(const Scalar& interval, const Scalar& value) {
+    if (count_ > 1 && (interval > Scalar(0)) != (times_[1] > times_[0])) {  // it has turned round
+      const Scalar there = values_[last()];
       begin_anew();
-      times_[0] = here;
-      values_[0] = there;
-      count_ = 1;
+      see(Scalar(0), there);
     }
     if (count_ == nodes) {
       for (std::size_t i = 1; i < nodes; ++i) {
@@ -44,7 +40,9 @@ class RunningIntegral {
       }
       --count_;
     }
-    times_[static_cast<std::size_t>(count_)] = t;
+    // Times are those before the last value, which is at 0.
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count_); ++i) times_[i] -= interval;
+    times_[static_cast<std::size_t>(count_)] = Scalar(0);
     values_[static_cast<std::size_t>(count_)] = value;
     ++count_;
     if (count_ < nodes) return;
@@ -52,6 +50,8 @@ class RunningIntegral {
     full_ = true;
     add(integral(3, 4));
   }
+  /// The last value is this one, as a run tells that goes on.
+  void see_again(const Scalar& value) { values_[last()] = value; }
   /// What was seen so far counts, and f may go on from another value.
   void begin_anew() {
     if (count_ > 1) add(integral(full_ ? 4 : 0, last()));
@@ -93,7 +93,7 @@ class RunningIntegral {
       const Scalar half = (times_[k + 1] - times_[k]) / 2, middle = times_[k] + half;
       for (std::size_t i = 0; i < 2; ++i)
         for (const int sign : {-1, 1})
-          sum += half * Scalar(weights[i]) * interpolated(middle + sign * half * Scalar(points[i]));
+          sum += half * Scalar(weights[i]) * interpolated(middle + Scalar(sign) * half * Scalar(points[i]));
     }
     return sum;
   }
@@ -128,7 +128,9 @@ class RunningIntegral {
 ///     std::cout << books;                    // a table
 ///     books.difference();
 ///
-/// A run may turn round, and events may change the state: what they do to the energy is by_events().
+/// A run may turn round, and events may change the state: what they do to the energy is by_events(). The
+/// books go on from run to run, at whatever time the next one starts; a state that was changed in between
+/// counts as changed by an event.
 ///
 /// Asks for one gradient and each force a step. Has to see every step; takes part in checkpoints.
 template <class ScalarType, int DofValue>
@@ -151,20 +153,26 @@ class Books {
     const In<Scalar, Dof> q = state.q(), p = state.p();
     const Scalar before = energy_;
     energy_ = scene_.energy(q, p);
-    if (!started_) start_ = energy_;
-    if (started_ && run.changes > changes_) {  // an event has changed the state
+    using Next = typename detail::RunClock<Scalar>::Next;
+    const Next next = clock_.relation(t, energy_ == before, run);
+    const Scalar interval = next == Next::follows ? clock_.interval(t, run) : Scalar(0);
+    clock_.set(t, run, next);
+    if (next == Next::first) start_ = energy_;
+    if (next == Next::changed || next == Next::anew) {
       changed_ += energy_ - before;
       for (Account& account : accounts_) account.work.begin_anew();
     }
-    changes_ = run.changes;
-    started_ = true;
     if (accounts_.empty()) return;
     scene_.gradient(q, p, gradient_.q(), gradient_.p());
     for (Account& account : accounts_) {
       force_.setZero();
       Out<Scalar, Dof> force(force_);
       account.effect.add_force(q, p, force);
-      account.work.see(t, detail::dot(force_, gradient_.p()));
+      const Scalar power = detail::dot(force_, gradient_.p());
+      if (next == Next::again)
+        account.work.see_again(power);
+      else
+        account.work.see(interval, power);
     }
   }
 
@@ -188,13 +196,13 @@ class Books {
     for (const Account& account : accounts_) sum += account.work.value();
     return sum;
   }
-  /// By how much events have changed the energy; see events().
+  /// By how much events have changed the energy, or whoever changed the state between two runs; see events().
   Scalar by_events() const { return changed_; }
   /// Energy now, less that at the start, less all work and what events did: zero but for errors.
   Scalar difference() const { return (energy_ - start_) - work() - changed_; }
 
   /// Whether it has seen nothing yet.
-  bool fresh() const { return !started_; }
+  bool fresh() const { return !clock_.started(); }
   /// See Describable.
   template <class List>
   void describe(List& list) const {
@@ -205,9 +213,8 @@ class Books {
   void visit_memory(Visitor&& visit) {
     visit(start_);
     visit(energy_);
-    visit(started_);
     visit(changed_);
-    visit(changes_);
+    clock_.visit_memory(visit);
     for (Account& account : accounts_) account.work.visit_memory(visit);
   }
 
@@ -222,8 +229,7 @@ class Books {
   Vector<Scalar, Dof> force_;
   std::vector<Account> accounts_{};
   Scalar start_ = Scalar(0), energy_ = Scalar(0), changed_ = Scalar(0);
-  std::int64_t changes_ = 0;
-  bool started_ = false;
+  detail::RunClock<Scalar> clock_;
 };
 
 template <class Scalar, int Dof>

@@ -11,6 +11,7 @@
 
 #include "lattice_energy.hpp"
 #include "refusal.hpp"
+#include "tangent_lattice.hpp"
 
 namespace test_tangent_vectors {
 
@@ -18,59 +19,7 @@ namespace test_tangent_vectors {
 
 namespace {
 
-using namespace semiexplicit;
-
-/// The lattice's gradient, seen as a user's who has nothing more.
-template <class Scalar_, int N>
-struct GradientOnly {
-  using Scalar = Scalar_;
-  static constexpr int Dof = N;
-  systems::NlsLattice<Scalar, N> lattice;
-  Eigen::Index dof() const { return lattice.dof(); }
-  void gradient(const In<Scalar, N>& q, const In<Scalar, N>& p, Out<Scalar, N> dHdq,
-                Out<Scalar, N> dHdp) const {
-    lattice.gradient(q, p, dHdq, dHdp);
-  }
-};
-/// The same with its second derivatives times vectors, off by a factor where that is asked for.
-template <class Scalar_, int N>
-struct WithProduct : GradientOnly<Scalar_, N> {
-  using Scalar = Scalar_;
-  Scalar factor = 1;
-  void hessian_times(const In<Scalar, N>& q, const In<Scalar, N>& p, const In<Scalar, N>& dq,
-                     const In<Scalar, N>& dp, Out<Scalar, N> hq, Out<Scalar, N> hp) const {
-    const Eigen::Index n = this->dof();
-    for (Eigen::Index i = 0; i < n; ++i) {
-      const Scalar density = q[i] * q[i] + p[i] * p[i], grows = 2 * (q[i] * dq[i] + p[i] * dp[i]);
-      Scalar u(0), v(0), du(0), dv(0);
-      for (const Eigen::Index j : {i - 1, i + 1}) {
-        if (j < 0 || j == n) continue;
-        u += 2 * (q[j] * q[j] - p[j] * p[j]);
-        v += 4 * q[j] * p[j];
-        du += 4 * (q[j] * dq[j] - p[j] * dp[j]);
-        dv += 4 * (q[j] * dp[j] + p[j] * dq[j]);
-      }
-      hq[i] = factor * ((density - u) * dq[i] + (grows - du) * q[i] - v * dp[i] - dv * p[i]);
-      hp[i] = factor * ((density + u) * dp[i] + (grows + du) * p[i] - v * dq[i] - dv * q[i]);
-    }
-  }
-};
-static_assert(HasHessianTimes<WithProduct<double, 5>> && !HasHessianTimes<GradientOnly<double, 5>>);
-
-template <class Scalar, int N>
-PhasePoint<Scalar, N> some_point(Eigen::Index n) {
-  PhasePoint<Scalar, N> z(n);
-  for (Eigen::Index i = 0; i < 2 * n; ++i)
-    z.vector()[i] = Scalar(std::sin(1.0 + static_cast<double>(i * i))) / 2;
-  return z;
-}
-template <class Vectors>
-void fill(Vectors& v) {
-  for (Eigen::Index j = 0; j < v.cols(); ++j)
-    for (Eigen::Index i = 0; i < v.rows(); ++i)
-      v(i, j) = typename Vectors::Scalar(std::cos(static_cast<double>((i + 2) * (j + 1) * (i + 1)))) *
-                typename Vectors::Scalar(std::pow(10.0, static_cast<double>(3 * j)));
-}
+using namespace tangent_lattice;
 
 /// How far the vectors carried by one step are from the dense map times them, relative to their size.
 template <class Stepper, class Exact>
@@ -92,13 +41,6 @@ double error_of_vectors(const Stepper& stepper, const Exact& exact,
 }
 
 const SimplifiedNewton tight{.stop = StoppingRule::product(1e-32)};
-
-/// vᵀJu.
-template <class V>
-auto area(const V& v, const V& u) {
-  const Eigen::Index d = v.size() / 2;
-  return v.head(d).dot(u.tail(d)) - v.tail(d).dot(u.head(d));
-}
 
 /// Hénon and Heiles' system in halves.
 struct Halves {
@@ -256,31 +198,6 @@ TEST_CASE("Tangent vectors of the explicit methods are the limit of differences"
   limit(ExplicitSplitting(Halves{}, schemes::blanes_moan4()), some_point<double, 2>(2));
 }
 
-TEST_CASE("Symplecticity holds of tangent vectors over a long run", "[chaos]") {
-  // Close to what the rule allows of each step, 1e-16 of the size of the vectors.
-  const auto drift = [](const auto& h) {
-    Semiexplicit stepper(h, schemes::low_defect6_s13());
-    TangentVectors tangents(stepper, 3);
-    fill(tangents.vectors());
-    tangents.vectors().colwise().normalize();
-    auto z = some_point<double, 5>(5);
-    const auto v = tangents.vectors();
-    double worst = 0;
-    for (int n = 0; n < 20'000; ++n) {
-      REQUIRE(tangents.advance(z, 0.02).ok());
-      REQUIRE(stepper.step(z, 0.02).ok());
-      const auto& u = tangents.vectors();
-      for (const int j : {0, 1})
-        worst = std::max(worst, std::abs(area(u.col(j), u.col(2)) - area(v.col(j), v.col(2))) /
-                                    (u.col(j).norm() * u.col(2).norm()));
-    }
-    return worst;
-  };
-  CHECK(drift(WithProduct<double, 5>{}) <= 1e-12);
-  CHECK(drift(systems::NlsLattice<double, 5>()) <= 1e-12);
-  CHECK(drift(GradientOnly<double, 5>{}) <= 1e-6);
-}
-
 TEST_CASE("Differences along vectors suit angles that have wound up, and one that is coupled to nothing",
           "[chaos]") {
   PhasePoint<double, 8> z;
@@ -342,16 +259,6 @@ TEST_CASE("A hessian_times that is no derivative of the gradient is refused", "[
   CHECK(refuses(start, "hessian_times of the Hamiltonian is not the derivative of its gradient"));
   h.factor = -1;
   CHECK(refuses(start, "hessian_times"));
-}
-
-TEST_CASE("Exponents of three hundred degrees of freedom are there in a blink", "[chaos]") {
-  const systems::NlsLattice<double> h(300);
-  Semiexplicit stepper(h, schemes::low_defect6_s13());
-  auto z = some_point<double, Eigen::Dynamic>(300);
-  LyapunovExponents lyapunov(stepper, 2);
-  integrate(stepper, z, {.dt = 0.02, .steps = 2000}, lyapunov);
-  CHECK(lyapunov.exponents()[0] > 0.01);
-  CHECK(lyapunov.exponents()[1] < lyapunov.exponents()[0]);
 }
 
 }  // namespace test_tangent_vectors

@@ -28,7 +28,7 @@ namespace {
 
 using namespace semiexplicit;
 
-constexpr std::int64_t every_steps = 1000, all_steps = 100'000;
+constexpr std::int64_t every_steps = 200, all_steps = 20'000;
 
 /// What a run that is killed leaves in memory: from where it went on, and how far it came.
 struct Trace {

@@ -1,0 +1,103 @@
+// Runs with many events.
+
+#include "catch.hpp"
+
+#include <array>
+#include <cstdint>
+#include <utility>
+
+#include <semiexplicit/semiexplicit.hpp>
+
+#include "refusal.hpp"
+#include "with_events.hpp"
+
+namespace test_many_events {
+
+using namespace with_events;
+
+TEST_CASE("Bounces that pile up are said, and no ball falls through the floor", "[events]") {
+  // Down to one that comes to rest at once, also where the floor is so far from 0 that s is rounded coarsely.
+  for (const double kept : {0.9, 0.7, 0.3, 0.09, 0.05, 0.02, 0.01, 1e-4, 0.0})
+    for (const double floor : {0.0, 1000.0, 6.4e6})
+      for (const double dt : {0.05, 0.0013})
+        for (const auto direction : {CrossingDirection::falling, CrossingDirection::both}) {
+          CAPTURE(kept, floor, dt, int(direction));
+          auto stepper = semiexplicit_of(Ball());
+          Point z(floor + 0.5, 0);
+          auto watch = events(Ball(), on_event([=](const auto& q, const auto&) { return q[0] - floor; },
+                                               [=](double, Point& at) { at.p()[0] *= -kept; }, direction));
+          CHECK(says(complaint([&] { integrate(stepper, z, {.dt = dt, .t_end = 25}, watch); }), "pile up"));
+          CHECK(z.q()[0] - floor > -1e-14 - 1e-15 * floor);
+        }
+}
+
+TEST_CASE("Which crossings count does not depend on rounding where events change the state on the surface",
+          "[events]") {
+  const auto count_of = [](std::int64_t& n) { return [&n](double, const Point&) { ++n; }; };
+  const auto run = [&](const auto& h, const auto& surface, Point z, double dt, const auto& action,
+                       CrossingDirection direction) {
+    std::array<std::int64_t, 4> n{};  // told: rising, falling; sections: rising, falling
+    auto stepper = semiexplicit_of(h);
+    auto watch = events(h, on_event(surface, action, direction),
+                        on_event(surface, count_of(n[0]), CrossingDirection::rising),
+                        on_event(surface, count_of(n[1]), CrossingDirection::falling));
+    auto rising = poincare_section(h, surface, count_of(n[2]));
+    auto falling = poincare_section(h, surface, count_of(n[3]), {.direction = CrossingDirection::falling});
+    integrate(stepper, z, {.dt = dt, .t_end = 200}, watch, rising, falling);
+    rising.finish();
+    falling.finish();
+    return std::pair(watch.count(0), n);
+  };
+  const auto bounce = [](double, Point& at) { at.p()[0] = -at.p()[0]; };
+  for (const double dt : {0.05, 0.0731, 0.37}) {
+    for (const double start : {0.37, 0.5, 0.00123}) {
+      CAPTURE(dt, start);
+      // A bounce turns the orbit round on the surface: an event is told that it comes there, a section sees
+      // an orbit that only touches it.
+      const auto [bounces, n] =
+          run(Ball(), height, Point(start, 0.01), dt, bounce, CrossingDirection::falling);
+      CHECK(bounces > 90);
+      CHECK(n == std::array<std::int64_t, 4>{0, bounces, 0, 0});
+    }
+    // A kick lets the orbit go on through the surface: all see one crossing.
+    const auto faster = [](double, Point& at) { at.p()[0] *= 1.0001; };
+    const auto further = [](double, Point& at) { at.q()[0] *= 1.0001; };
+    CAPTURE(dt);
+    const auto [kicks, n] =
+        run(Oscillator(), height, Point(-0.37, 0.1), dt, faster, CrossingDirection::rising);
+    CHECK(kicks == 32);
+    CHECK(n == std::array<std::int64_t, 4>{kicks, kicks, kicks, kicks});
+    const auto [tops, m] =
+        run(Oscillator(), speed, Point(-0.37, 0.1), dt, further, CrossingDirection::falling);
+    CHECK(tops == 32);
+    CHECK(m == std::array<std::int64_t, 4>{tops - 1, tops, tops - 1, tops});
+  }
+}
+
+TEST_CASE("A section in float counts the kicks on its surface, however little of a step is left behind them",
+          "[events]") {
+  // Far from 0, so that s is rounded coarsely.
+  const float centre = 35.3F;
+  const auto H = from_energy<1, float>([=](const auto& q, const auto& p) {
+    const auto x = q[0] - centre;
+    return (p[0] * p[0] + x * x) / 2;
+  });
+  const auto surface = [=](const auto& q, const auto&) { return q[0] - centre - 0.0523F; };
+  for (int i = 0; i < 200; ++i) {
+    CAPTURE(i);
+    Semiexplicit stepper(H, schemes::blanes_moan6<float>());
+    PhasePoint<float, 1> z(centre + 0.3F + 0.001F * float(i % 7), 0);
+    auto watch = events(H, on_event(surface, [n = 0](float, PhasePoint<float, 1>& at) mutable {
+                          at.p()[0] *= ++n % 2 == 0 ? 1.01F : 0.99F;
+                        }));
+    std::int64_t seen = 0;
+    auto section = poincare_section(H, surface, [&](float, const auto&) { ++seen; },
+                                    {.direction = CrossingDirection::both});
+    integrate(stepper, z, {.dt = 0.001F + 0.00001F * float(i % 150), .t_end = 8}, watch, section);
+    section.finish();
+    CHECK(watch.count() == 3);  // at t = 1.4, 4.9 and 7.7
+    CHECK(seen == 3);
+  }
+}
+
+}  // namespace test_many_events

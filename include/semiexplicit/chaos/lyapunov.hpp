@@ -26,8 +26,8 @@ namespace semiexplicit {
 /// series. The exponents of a Hamiltonian system come in pairs ±λ, two of them zero for each integral of
 /// motion. Let the stepper be the one that makes the run.
 ///
-/// k exponents cost 2 + ck plain steps a step, where c is the cost of a product over that of a gradient (2 to
-/// 4, benchmarks/chaos), k d of memory and no heap in a step. A hessian_times that is no derivative of the
+/// k exponents cost 2 + ck plain steps a step, where c is the cost of a product over that of a gradient (1 to
+/// 2, benchmarks/chaos), k d of memory and no heap in a step. A hessian_times that is no derivative of the
 /// gradient at the first state is refused with std::invalid_argument.
 ///
 /// Source: G. Benettin, L. Galgani, A. Giorgilli, J.-M. Strelcyn, Meccanica 15 (1980) 9 and 21.

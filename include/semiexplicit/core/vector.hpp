@@ -91,16 +91,24 @@ typename Derived::Scalar sum_of_absolutes(const Eigen::MatrixBase<Derived>& v) {
   return (part[0] + part[1]) + (part[2] + part[3]);
 }
 
+/// max |vᵢ|; NaN does not count.
+template <class Derived>
+typename Derived::Scalar largest_absolute(const Eigen::MatrixBase<Derived>& v) {
+  using Scalar = typename Derived::Scalar;
+  using std::abs;
+  Scalar largest(0);
+  for (Eigen::Index i = 0; i < v.size(); ++i)
+    if (abs(v.derived().coeff(i)) > largest) largest = abs(v.derived().coeff(i));
+  return largest;
+}
+
 /// norm() of a vector whose squares leave the range of normal numbers.
 template <class Derived>
 SEMIEXPLICIT_NOINLINE typename Derived::Scalar norm_of_extreme(const Eigen::MatrixBase<Derived>& v) {
   using Scalar = typename Derived::Scalar;
-  using std::abs;
   using std::isfinite;
   using std::sqrt;
-  Scalar largest(0);
-  for (Eigen::Index i = 0; i < v.size(); ++i)
-    if (abs(v.derived().coeff(i)) > largest) largest = abs(v.derived().coeff(i));
+  const Scalar largest = largest_absolute(v);
   if (largest == Scalar(0) || !isfinite(largest)) return largest;
   return largest * sqrt(dot(v / largest, v / largest));
 }

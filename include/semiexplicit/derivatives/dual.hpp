@@ -63,6 +63,12 @@ struct Dual : Operators<Dual<T, N>, T> {
   SEMIEXPLICIT_INTO_TERM Dual scaled(const T& f, const T& factor) const { return chain(f, factor); }
   SEMIEXPLICIT_INTO_TERM const T& compared() const { return value; }
 
+  /// *this += t y, in place: g++ vectorises this, and not a sum that is assigned.
+  SEMIEXPLICIT_INTO_TERM void add_multiple(const T& t, const Dual& y) {
+    value += t * y.value;
+    derivative += t * y.derivative;
+  }
+
   bool constant_zero() const {
     bool zero = is_constant_zero(value);
     for (Eigen::Index i = 0; i < N; ++i) zero = zero && is_constant_zero(derivative[i]);

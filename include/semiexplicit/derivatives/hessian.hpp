@@ -203,7 +203,7 @@ class SecondDerivatives {
     const auto find = [&](Eigen::Index i, bool anew) {
       const Eigen::Index d = z.size() / 2;
       const Scalar size = state_size(h, at_), own = abs(z[i]);
-      const Scalar others = z.segment(i < d ? 0 : d, d).cwiseAbs().maxCoeff();
+      const Scalar others = largest_absolute(z.segment(i < d ? 0 : d, d));
       const auto by = [&](const Scalar& shift, Vec& column) { difference(h, z, i, shift, column); };
       shift_[i] = anew ? search_.best_of_all(size, own, others, by)
                        : search_.best_near(size, own, others, shift_[i], by);

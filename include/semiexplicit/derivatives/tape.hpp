@@ -147,7 +147,8 @@ class Tape {
   }
   SEMIEXPLICIT_INTO_TERM Traced<T> record(const T& f, const T& slope_x, std::int32_t x, const T& slope_y,
                                           std::int32_t y) {
-    if (length_ == steps_.size()) grow();
+    if (length_ == steps_.size()) [[unlikely]]
+      grow();
     steps_[length_++] = {slope_x, slope_y, x, y};
     return {f, this, static_cast<std::int32_t>(variables_ + static_cast<Eigen::Index>(length_))};
   }

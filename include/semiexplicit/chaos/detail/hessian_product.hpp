@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <stdexcept>
 #include <string>
-#include <vector>
 
 #include <semiexplicit/core/ranks.hpp>
 #include <semiexplicit/derivatives/dual.hpp>
@@ -21,10 +20,10 @@ concept HasDualGradient = Hamiltonian<H> && std::same_as<typename H::PackGradien
   h.gradient(at, at, gradient, gradient);
 };
 
-/// ∇²H(z) times columns v of 2d numbers, of length one, without the matrix: by H.hessian_times, else by duals
-/// through a gradient that is a template (HasDualGradient), both exact to rounding. Else with the matrix,
-/// where H gives it or where it is no dearer: d ≤ 4, or d columns and more. Else by central differences of
-/// the gradient along v, two calls a column.
+/// ∇²H(z) times columns v of 2d numbers, of length one, without the matrix: by H.hessian_times, exact to
+/// rounding. Else with the matrix, where H gives it or where it is no dearer: d ≤ 4, or d columns and more.
+/// Else by central differences of the gradient along v, two calls a column. Of a gradient that takes dual
+/// numbers (HasDualGradient) and no hessian_times there is none: see MovingGroups.
 ///
 /// The shift along each column is found as those of SecondDerivatives are: from the gradients themselves,
 /// kept from call to call, looked at again every 16 calls and found anew where z has gone far. The product is
@@ -38,19 +37,12 @@ class HessianProduct {
   using Vec = typename State::Storage;
   static_assert(is_in_one_process<H>());
   static constexpr bool exact = HasHessianTimes<H> || HasDualGradient<H>;
-  /// A product by duals comes with the gradient at the point.
-  static constexpr bool gives_gradient = HasDualGradient<H> && !HasHessianTimes<H>;
 
   HessianProduct(Eigen::Index dof, Eigen::Index columns)
       : dense_(!exact && (HasHessian<H> || dof <= 4 || columns >= dof)),
         second_(dense_ ? dof : few),
         differences_(exact || dense_ ? few : dof, columns) {
     if (dense_) matrix_.setZero(2 * dof, 2 * dof);
-    if constexpr (gives_gradient) {
-      gradient_.setZero(2 * dof);
-      at_.resize(static_cast<std::size_t>(2 * dof));
-      by_.resize(at_.size());
-    }
   }
 
   /// Before the products of a step; and before a sweep over points that the step has gone over before: with
@@ -76,17 +68,12 @@ class HessianProduct {
         call_hessian_times(h, z.data(), v, product.data(), d);
       else
         not_inlined(h, z.data(), v, product.data(), d);
-    } else if constexpr (HasDualGradient<H>) {
-      by_duals(h, z.data(), v, product.data(), j == 0 ? gradient_.data() : nullptr, d);
     } else if (dense_) {
       product.noalias() = matrix_ * Eigen::Map<const Vec>(v, 2 * d);
     } else {
       differences_.times(h, z, Eigen::Map<const Vec>(v, 2 * d), j, product);
     }
   }
-
-  /// The gradient at the point, after the product with the first column, where gives_gradient.
-  const Vec& gradient() const { return gradient_; }
 
   /// What products with columns that are equal but for rounding may differ by, relative to their size; of
   /// differences a bound.
@@ -124,7 +111,6 @@ class HessianProduct {
   }
 
  private:
-  using Number = Dual<Scalar, 1>;
   static constexpr Eigen::Index few = H::Dof == Eigen::Dynamic ? 1 : H::Dof;  ///< size of what is not used
 
   SEMIEXPLICIT_INLINE static void call_hessian_times(const H& h, const Scalar* z, const Scalar* v,
@@ -139,21 +125,6 @@ class HessianProduct {
     call_hessian_times(h, z, v, product, d);
   }
 
-  void by_duals(const H& h, const Scalar* __restrict z, const Scalar* __restrict v,
-                Scalar* __restrict product, Scalar* __restrict gradient, Eigen::Index d) {
-    for (Eigen::Index i = 0; i < 2 * d; ++i) {
-      Number& x = at_[static_cast<std::size_t>(i)];
-      x.value = z[i];
-      x.derivative[0] = v[i];
-    }
-    const Number *const q = at_.data(), *const p = q + d;
-    Number *const by_q = by_.data(), *const by_p = by_q + d;
-    h.gradient(q, p, by_q, by_p);
-    for (Eigen::Index i = 0; i < 2 * d; ++i) product[i] = by_[static_cast<std::size_t>(i)].derivative[0];
-    if (gradient != nullptr)
-      for (Eigen::Index i = 0; i < 2 * d; ++i) gradient[i] = by_[static_cast<std::size_t>(i)].value;
-  }
-
   /// Differences along columns.
   class Differences {
    public:
@@ -165,9 +136,11 @@ class HessianProduct {
       if (!search) return;
       at_.vector() = z;
       size_ = state_size(h, at_);
-      largest_ = z.cwiseAbs().maxCoeff();
+      largest_ = largest_absolute(z);
       // A shift is about 1e-5 of the length along which the gradient varies.
-      const bool far = count_ == 0 || !(norm(z - last_) <= 65536 * shift_.minCoeff());
+      const Scalar moved = norm(z - last_);
+      bool far = count_ == 0;
+      for (Eigen::Index j = 0; j < shift_.size(); ++j) far = far || !(moved <= 65536 * shift_[j]);
       if (far) last_ = z;
       search_now_ = far ? Search::anew : count_ % look_again == 0 ? Search::near : Search::none;
       count_ = count_ % (std::int64_t{1} << 40) + 1;
@@ -229,8 +202,6 @@ class HessianProduct {
   SecondDerivatives<H> second_;
   typename SecondDerivatives<H>::Matrix matrix_;
   Differences differences_;
-  Vec gradient_;
-  std::vector<Number> at_, by_;
 };
 
 }  // namespace semiexplicit::detail

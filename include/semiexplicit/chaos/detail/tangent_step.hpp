@@ -1,8 +1,11 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <concepts>
+#include <cstddef>
 #include <utility>
+#include <vector>
 
 #include <semiexplicit/chaos/detail/hessian_product.hpp>
 #include <semiexplicit/core/stepper.hpp>
@@ -25,6 +28,63 @@ SEMIEXPLICIT_NOINLINE void add_to_many(const Scalar& t, const Scalar* __restrict
 /// Columns of 2d numbers, tangent vectors of a phase space.
 template <class Scalar, int Dof>
 using Frame = Eigen::Matrix<Scalar, twice(Dof), Eigen::Dynamic>;
+
+/// Two copies of a phase point with up to N tangent vectors each, z + Σ vⱼ εⱼ, for a gradient that takes dual
+/// numbers: the kicks of a step on such numbers move the points and their vectors.
+template <class Scalar, int N>
+struct MovingCopies {
+  using Number = Dual<Scalar, N>;
+  using Points = std::vector<Number, Eigen::aligned_allocator<Number>>;
+  Points a, b, gradient;
+
+  explicit MovingCopies(Eigen::Index size) : a(static_cast<std::size_t>(size)), b(a), gradient(a) {}
+
+  /// How many of the columns from `first` on it takes.
+  template <class V>
+  static Eigen::Index taken(const V& v, Eigen::Index first) {
+    return std::min<Eigen::Index>(N, v.cols() - first);
+  }
+  template <class Z, class V>
+  static void join(const Z& z, const V& v, Eigen::Index first, Points& to) {
+    const Eigen::Index count = taken(v, first);
+    for (Eigen::Index i = 0; i < z.size(); ++i) {
+      Number& x = to[static_cast<std::size_t>(i)];
+      x.value = z[i];
+      for (Eigen::Index k = 0; k < count; ++k) x.derivative[k] = v(i, first + k);
+    }
+  }
+  template <class Z, class V>
+  static void part(const Points& from, Z& z, V& v, Eigen::Index first) {
+    const Eigen::Index count = taken(v, first);
+    for (Eigen::Index i = 0; i < z.size(); ++i) {
+      const Number& x = from[static_cast<std::size_t>(i)];
+      z[i] = x.value;
+      for (Eigen::Index k = 0; k < count; ++k) v(i, first + k) = x.derivative[k];
+    }
+  }
+};
+
+/// The tangent vectors of a Hamiltonian whose gradient takes dual numbers, and gives no product, go along in
+/// groups that fill registers, and what few are left one by one.
+template <class H>
+struct MovingGroups {
+  using Scalar = typename H::Scalar;
+  static constexpr bool apply = HasDualGradient<H> && !HasHessianTimes<H>;
+  static constexpr int many = 8;
+  MovingCopies<Scalar, 1> one;
+  MovingCopies<Scalar, many> several;
+
+  MovingGroups(Eigen::Index dof, Eigen::Index columns)
+      : one(apply ? 2 * dof : 0), several(apply && columns > many / 2 ? 2 * dof : 0) {}
+
+  /// f(copies, the first column that they take), for all columns.
+  template <class F>
+  void each(Eigen::Index columns, const F& f) {
+    Eigen::Index j = 0;
+    for (; columns - j > many / 2; j = std::min(j + many, columns)) f(several, j);
+    for (; j < columns; ++j) f(one, j);
+  }
+};
 
 /// The derivative of a stepper's step, applied to tangent vectors. Specialised for the steppers whose
 /// derivative is known.
@@ -60,6 +120,7 @@ class DoubledTangents {
       : hamiltonian_(hamiltonian),
         scheme_(scheme),
         second_(dof_of(hamiltonian_), columns),
+        groups_(dof_of(hamiltonian_), columns),
         a(State(dof_of(hamiltonian_)).vector()),
         b(a),
         m(a),
@@ -74,17 +135,29 @@ class DoubledTangents {
   /// projection.
   template <bool tangents>
   void sweep(const State& z, const Vectors& v, const Scalar& dt) {
-    a = z.vector() + m;
-    b = z.vector() - m;
-    if constexpr (tangents) {
-      da = v + w;
-      db = v - w;
+    if constexpr (tangents && MovingGroups<H>::apply) {
+      groups_.each(v.cols(), [&](auto& copies, Eigen::Index j) {
+        copies.join(z.vector() + m, v + w, j, copies.a);
+        copies.join(z.vector() - m, v - w, j, copies.b);
+        inlined<Scalar>([&] {
+          kicks(hamiltonian_, scheme_, dt, copies.a.data(), copies.b.data(), copies.gradient.data(), z.dof());
+        });
+        copies.part(copies.a, a, da, j);
+        copies.part(copies.b, b, db, j);
+      });
+    } else {
+      a = z.vector() + m;
+      b = z.vector() - m;
+      if constexpr (tangents) {
+        da = v + w;
+        db = v - w;
+      }
+      inlined<Scalar>([&] {
+        detail::sweep(
+            scheme_, dt, [&](const Scalar& t) { kick<tangents>(t, a, da, b, db); },
+            [&](const Scalar& t) { kick<tangents>(t, b, db, a, da); });
+      });
     }
-    inlined<Scalar>([&] {
-      detail::sweep(
-          scheme_, dt, [&](const Scalar& t) { kick<tangents>(t, a, da, b, db); },
-          [&](const Scalar& t) { kick<tangents>(t, b, db, a, da); });
-    });
     f = a - b + 2 * m;
     drop_time_rounding<H>(z.vector(), f, scheme_.kicks());
     if constexpr (tangents) g = da - db + 2 * w;
@@ -132,9 +205,7 @@ class DoubledTangents {
           add_to_many(t, gradient_.data(), dto.data() + 2 * d * j, d);
       }
     }
-    if constexpr (tangents && HessianProduct<H>::gives_gradient) {
-      add(t, second_.gradient().data(), to.data(), d, d);
-    } else if constexpr (fits_on_stack(H::Dof) || HasRangeGradient<H>) {
+    if constexpr (fits_on_stack(H::Dof) || HasRangeGradient<H>) {
       detail::kick(hamiltonian_, t, from.data(), to.data(), gradient_.data(), d);
     } else {
       gradient_at(hamiltonian_, from.data(), gradient_.data(), d);
@@ -145,6 +216,7 @@ class DoubledTangents {
   H hamiltonian_;
   Scheme<Scalar> scheme_;
   HessianProduct<H> second_;
+  MovingGroups<H> groups_;
 
  public:
   Vec a, b, m, f;
@@ -330,6 +402,7 @@ class TangentStep<ExplicitSplitting<H>> {
       : hamiltonian_(stepper.hamiltonian()),
         scheme_(stepper.scheme()),
         second_(stepper.dof(), columns),
+        groups_(stepper.dof(), columns),
         at_(State(stepper.dof()).vector()),
         gradient_(at_),
         moved_(Vectors::Zero(at_.size(), columns)) {}
@@ -338,21 +411,14 @@ class TangentStep<ExplicitSplitting<H>> {
     StepReport report{.status = status_at_start(dt, !scheme_.b.empty(),
                                                 z.vector().size() == at_.size() && z.vector().allFinite())};
     if (!report.ok()) return report;
-    const Eigen::Index d = z.dof();
-    second_.begin();
-    at_ = z.vector();
-    moved_ = v;
-    const auto flow = [&](const Scalar& t, Eigen::Index from, Eigen::Index to) {
-      second_.prepare(hamiltonian_, at_);
-      for (Eigen::Index j = 0; j < moved_.cols(); ++j) {
-        second_.times(hamiltonian_, at_, moved_.data() + 2 * d * j, j, gradient_);
-        moved_.col(j).segment(to, d) += t * gradient_.segment(from, d);
-      }
-      gradient_at(hamiltonian_, at_.data(), gradient_.data(), d);
-      at_.segment(to, d) += t * gradient_.segment(from, d);
-    };
-    sweep(
-        scheme_, dt, [&](const Scalar& t) { flow(t, d, 0); }, [&](const Scalar& t) { flow(-t, 0, d); });
+    if constexpr (MovingGroups<H>::apply)
+      groups_.each(v.cols(), [&](auto& copies, Eigen::Index j) {
+        copies.join(z.vector(), v, j, copies.a);
+        flows(dt, copies.a.data(), copies.gradient.data(), [](auto&&...) {});
+        copies.part(copies.a, at_, moved_, j);
+      });
+    else
+      along_orbit(z, v, dt);
     report.evaluations = 1;
     if (moved_.allFinite())
       v.swap(moved_);
@@ -366,9 +432,39 @@ class TangentStep<ExplicitSplitting<H>> {
   const Scheme<Scalar>& scheme() const { return scheme_; }
 
  private:
+  /// All flows of `at`; before each is called before(t, from, to), where it adds t times the half of the
+  /// gradient that begins at `from` to the half at `to`.
+  template <class Number, class Before>
+  void flows(const Scalar& dt, Number* at, Number* gradient, const Before& before) {
+    const Eigen::Index d = at_.size() / 2;
+    const auto flow = [&](const Scalar& t, Eigen::Index from, Eigen::Index to) {
+      before(t, from, to);
+      gradient_on(hamiltonian_, at, gradient, d);
+      for (Eigen::Index i = 0; i < d; ++i) add_multiple<Eigen::Index>(at[to + i], t, gradient[from + i]);
+    };
+    sweep(
+        scheme_, dt, [&](const Scalar& t) { flow(t, d, 0); }, [&](const Scalar& t) { flow(-t, 0, d); });
+  }
+
+  /// The vectors by products at every point of the orbit.
+  void along_orbit(const State& z, const Vectors& v, const Scalar& dt) {
+    const Eigen::Index d = z.dof();
+    second_.begin();
+    at_ = z.vector();
+    moved_ = v;
+    flows(dt, at_.data(), gradient_.data(), [&](const Scalar& t, Eigen::Index from, Eigen::Index to) {
+      second_.prepare(hamiltonian_, at_);
+      for (Eigen::Index j = 0; j < moved_.cols(); ++j) {
+        second_.times(hamiltonian_, at_, moved_.data() + 2 * d * j, j, gradient_);
+        moved_.col(j).segment(to, d) += t * gradient_.segment(from, d);
+      }
+    });
+  }
+
   H hamiltonian_;
   Scheme<Scalar> scheme_;
   HessianProduct<H> second_;
+  MovingGroups<H> groups_;
   Vec at_, gradient_;
   Vectors moved_;
 };

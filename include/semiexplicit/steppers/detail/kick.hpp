@@ -26,6 +26,21 @@ SEMIEXPLICIT_INLINE Number apart(Number x) {
   return x;
 }
 
+/// Dual numbers, which move a point and its tangent vectors.
+template <class Number, class Scalar>
+concept MovesVectors = requires(Number& to, const Scalar& t, const Number& slope) {
+  to.add_multiple(t, slope);
+};
+
+/// to += t slope.
+template <class Size, class Scalar, class Number>
+SEMIEXPLICIT_INLINE void add_multiple(Number& to, const Scalar& t, const Number& slope) {
+  if constexpr (MovesVectors<Number, Scalar>)
+    to.add_multiple(t, slope);
+  else
+    to = apart<Size, Number>(to + t * slope);
+}
+
 /// to += t X, and likewise the sums, in `size` places, where X = (∂H/∂p, -∂H/∂q) and momenta lie d places
 /// after positions. Plain loops over raw pointers: compilers vectorise these, and not the equivalent Eigen
 /// expression on the halves of a vector of odd fixed size. Each sum is one expression, which clang++ makes
@@ -34,15 +49,16 @@ template <class Scalar, class Number, class Size, class... Sum>
 SEMIEXPLICIT_INLINE void add_halves(const Scalar& t, const Number* __restrict dHdq,
                                     const Number* __restrict dHdp, Number* __restrict to, Size size,
                                     Eigen::Index d, Sum* __restrict... sum) {
+  const Scalar minus_t = -t;
   for_each_index(size, [&](Eigen::Index i) {
-    const Number slope = dHdp[i];
-    to[i] = apart<Size, Number>(to[i] + t * slope);
-    ((sum[i] = apart<Size, Number>(sum[i] + t * slope)), ...);
+    const Number& slope = dHdp[i];
+    add_multiple<Size>(to[i], t, slope);
+    (add_multiple<Size>(sum[i], t, slope), ...);
   });
   for_each_index(size, [&](Eigen::Index i) {
-    const Number slope = dHdq[i];
-    to[d + i] = apart<Size, Number>(to[d + i] - t * slope);
-    ((sum[d + i] = apart<Size, Number>(sum[d + i] - t * slope)), ...);
+    const Number& slope = dHdq[i];
+    add_multiple<Size>(to[d + i], minus_t, slope);
+    (add_multiple<Size>(sum[d + i], minus_t, slope), ...);
   });
 }
 /// The same with both halves of the gradient in a row.
@@ -76,27 +92,37 @@ SEMIEXPLICIT_INLINE SEMIEXPLICIT_INLINE_CALLS void gradient_on(const H& hamilton
   }
 }
 
+/// A range gradient of the numbers of H, or of dual numbers where it is a template.
+template <class H, class Number>
+concept HasRangeGradientOn = HasRangeGradient<H> &&
+    (std::same_as<Number, typename H::Scalar> ||
+     MovesVectors<Number, typename H::Scalar>)&&requires(const H& h, Eigen::Index i, const Number* at,
+                                                         Number* gradient) {
+  h.gradient_range(i, i, at, at, gradient, gradient);
+};
+
 /// So many sites of a large system stay in the cache together; all steppers kick the same blocks, whose
 /// numbers then have the same bits.
 inline constexpr Eigen::Index kick_block = 64;
 
 /// A kick of the blocks of a large system from `begin` to `end`. Not inlined: g++ vectorises the loops on
 /// their own, and not within the sweep. `gradient` is work space for one block.
-template <class H, class Scalar, class... Sum>
-SEMIEXPLICIT_NOINLINE void kick_blocks(const H& hamiltonian, const Scalar& t, const Scalar* __restrict from,
-                                       Scalar* __restrict to, Scalar* __restrict gradient, Eigen::Index begin,
+template <class H, class Scalar, class Number, class... Sum>
+SEMIEXPLICIT_NOINLINE void kick_blocks(const H& hamiltonian, const Scalar& t, const Number* __restrict from,
+                                       Number* __restrict to, Number* __restrict gradient, Eigen::Index begin,
                                        Eigen::Index end, Eigen::Index d, Sum* __restrict... sum) {
   for (Eigen::Index i = begin; i < end; i += kick_block) {
     const Eigen::Index size = std::min(kick_block, end - i);
-    hamiltonian.gradient_range(i, i + size, from, from + d, gradient, gradient + size);
+    inlined<Scalar>(
+        [&] { hamiltonian.gradient_range(i, i + size, from, from + d, gradient, gradient + size); });
     add(t, gradient, to + i, size, d, (sum + i)...);
   }
 }
 
 /// The same of all, by threads. (Measured: from so many sites on they gain, where a site reads two
 /// neighbours.)
-template <class H, class Scalar, class... Sum>
-void kick_in_blocks(const H& hamiltonian, const Scalar& t, const Scalar* from, Scalar* to, Scalar* gradient,
+template <class H, class Scalar, class Number, class... Sum>
+void kick_in_blocks(const H& hamiltonian, const Scalar& t, const Number* from, Number* to, Number* gradient,
                     Eigen::Index d, Sum*... sum) {
   constexpr Eigen::Index least = 16384;
   if (d < least) return kick_blocks(hamiltonian, t, from, to, gradient, Eigen::Index(0), d, d, sum...);
@@ -110,7 +136,7 @@ void kick_in_blocks(const H& hamiltonian, const Scalar& t, const Scalar* from, S
 template <class H, class Scalar, class Number, class Size, class... Sum>
 SEMIEXPLICIT_INLINE void kick(const H& hamiltonian, const Scalar& t, const Number* from, Number* to,
                               Number* gradient, Size d, Sum*... sum) {
-  if constexpr (HasRangeGradient<H> && std::same_as<Number, Scalar>)
+  if constexpr (HasRangeGradientOn<H, Number>)
     if (d > kick_block) return kick_in_blocks(hamiltonian, t, from, to, gradient, Eigen::Index(d), sum...);
   gradient_on(hamiltonian, from, gradient, d);
   if constexpr (std::same_as<Size, Eigen::Index>)

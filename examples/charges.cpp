@@ -1,5 +1,6 @@
 // A charge in magnetic and electric fields: gyration, a magnetic bottle, a proton in the Earth's dipole
 // field.
+#include <functional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -31,74 +32,88 @@ State about_the_axis(const Choice& c, double b) {
   return at(c, {v.across * c["mass"] / (c["charge"] * b), 0, 0}, {0, -v.across, v.along});
 }
 
+/// A start whose speed Newton's equations are for.
+template <class Start>
+std::function<State(const Choice&)> slow(const UnitSystem& units, const Start& start) {
+  const double light = units.size_of(known_units().at("c"));
+  return [=](const Choice& c) -> State {
+    const double beta = Velocity(c).all / light;
+    if (!(beta < 0.3))
+      throw std::invalid_argument("--energy: that is a speed of " + formatted("%.2g", beta) +
+                                  " c, where Newton's equations are off by 5 % and more; take fast_charges");
+    return start(c);
+  };
+}
+
 std::vector<ScenePreset<3>> presets() {
   const double proton = known_units().at("mp").size, e = known_units().at("e").size;
   const UnitSystem metres{"m, s, proton mass, e", 1, 1, proton, e};
   const UnitSystem radii{"Earth radius, s, proton mass, e", known_units().at("Rearth").size, 1, proton, e};
-  return {{.name = "gyration",
-           .about = "a proton of 1 keV in a uniform field of 0.1 T",
-           .units = metres,
-           .effects = {"kinetic", "uniform_field"},
-           .also = {"electric"},
-           .values = {{"charge", "1 e"},
-                      {"mass", "1 mp"},
-                      {"energy", "1 keV"},
-                      {"pitch", "80 deg"},
-                      {"b", "0.1 T"},
-                      {"ex", "10 V/m"},
-                      {"ey", "0"},
-                      {"ez", "0"}},
-           .dt = "1e-8 s",
-           .time = "1e-5 s",
-           .start = [](const Choice& c) { return about_the_axis(c, c["b"]); },
-           .measure = gyration},
-          {.name = "bottle",
-           .about = "a proton of 1 keV between magnetic mirrors, 1 T in the middle",
-           .units = metres,
-           .effects = {"kinetic", "magnetic_bottle"},
-           .also = {"electric", "coulomb"},
-           .values = {{"charge", "1 e"},
-                      {"mass", "1 mp"},
-                      {"energy", "1 keV"},
-                      {"pitch", "60 deg"},
-                      {"b0", "1 T"},
-                      {"length", "1 m"},
-                      {"ex", "10 V/m"},
-                      {"ey", "0"},
-                      {"ez", "0"},
-                      {"centre", "1e-3 V m"}},
-           .dt = "2e-9 s",
-           .time = "1e-4 s",
-           .samples = 10'000,
-           .start = [](const Choice& c) { return about_the_axis(c, c["b0"]); },
-           .measure = mirrors},
-          {.name = "dipole",
-           .about = "a proton of 10 MeV trapped in the Earth's field, at four radii",
-           .units = radii,
-           .effects = {"kinetic", "dipole_field"},
-           .also = {"electric", "gravity"},
-           .values = {{"charge", "1 e"},
-                      {"mass", "1 mp"},
-                      {"energy", "10 MeV"},
-                      {"pitch", "30 deg"},
-                      {"r", "4 Rearth"},
-                      {"moment", "-3.12e-5 T Rearth^3"},
-                      {"b", "5e-9 T"},
-                      {"ex", "0"},
-                      {"ey", "2e-4 V/m"},
-                      {"ez", "0"},
-                      {"gm", "1 GMearth"}},
-           .dt = "2e-3 s",
-           .time = "80 s",
-           .samples = 20'000,
-           // The drift is along y, and is not to be part of the gyration: so that starts along x.
-           .start =
-               [](const Choice& c) {
-                 const Velocity v(c);
-                 const double r = c["r"], b = -c["moment"] / (r * r * r);
-                 return at(c, {r, v.across * c["mass"] / (c["charge"] * b), 0}, {v.across, 0, v.along});
-               },
-           .measure = bounce_and_drift}};
+  return {
+      {.name = "gyration",
+       .about = "a proton of 1 keV in a uniform field of 0.1 T",
+       .units = metres,
+       .effects = {"kinetic", "uniform_field"},
+       .also = {"electric"},
+       .values = {{"charge", "1 e"},
+                  {"mass", "1 mp"},
+                  {"energy", "1 keV"},
+                  {"pitch", "80 deg"},
+                  {"b", "0.1 T"},
+                  {"ex", "10 V/m"},
+                  {"ey", "0"},
+                  {"ez", "0"}},
+       .dt = "1e-8 s",
+       .time = "1e-5 s",
+       .start = slow(metres, [](const Choice& c) { return about_the_axis(c, c["b"]); }),
+       .measure = gyration},
+      {.name = "bottle",
+       .about = "a proton of 1 keV between magnetic mirrors, 1 T in the middle",
+       .units = metres,
+       .effects = {"kinetic", "magnetic_bottle"},
+       .also = {"electric", "coulomb"},
+       .values = {{"charge", "1 e"},
+                  {"mass", "1 mp"},
+                  {"energy", "1 keV"},
+                  {"pitch", "60 deg"},
+                  {"b0", "1 T"},
+                  {"length", "1 m"},
+                  {"ex", "10 V/m"},
+                  {"ey", "0"},
+                  {"ez", "0"},
+                  {"centre", "1e-3 V m"}},
+       .dt = "2e-9 s",
+       .time = "1e-4 s",
+       .samples = 10'000,
+       .start = slow(metres, [](const Choice& c) { return about_the_axis(c, c["b0"]); }),
+       .measure = mirrors},
+      {.name = "dipole",
+       .about = "a proton of 10 MeV trapped in the Earth's field, at four radii",
+       .units = radii,
+       .effects = {"kinetic", "dipole_field"},
+       .also = {"electric", "gravity"},
+       .values = {{"charge", "1 e"},
+                  {"mass", "1 mp"},
+                  {"energy", "10 MeV"},
+                  {"pitch", "30 deg"},
+                  {"r", "4 Rearth"},
+                  {"moment", "-3.12e-5 T Rearth^3"},
+                  {"b", "5e-9 T"},
+                  {"ex", "0"},
+                  {"ey", "2e-4 V/m"},
+                  {"ez", "0"},
+                  {"gm", "1 GMearth"}},
+       .dt = "2e-3 s",
+       .time = "80 s",
+       .samples = 20'000,
+       // The drift is along y, and is not to be part of the gyration: so that starts along x.
+       .start = slow(radii,
+                     [](const Choice& c) {
+                       const Velocity v(c);
+                       const double r = c["r"], b = -c["moment"] / (r * r * r);
+                       return at(c, {r, v.across * c["mass"] / (c["charge"] * b), 0}, {v.across, 0, v.along});
+                     }),
+       .measure = bounce_and_drift}};
 }
 
 }  // namespace

@@ -105,6 +105,7 @@ int main(int argc, char** argv) {
     app.add_option("--input", input,
                    "CSV file with the columns x,y,gamma: a line a vortex, # begins a comment")
         ->type_name("FILE")
+        ->check([](const std::string& name) { return name.empty() ? "an empty name" : ""; })
         ->excludes("--preset");
   };
   program.prepare = [&](const std::string& preset) {

@@ -68,15 +68,20 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
   };
   const auto report = [=](std::ostream& out, const Run&) {
     const Seen& s = *seen;
+    auto turned = hole;  // seen so that the orbit has a positive L
+    if (s.momentum < 0) turned.spin = -hole.spin;
     out << formatted("E = %.9g, L = %.9g; ", s.energy, s.momentum)
         << formatted("r from %.5f to %.5f, ", s.nearest, s.farthest)
         << formatted("%.2f degrees off the equator\n", s.highest * 180 / pi)
-        << formatted("innermost stable circular orbit: r = %.5f\n", hole.innermost_stable_orbit());
+        << formatted("innermost stable circular orbit%s: r = %.5f\n",
+                     s.momentum * hole.spin < 0 ? " against the spin" : "", turned.innermost_stable_orbit());
     const std::string what = "turns from apoapsis to apoapsis";
     if (s.nearest <= hole.mass + std::sqrt(hole.mass * hole.mass - hole.spin * hole.spin))
       return print_none(out, what, "the body has fallen through the horizon");
     if (s.farthest - s.nearest < 1e-6 * s.farthest)
-      return print_none(out, what, "the orbit is a circle; give another --e, --r or --l");
+      return print_none(
+          out, what,
+          "r stays the same: a circle, or too short a run; give another --e, --r or --l, or more --time");
     const std::string coarse = too_coarse(s.turn);
     if (!coarse.empty()) return print_none(out, what, coarse);
     const std::int64_t orbits = s.apoapsides - 1;

@@ -129,6 +129,7 @@ class ConfigFile : public CLI::ConfigTOML {
   explicit ConfigFile(const CLI::App& app) : app_(app) {}
 
   std::vector<CLI::ConfigItem> from_config(std::istream& in) const override {
+    if (in.peek() == 0xEF) in.ignore(3);  // the mark that some editors put before UTF-8
     std::vector<CLI::ConfigItem> read = CLI::ConfigTOML::from_config(in);
     std::set<std::string> names;
     for (const auto& [parents, name, values] : read)

@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <set>
+#include <stdexcept>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -40,7 +41,9 @@ class Generations {
         }) {}
 
   /// Puts z, the stepper and the observers back to the last step that all ranks have saved, and gives the
-  /// report up to there, an empty one where there is none. Throws as Checkpoints::resume().
+  /// report up to there, an empty one where there is none. Removes no file: those that do not fit may be all
+  /// that is left of another run. Throws as Checkpoints::resume(), and std::runtime_error where a rank has
+  /// files of two steps, so that all ranks had one, and now some lack it.
   IntegrationReport resume(State& z) {
     if (every_ == 0) return {};
     std::set<std::int64_t> here = saved();
@@ -51,14 +54,17 @@ class Generations {
       if (step == 0 || ranks_.least(here.count(step) > 0 ? 1 : 0) == 1) break;
       --step;
     }
-    for (const std::int64_t other : here)
-      if (other != step) remove(other);
+    if (step == 0 && ranks_.least(here.size() > 1 ? 0 : 1) == 0)
+      throw std::runtime_error("the checkpoints " + folder_.string() +
+                               "/rank*: no step is there of all ranks, though all had saved one; bring the "
+                               "missing files back, or remove the others to begin anew");
     before_ = last_ = step;
     return step == 0 ? IntegrationReport{} : open_(step).resume(z);
   }
 
   void operator()(const double&, const State& z, const IntegrationReport& so_far) {
     if (every_ == 0 || so_far.steps == last_ || so_far.steps % every_ != 0) return;
+    remove(so_far.steps);  // by the run that was killed, which other ranks had not saved
     Saved& checkpoint = open_(so_far.steps);
     State start = start_();
     checkpoint.resume(start);  // there is no such file: it takes note of the initial state
@@ -67,11 +73,12 @@ class Generations {
     before_ = std::exchange(last_, so_far.steps);
   }
 
-  /// Takes all files of this rank away: the run is done.
+  /// Takes the files of this rank away: the run is done.
   void finish() {
     if (every_ == 0) return;
     current_.reset();
-    for (const std::int64_t step : saved()) remove(step);
+    remove(before_);
+    remove(last_);
   }
 
  private:

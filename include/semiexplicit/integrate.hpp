@@ -164,6 +164,9 @@ SEMIEXPLICIT_COLD void check_options(const IntegrationOptions<Scalar>& options, 
   if (!(options.subdivide >= 0 && options.subdivide <= 30))
     throw std::invalid_argument(
         "integrate: subdivide is not between 0 and 30; 10 makes a thousandth of a step");
+  using std::isfinite;
+  if (!isfinite(options.t0))
+    throw std::invalid_argument("integrate: t0 is not finite; give the time of the start");
   if (options.steps < 0)
     throw std::invalid_argument("integrate: steps is negative; to go back in time give a negative dt");
   if (options.done.steps < 0 || (!by_clock && options.done.steps > options.steps))
@@ -186,7 +189,10 @@ SEMIEXPLICIT_COLD void check_options(const IntegrationOptions<Scalar>& options, 
 template <ChoosesSteps S>
 SEMIEXPLICIT_COLD void check_clock(const S& stepper, const IntegrationOptions<typename S::Scalar>& options) {
   if (options.done.steps == 0) return;
-  if (options.done.taken != 0 && options.done.taken != static_cast<double>(stepper.taken()))
+  // What was taken for a subdivided step is the sum of its parts.
+  const bool same_step =
+      options.done.subdivided > 0 || options.done.taken == static_cast<double>(stepper.taken());
+  if (options.done.taken != 0 && !(same_step && options.done.t == static_cast<double>(stepper.time())))
     throw std::invalid_argument(
         "integrate: this stepper did not make the earlier part, or has made another run since, and it keeps "
         "the time and the length of its steps; go on with the one that made it, or begin a new run with "

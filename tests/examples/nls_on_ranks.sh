@@ -32,6 +32,20 @@ kill_one "$folder/saved" "$launcher"
 # As if it had been killed between the saves of the two: one rank lacks the latest.
 latest=$(find saved -name 'rank0of2-*' | sed -E 's/.*step([0-9]+).*/\1/' | sort -n | tail -1)
 rm -f "saved/rank1of2-step$latest.checkpoint"
+# A start that is refused leaves all files: one where a rank lacks its own, one that finds a damaged file.
+refuses() { # refuses WHY
+  ls saved >before.txt
+  if timeout 100 "$mpiexec" -n 2 "$program" "${settings[@]}" >refused.log 2>&1; then fail "it did not refuse: $1"; fi
+  grep -q -- "$1" refused.log || fail "$(cat refused.log)"
+  ls saved | diff before.txt - || fail "a start that was refused took files away"
+}
+mkdir away
+mv saved/rank1* away
+refuses "bring the missing files back"
+mv away/* saved
+for rank in 0 1; do echo "not one" >"saved/rank${rank}of2-step999999.checkpoint"; done
+refuses "is not a checkpoint"
+rm saved/*step999999*
 timeout 200 "$mpiexec" -n 2 "$program" "${settings[@]}" >resumed.log 2>&1 || fail "$(cat resumed.log)"
 cat resumed.log
 common=$(sed -nE 's/^resumed: ([0-9]+) of 3200 steps .*/\1/p' resumed.log)

@@ -29,6 +29,7 @@ check(charges "doubles nothing without a magnetic field" "--effects kinetic,elec
   FILE out/charges.csv HEADER "t,energy_error" PRINTS "separable: plain explicit splitting, no doubling")
 check(charges "audits its effects" "--audit --time 1e-6s" ABSENT out PRINTS "called for at 1e-02: kinetic, uniform_field\n")
 refuses(charges "a charge that cannot move" "--effects electric" "nothing moves without kinetic or a magnetic field")
+refuses(charges "a speed that needs relativity" "--energy \"10000 MeV\"" "a speed of 4[.]6 c, where Newton's equations are off")
 refuses(charges "an unknown unit" "--b 1Tesla" "--b: no unit is called 'Tesla'; the nearest names are")
 refuses(charges "a unit of another kind" "--b 1V" "'1V' is a")
 

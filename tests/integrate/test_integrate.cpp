@@ -86,6 +86,7 @@ TEST_CASE("No steps are a run, a negative number of steps is none", "[integrate]
   CHECK(calls == 1);
   CHECK(z.vector() == start.vector());
   CHECK_THROWS_AS(integrate(stepper, z, {.dt = 0.1, .steps = -1}), std::invalid_argument);
+  CHECK_THROWS_AS(integrate(stepper, z, {.dt = 0.1, .steps = 1, .t0 = NAN}), std::invalid_argument);
 }
 
 TEST_CASE("Observers of two or three arguments, several at once, in order", "[integrate]") {

@@ -303,6 +303,28 @@ TEST_CASE("Reversible steps are gone on with by the stepper that made them, and 
   CHECK((y.vector().array() == x.vector().array()).all());
 }
 
+TEST_CASE("A run of reversible steps goes on after a subdivided step", "[time]") {
+  // Steps of 0.6 do not converge from there; the parts do.
+  const systems::Product<double> h;
+  const auto steps_of_one = [](const auto&, const auto&) { return 1.0; };
+  const auto stepper = [&] {
+    return ReversibleSteps(Semiexplicit(h, schemes::low_defect6_s13()), steps_of_one);
+  };
+  IntegrationOptions<double> options{.dt = 0.6, .steps = 10, .subdivide = 6};
+  auto whole = stepper(), parts = stepper(), other = stepper();
+  PhasePoint<double, 1> z(-3, 0), y = z, x = z;
+  const auto all = integrate(whole, z, options);
+  REQUIRE(all.subdivided > 0);
+  options.steps = 5;
+  options.done = integrate(parts, y, options);
+  REQUIRE(options.done.subdivided > 0);
+  options.steps = 10;
+  CHECK(integrate(parts, y, options).t == all.t);
+  CHECK(y.vector() == z.vector());
+  integrate(other, x, {.dt = 0.6, .steps = 4, .subdivide = 6});
+  CHECK(refuses([&] { integrate(other, x, options); }, "did not make the earlier part"));
+}
+
 TEST_CASE("A checkpoint of reversible steps by another monitor function is refused", "[reversible steps]") {
   const Folder folder;
   const IntegrationOptions<double> options{.dt = 0.1, .steps = 10};

@@ -414,7 +414,8 @@ typename H::Scalar energy_rounding(const H& hamiltonian, const typename H::Scala
 
 /// Compares the gradient of H at z, entry by entry, with differences of its energy, and takes no right
 /// gradient for a wrong one: the differences come with their uncertainty, typically 1e-12 of the energy in
-/// double. Costs some sixty energies an entry, up to five times that where they say little or the entry is
+/// double. (But for a z within some 1e-5 of its size of a kink of the energy, of which it may tell the other
+/// side.) Costs some sixty energies an entry, up to five times that where they say little or the entry is
 /// wrong, and three gradients, whose outputs hold different numbers before.
 ///
 ///     if (const auto check = check_gradient(H, z); !check.ok()) std::cerr << check << '\n';

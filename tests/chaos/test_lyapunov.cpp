@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
+#include <string>
 
 #include <boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp>
 #include <semiexplicit/chaos.hpp>
@@ -123,6 +124,19 @@ TEST_CASE("Lyapunov exponents say what they cannot do", "[lyapunov]") {
     message = error.what();
   }
   CHECK(says(message, "no tangent map of the step to t = 1e+200"));
+}
+
+TEST_CASE("Lyapunov exponents say that a step was cut into parts", "[lyapunov]") {
+  const systems::NlsLattice<double, 5> lattice;
+  Semiexplicit stepper(lattice, schemes::low_defect6_s13());
+  PhasePoint<double, 5> z(5);
+  z.q() << 0.2, 3.2, 0.1, 0.3, 0.2;
+  LyapunovExponents lyapunov(stepper, 1);
+  const std::string why =
+      complaint([&] { integrate(stepper, z, {.dt = 0.12, .steps = 60, .subdivide = 4}, lyapunov); });
+  CHECK(says(why, "no tangent map of the step to t = "));
+  CHECK(says(why, "the step was cut into parts (subdivide)"));
+  CHECK(says(why, "take a smaller dt"));
 }
 
 TEST_CASE("Vectors to start with that are parallel but for rounding are refused", "[lyapunov]") {

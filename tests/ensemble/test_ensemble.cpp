@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <semiexplicit/ensemble.hpp>
@@ -238,6 +239,45 @@ TEST_CASE("A member that does not exist is refused") {
     CHECK_THROWS_AS(ensemble.hamiltonian(member), std::out_of_range);
   }
   CHECK(ensemble.state(2).dof() == 5);
+}
+
+TEST_CASE("An ensemble that was moved from has no members and says so") {
+  const auto check = [](auto from) {
+    from.run({.dt = 0.02, .steps = 3});
+    auto to = std::move(from);
+    const auto says_so = [](const auto& action) {
+      try {
+        action();
+      } catch (const std::logic_error& error) {
+        return says(error.what(), "Ensemble: it was moved from");
+      }
+      return false;
+    };
+    for (const auto& empty : {from, decltype(from)(from)}) {  // NOLINT: that is what is tested
+      CHECK(empty.size() == 0);
+      CHECK(says_so([&] { empty.state(0); }));
+      CHECK(says_so([&] { empty.report(0); }));
+      CHECK(says_so([&] { empty.failure(-1); }));
+      CHECK(says_so([&] { empty.hamiltonian(0); }));
+      CHECK(says_so([&] { empty.stepper(4); }));
+    }
+    CHECK(says_so([&] { from.set_state(0, to.state(0)); }));
+    CHECK(says_so([&] { from.run({.dt = 0.02, .steps = 3}); }));
+    CHECK(says_so([&] { from.run({.dt = 0.02, .steps = 6, .done = 3}); }));
+    CHECK(to.size() == 5);
+    CHECK(to.run({.dt = 0.02, .steps = 6, .done = 3}).steps == 30);
+
+    from = to;
+    CHECK(from.run({.dt = 0.02, .steps = 3}).steps == 15);
+    to = std::move(from);
+    CHECK((from.size() == 0 && to.report(4).steps == 3));
+    CHECK(says_so([&] { from.run({.dt = 0.02, .steps = 3}); }));
+  };
+  check(Ensemble(Lattice5(), lattices(5), scheme));
+  check(Ensemble(Lattice5(), lattices(5), scheme, Broyden{}));
+  const auto family = []<class S>(const S* k) { return Fragile<S>{k[0], 10}; };
+  const std::vector<PhasePoint<double, 1>> starts(5, PhasePoint<double, 1>(1, 0));
+  check(Ensemble(family, Eigen::MatrixXd::Ones(1, 5), starts, scheme));
 }
 
 TEST_CASE("An ensemble that makes no sense is refused") {

@@ -3,9 +3,11 @@
 
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
 #include <fstream>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <semiexplicit/chaos.hpp>
@@ -229,6 +231,132 @@ TEST_CASE("A checkpoint of another ensemble is refused, and nothing is changed")
   bytes[bytes.size() / 2] = char(bytes[bytes.size() / 2] ^ 1);
   std::ofstream(file, std::ios::binary) << bytes;
   CHECK(says(says_why(same, options), "damaged"));
+}
+
+namespace {
+
+/// Saves a run of an ensemble with these lists of observers, and says what is said of resuming it with
+/// others.
+struct Saved {
+  Ensemble<detail::SameHamiltonian<Lattice<5>>> start{Lattice<5>{}, lattices(), scheme};
+  Folder folder;
+  std::filesystem::path file = folder.path / "run.checkpoint";
+  EnsembleOptions options{.dt = 0.02, .steps = 20, .together = 10};
+
+  template <class... Lists>
+  void save(Lists... lists) const {
+    auto ensemble = start;
+    EnsembleCheckpoints checkpoints(file, {.every = 1}, ensemble, options, lists...);
+    ensemble.run(options, each(lists)..., Interrupt{10}, checkpoints);
+  }
+  template <class... Lists>
+  std::string resumed(Lists... lists) const {
+    auto ensemble = start;
+    EnsembleCheckpoints checkpoints(file, {.every = 1}, ensemble, options, lists...);
+    const std::string why = refusal([&] { checkpoints.resume(); });
+    if (why != accepted) {
+      CHECK(same_bits(ensemble.state(3), start.state(3)));
+      CHECK((lists[3].fresh() && ...));
+    }
+    return why;
+  }
+  static inline const std::string accepted = "nothing was refused";
+};
+
+/// Functions "f" that are q[0], times a factor of one member's own.
+auto functions(Eigen::Index member = 0, double factor = 1) {
+  std::vector<Invariants<double, 5>> list(11);
+  for (Eigen::Index i = 0; i < 11; ++i)
+    list[std::size_t(i)].add("f", [k = i == member ? factor : 1](const auto& q, const auto&) {
+      if (q[0] > 100) throw std::domain_error("q is above the limit");
+      return k * q[0];
+    });
+  return list;
+}
+
+/// Times to hear of, of which one member has others.
+auto times(std::size_t member = 0, std::vector<double> own = {0.1, 0.3}) {
+  const auto at = [](std::vector<double> when) {
+    return at_times(Lattice<5>{}, std::move(when), [](double, const PhasePoint<double, 5>&) {});
+  };
+  std::vector list(11, at({0.1, 0.3}));
+  list[member] = at(std::move(own));
+  return list;
+}
+
+}  // namespace
+
+TEST_CASE("An ensemble is not resumed with other functions of its observers") {
+  Saved saved;
+  saved.save(functions(), times());
+  CHECK(saved.resumed(functions(), times()) == Saved::accepted);
+  CHECK(saved.resumed(functions(7, 1 + 1e-15), times()) == Saved::accepted);  // another compiler's rounding
+  CHECK(says(saved.resumed(functions(0, 2), times()), "it belongs to another f: where member 0 was saved"));
+  CHECK(says(saved.resumed(functions(10, 1.001), times()), "another f: where member 10 was saved"));
+  auto renamed = functions();
+  renamed[4] = {};
+  renamed[4].add("g", [](const auto& q, const auto&) { return q[0]; });
+  CHECK(says(saved.resumed(renamed, times()), "'member 4: observer 1 g: a function"));
+}
+
+TEST_CASE("A function of an observer that throws where the ensemble is saved does not end its run") {
+  Saved saved;
+  auto far = lattices();
+  far[2].q()[0] = 1000;
+  saved.start = Ensemble(Lattice<5>{}, far, scheme);
+  saved.save(functions());
+  CHECK(saved.resumed(functions()) == Saved::accepted);
+  CHECK(says(saved.resumed(functions(3, 2)), "another f: where member 3 was saved"));
+}
+
+TEST_CASE("An ensemble is not resumed with other options of any member's observer") {
+  Saved saved;
+  saved.save(functions(), times());
+  CHECK(says(saved.resumed(functions(), times(3, {0.1, 0.35})), "member 3: observer 2 times: 2 numbers 0.1"));
+  CHECK(says(saved.resumed(functions(), times(10, {0.1})), "member 10: observer 2 times: 1 numbers"));
+  CHECK(says(saved.resumed(functions(), times(0, {0.1, 0.2})), "observer 2 times: 2 numbers 0.1"));
+
+  // What differs far beyond what is shown of it, and a member that has what all should have.
+  std::vector<double> many;
+  for (int i = 0; i < 1000; ++i) many.push_back(0.0004 * i);
+  Saved other;
+  other.save(times(3, many));
+  CHECK(other.resumed(times(3, many)) == Saved::accepted);
+  many[999] += 1e-9;
+  const std::string why = other.resumed(times(3, many));
+  CHECK((says(why, "member 3: observer 1 times: 1000 numbers 0 ") && why.size() < 700));
+  CHECK(says(other.resumed(times()), "' there, 'nothing' here"));
+  CHECK(says(other.resumed(times(4, many)), "'member 4: "));
+}
+
+TEST_CASE("The file of an ensemble whose observers have the same options names these once") {
+  Saved one, many;
+  one.start = Ensemble(Lattice<5>{}, std::vector(1, lattices()[0]), scheme);
+  auto ensemble = one.start;
+  auto first = std::vector(1, times()[0]), all = times();
+  CHECK(
+      EnsembleCheckpoints(one.file, {}, ensemble, one.options, first).settings().size() + 1 ==
+      EnsembleCheckpoints(many.file, {}, many.start, many.options, all).settings().size());  // 1, 11 members
+}
+
+TEST_CASE("The checkpoint of an ensemble that was moved from is refused") {
+  Saved saved;
+  auto list = times();
+  EnsembleCheckpoints checkpoints(saved.file, {}, saved.start, saved.options, list);
+  const auto taken = std::move(saved.start);
+  const auto says_so = [](const auto& action) {
+    try {
+      action();
+    } catch (const std::logic_error& error) {
+      return says(error.what(), "EnsembleCheckpoints: the ensemble was moved from");
+    }
+    return false;
+  };
+  CHECK(says_so([&] { checkpoints.resume(); }));
+  CHECK(says_so([&] { checkpoints.save(10); }));
+  std::vector<Invariants<double, 5>> none;
+  CHECK(says_so([&] { EnsembleCheckpoints(saved.file, {}, saved.start, saved.options, none); }));
+  CHECK_FALSE(std::filesystem::exists(saved.file));
 }
 
 }  // namespace test_ensemble_checkpoints

@@ -45,6 +45,17 @@ bool same_but_for_rounding(const Scalar& there, const Scalar& here) {
   return abs(there - here) <= std::pow(std::numeric_limits<Scalar>::epsilon(), Scalar(0.75)) * abs(here);
 }
 
+/// Throws where the i-th function had another value where `who` was saved. NaN here tells nothing.
+template <class State>
+void require_same(const FunctionValues<State>& functions, std::size_t i, const typename State::Scalar& there,
+                  const std::string& who) {
+  const auto& here = functions.values()[i];
+  if (here == here && !same_but_for_rounding(there, here))
+    throw std::invalid_argument("it belongs to another " + functions.names()[i] + ": where " + who +
+                                " was saved this is " + in_words(there, 9) + " there, " + in_words(here, 9) +
+                                " here; give it the same parameters, or the run another file");
+}
+
 /// The lines by which a run is known, and those of the file: they must not differ.
 inline void visit_settings(CheckpointMemory& memory, const std::string& here) {
   std::string settings = here;
@@ -214,14 +225,9 @@ class Checkpoints {
     detail::FunctionValues<State> here(z);
     list_all(here, stepper_, observers_);
     for (std::size_t i = 0; i < here.values().size(); ++i) {
-      const Scalar value = here.values()[i];
-      Scalar there = value;
+      Scalar there = here.values()[i];
       memory(there);
-      if (value == value && !detail::same_but_for_rounding(there, value))
-        throw std::invalid_argument("it belongs to another " + here.names()[i] +
-                                    ": where it was saved this is " + detail::in_words(there, 9) +
-                                    " there, " + detail::in_words(value, 9) +
-                                    " here; give it the same parameters, or the run another file");
+      detail::require_same(here, i, there, "it");
     }
   }
 

@@ -150,18 +150,24 @@ class OptionText {
   std::string text_, prefix_;
 };
 
-/// In words, where the lines of two texts differ first; empty: nowhere.
-inline std::string difference_of_lines(const std::string& there, const std::string& here) {
-  std::istringstream a(there), b(here);
+/// The first lines in which two texts differ, "nothing" beyond an end; empty: the texts are the same.
+inline std::pair<std::string, std::string> first_other_lines(const std::string& text,
+                                                             const std::string& other) {
+  std::istringstream a(text), b(other);
   std::string line_a, line_b;
   for (;;) {
     const bool more_a = static_cast<bool>(std::getline(a, line_a));
     const bool more_b = static_cast<bool>(std::getline(b, line_b));
-    if (!more_a && !more_b) return "";
+    if (!more_a && !more_b) return {};
     if (line_a != line_b || more_a != more_b)
-      return "'" + (more_a ? line_a : std::string("nothing")) + "' there, '" +
-             (more_b ? line_b : std::string("nothing")) + "' here";
+      return {more_a ? line_a : "nothing", more_b ? line_b : "nothing"};
   }
+}
+
+/// That in words; empty: nowhere.
+inline std::string difference_of_lines(const std::string& there, const std::string& here) {
+  const auto [line_there, line_here] = first_other_lines(there, here);
+  return line_there.empty() ? "" : "'" + line_there + "' there, '" + line_here + "' here";
 }
 
 /// The values of all functions that describe() lists, at one state.
@@ -169,7 +175,9 @@ template <class State>
 class FunctionValues {
  public:
   using Scalar = typename State::Scalar;
-  explicit FunctionValues(const State& z) : z_(z) {}
+  /// What a function throws is thrown on, or gives NaN.
+  enum class Throwing { on, nan };
+  explicit FunctionValues(const State& z, Throwing throwing = Throwing::on) : z_(z), throwing_(throwing) {}
 
   template <class T>
   void operator()(std::string_view, [[maybe_unused]] const T& value) {
@@ -178,7 +186,12 @@ class FunctionValues {
   template <class F>
   void function(std::string_view what, const F& f) {
     names_.emplace_back(what);
-    values_.push_back(static_cast<Scalar>(f(z_.q(), z_.p())));
+    try {
+      values_.push_back(static_cast<Scalar>(f(z_.q(), z_.p())));
+    } catch (...) {
+      if (throwing_ == Throwing::on) throw;
+      values_.push_back(std::numeric_limits<Scalar>::quiet_NaN());
+    }
   }
 
   const std::vector<std::string>& names() const { return names_; }
@@ -186,6 +199,7 @@ class FunctionValues {
 
  private:
   const State& z_;
+  Throwing throwing_;
   std::vector<std::string> names_;
   std::vector<Scalar> values_;
 };

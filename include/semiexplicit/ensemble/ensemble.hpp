@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <concepts>
+#include <cstddef>
 #include <cstdint>
 #include <stdexcept>
 #include <string>
@@ -61,11 +62,10 @@ class Ensemble {
   Ensemble(Family family, Eigen::MatrixXd parameters, const std::vector<State>& starts, Scheme<double> scheme,
            Solver solver = {})
       : hamiltonians_{std::move(family), std::move(parameters)},
-        size_(checked(starts)),
-        members_(hamiltonians_, size_, std::move(scheme), std::move(solver)),
-        records_(starts.size()) {
+        records_(checked(starts)),
+        members_(hamiltonians_, size(), std::move(scheme), std::move(solver)) {
     require_equal_sizes();
-    for (Eigen::Index i = 0; i < size_; ++i) set_state(i, starts[static_cast<std::size_t>(i)]);
+    for (Eigen::Index i = 0; i < size(); ++i) set_state(i, starts[static_cast<std::size_t>(i)]);
   }
 
   /// One Hamiltonian for all.
@@ -82,10 +82,11 @@ class Ensemble {
   /// each() ends the run of its member (status `observer_threw`; failure() has the text). One of an observer
   /// of all members ends the run of those that are stepped together with the member (status `stopped`), and
   /// is thrown again when all the others have come to where all are together. Throws std::invalid_argument
-  /// for options that make no sense.
+  /// for options that make no sense, and std::logic_error where the ensemble was moved from.
   template <class... Observers>
   EnsembleReport run(const EnsembleOptions& options, Observers&&... observers) {
     constexpr bool whole = (!of_member<Observers> || ...);
+    if (size() == 0) throw std::logic_error(moved_from);
     (require_observer(observers, options), ...);
     require(options);
     const auto start = Clock::now();
@@ -140,7 +141,8 @@ class Ensemble {
     }
   }
 
-  Eigen::Index size() const { return size_; }
+  /// 0 where it was moved from.
+  Eigen::Index size() const { return static_cast<Eigen::Index>(records_.report.size()); }
   Eigen::Index dof() const { return members_.dof(); }
   /// Members count from 0; std::out_of_range, naming the member, is thrown beyond size() - 1, here and below.
   State state(Eigen::Index member) const {
@@ -179,7 +181,7 @@ class Ensemble {
   /// What all members share, and their parameters; see Describable.
   template <class List>
   void describe(List& list) const {
-    list("members", size_);
+    list("members", size());
     list("degrees of freedom", dof());
     list("in lanes", lanes);
     list("scheme", scheme());
@@ -201,6 +203,9 @@ class Ensemble {
 
  private:
   using Clock = std::chrono::steady_clock;
+  static constexpr const char* moved_from =
+      "Ensemble: it was moved from and has no members; use the one that it was moved to, or make a new one";
+
   static double since(Clock::time_point then) {
     return std::chrono::duration<double>(Clock::now() - then).count();
   }
@@ -236,9 +241,9 @@ class Ensemble {
     if constexpr (requires {
                     { observer.members() } -> std::same_as<Eigen::Index>;
                   }) {
-      if (observer.members() != size_)
+      if (observer.members() != size())
         throw std::invalid_argument("Ensemble: each() has " + std::to_string(observer.members()) +
-                                    " observers and the ensemble " + std::to_string(size_) +
+                                    " observers and the ensemble " + std::to_string(size()) +
                                     " members; give one a member");
       if (options.done > 0 && observer.fresh())
         throw std::invalid_argument(
@@ -279,26 +284,27 @@ class Ensemble {
   }
 
   void require_member(Eigen::Index member) const {
-    if (member < 0 || member >= size_)
+    if (size() == 0) throw std::out_of_range(moved_from);
+    if (member < 0 || member >= size())
       throw std::out_of_range("Ensemble: there is no member " + std::to_string(member) +
-                              "; they count from 0 to " + std::to_string(size_ - 1));
+                              "; they count from 0 to " + std::to_string(size() - 1));
   }
 
-  Eigen::Index checked(const std::vector<State>& starts) const {
+  std::size_t checked(const std::vector<State>& starts) const {
     const auto members = static_cast<Eigen::Index>(starts.size());
     if (members == 0) throw std::invalid_argument("Ensemble: no member; give one initial state at least");
     if (hamiltonians_.parameters.cols() != members)
       throw std::invalid_argument("Ensemble: " + std::to_string(members) + " initial states and " +
                                   std::to_string(hamiltonians_.parameters.cols()) +
                                   " columns of parameters; give one column a member");
-    return members;
+    return starts.size();
   }
 
   /// A family could make Hamiltonians of any size.
   void require_equal_sizes() const {
     if constexpr (Dof == Eigen::Dynamic && detail::MakesPlain<Family>) {
       if (hamiltonians_.parameters.rows() == 0) return;
-      for (Eigen::Index i = 0; i < size_; ++i)
+      for (Eigen::Index i = 0; i < size(); ++i)
         if (const Eigen::Index own = dof_of(hamiltonians_.plain(i)); own != dof())
           throw std::invalid_argument("Ensemble: the Hamiltonian of member " + std::to_string(i) + " has " +
                                       std::to_string(own) + " degrees of freedom, and that of member 0 has " +
@@ -307,7 +313,7 @@ class Ensemble {
   }
 
   EnsembleReport gathered(const EnsembleOptions& options, std::int64_t done, Clock::time_point start) const {
-    EnsembleReport all{.members = size_,
+    EnsembleReport all{.members = size(),
                        .seconds = since(start),
                        .t = options.t0 + static_cast<double>(done) * options.dt,
                        .done = done};
@@ -320,9 +326,8 @@ class Ensemble {
   }
 
   detail::MemberHamiltonians<Family> hamiltonians_;
-  Eigen::Index size_;
-  Members members_;
   detail::MemberRecords records_;
+  Members members_;
 };
 
 template <class H, int Dof, class Solver = SimplifiedNewton>

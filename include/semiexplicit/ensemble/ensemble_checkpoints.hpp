@@ -1,9 +1,9 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <limits>
 #include <stdexcept>
 #include <string>
 #include <tuple>
@@ -29,7 +29,8 @@ namespace semiexplicit {
 ///
 /// It saves where all members are together (EnsembleOptions::together) and so many steps or seconds have
 /// passed since the last time. A file of a run with other options, Hamiltonians, parameters, initial states
-/// or observers is refused. The ensemble and the lists must outlive it. The file, its lock and what it holds
+/// or observers, of any member, is refused; functions of (q, p) are told from others by their values where
+/// the members were saved. The ensemble and the lists must outlive it. The file, its lock and what it holds
 /// for are as with Checkpoints.
 template <class Family, class Solver, class... Observers>
 class EnsembleCheckpoints {
@@ -38,7 +39,7 @@ class EnsembleCheckpoints {
   using Members = Ensemble<Family, Solver>;
 
   /// Throws std::invalid_argument where every is negative, seconds are not positive, or a list has not one
-  /// observer a member.
+  /// observer a member, and std::logic_error, as resume() and save() do, where the ensemble was moved from.
   EnsembleCheckpoints(std::filesystem::path path, CheckpointOptions options, Members& ensemble,
                       const EnsembleOptions& run, std::vector<Observers>&... observers)
       : file_(std::move(path)),
@@ -53,6 +54,7 @@ class EnsembleCheckpoints {
   /// gives the steps done up to there, for EnsembleOptions::done. Where there is no such file it changes
   /// nothing and gives 0. Throws as Checkpoints::resume() does; ensemble and observers are then untouched.
   std::int64_t resume() {
+    require_members();
     starts_ = checksum_of_states();
     last_time_ = Clock::now();
     std::int64_t done = 0;
@@ -66,7 +68,7 @@ class EnsembleCheckpoints {
       if (!check.at_end()) throw std::invalid_argument("it holds more numbers than are asked for");
       detail::restore_all_or_nothing(
           restore, [this](CheckpointMemory& memory) { visit_all(memory); },
-          [this] { require_same_gradients(); });
+          [this] { require_same_functions(); });
       done = saved;
     });
     return last_ = done;
@@ -84,8 +86,13 @@ class EnsembleCheckpoints {
 
   /// Writes a checkpoint now, after so many steps of each member.
   void save(std::int64_t done) {
+    require_members();
     CheckpointMemory memory;
-    gradients_ = gradient_sizes();
+    values_.clear();
+    for (Eigen::Index i = 0; i < ensemble_.size(); ++i)
+      with_functions(i, [&](const auto& functions) {
+        values_.insert(values_.end(), functions.values().begin(), functions.values().end());
+      });
     visit_head(memory, done);
     visit_all(memory);
     file_.write(memory.bytes());
@@ -116,7 +123,7 @@ class EnsembleCheckpoints {
   void visit_all(CheckpointMemory& memory) {
     std::apply([&](auto&... lists) { (visit_list(memory, lists), ...); }, observers_);
     ensemble_.visit_memory(memory);
-    memory(gradients_);
+    memory(values_);
   }
 
   template <class Observer>
@@ -124,35 +131,47 @@ class EnsembleCheckpoints {
     for (Observer& one : observers) one.visit_memory(memory);
   }
 
-  /// Of every member where it is, by which its Hamiltonian is known; NaN where the gradient throws.
-  std::vector<double> gradient_sizes() const {
-    std::vector<double> sizes;
-    if constexpr (detail::MakesPlain<Family>)
-      for (Eigen::Index i = 0; i < ensemble_.size(); ++i) {
-        const auto hamiltonian = ensemble_.hamiltonian(i);
-        const auto state = ensemble_.state(i);
-        double size = std::numeric_limits<double>::quiet_NaN();
-        try {
-          size = detail::GradientSize(hamiltonian)(state.q(), state.p());
-        } catch (...) {
-        }
-        sizes.push_back(size);
-      }
-    return sizes;
-  }
-  void require_same_gradients() const {
-    const std::vector<double> here = gradient_sizes();
-    if (here.size() != gradients_.size())
-      throw std::invalid_argument("it belongs to an ensemble of other members; give it another file");
-    for (std::size_t i = 0; i < here.size(); ++i)
-      if (here[i] == here[i] && !detail::same_but_for_rounding(gradients_[i], here[i]))
-        throw std::invalid_argument("it belongs to another Hamiltonian: where member " + std::to_string(i) +
-                                    " was saved its size is " + detail::in_words(gradients_[i], 9) +
-                                    " there, " + detail::in_words(here[i], 9) +
-                                    " here; give it the same parameters, or the run another file");
+  void require_members() const {
+    if (ensemble_.size() == 0)
+      throw std::logic_error(
+          "EnsembleCheckpoints: the ensemble was moved from; use the one that it was moved to, or make a new "
+          "one");
   }
 
-  std::string settings_of(const EnsembleOptions& run) {
+  /// Calls use() with the values of a member's functions where it is: the size of its gradient, by which its
+  /// Hamiltonian is known, and those of its observers. NaN where one throws.
+  template <class Use>
+  void with_functions(Eigen::Index member, const Use& use) const {
+    using Values = detail::FunctionValues<typename Members::State>;
+    const auto state = ensemble_.state(member);
+    Values functions(state, Values::Throwing::nan);
+    if constexpr (detail::MakesPlain<Family>)
+      functions.function("Hamiltonian", detail::GradientSize(ensemble_.hamiltonian(member)));
+    std::apply([&](const auto&... lists) { (functions("", lists[static_cast<std::size_t>(member)]), ...); },
+               observers_);
+    use(functions);
+  }
+  void require_same_functions() const {
+    const auto require = [](bool fits) {
+      if (!fits)
+        throw std::invalid_argument(
+            "it holds the values of other functions; give the observers of the run "
+            "that wrote it, or another file");
+    };
+    std::size_t next = 0;
+    for (Eigen::Index i = 0; i < ensemble_.size(); ++i)
+      with_functions(i, [&](const auto& functions) {
+        const std::size_t count = functions.values().size();
+        require(count <= values_.size() - next);
+        for (std::size_t k = 0; k < count; ++k)
+          detail::require_same(functions, k, values_[next + k], "member " + std::to_string(i));
+        next += count;
+      });
+    require(next == values_.size());
+  }
+
+  std::string settings_of(const EnsembleOptions& run) const {
+    require_members();
     detail::OptionText list;
     list("run", options_.run);
     list("dt", run.dt);
@@ -160,16 +179,43 @@ class EnsembleCheckpoints {
     list("every", run.every);
     list("subdivide", run.subdivide);
     list("ensemble", ensemble_);
-    int count = 0;
-    const auto add = [&](const auto& observers) {
+    each_list([&](const std::string& what, const auto& observers) {
       if (static_cast<Eigen::Index>(observers.size()) != ensemble_.size())
         throw std::invalid_argument("EnsembleCheckpoints: a list has " + std::to_string(observers.size()) +
                                     " observers and the ensemble " + std::to_string(ensemble_.size()) +
                                     " members; give one a member");
-      list("observer " + std::to_string(++count), observers.front());
-    };
-    std::apply([&](const auto&... lists) { (add(lists), ...); }, observers_);
+      list(what, observers.front());
+    });
+    each_list([&](const std::string& what, const auto& observers) { add_others(list, what, observers); });
     return list.text();
+  }
+
+  /// A line for each member whose observer has other options than the first one's: the first that differs,
+  /// not all of a long one, and the checksum of all.
+  template <class Observer>
+  static void add_others(detail::OptionText& list, const std::string& what,
+                         const std::vector<Observer>& observers) {
+    const auto options_of = [&](const Observer& one) {
+      detail::OptionText options;
+      options(what, one);
+      return options.text();
+    };
+    constexpr std::size_t longest = 100;
+    const std::string first = options_of(observers.front());
+    for (std::size_t i = 1; i < observers.size(); ++i) {
+      const std::string own = options_of(observers[i]);
+      if (own == first) continue;
+      std::string line = detail::first_other_lines(first, own).second;
+      if (line.size() > longest) line = line.substr(0, longest) + "...";
+      list("member " + std::to_string(i), line + " (checksum " + std::to_string(checksum(own)) + ")");
+    }
+  }
+
+  template <class Use>
+  void each_list(const Use& use) const {
+    int count = 0;
+    std::apply([&](const auto&... lists) { (use("observer " + std::to_string(++count), lists), ...); },
+               observers_);
   }
 
   std::uint64_t checksum_of_states() const {
@@ -188,7 +234,7 @@ class EnsembleCheckpoints {
   Members& ensemble_;
   std::tuple<std::vector<Observers>&...> observers_;
   std::string settings_;
-  std::vector<double> gradients_;
+  std::vector<double> values_;  ///< of the functions of all members where they were saved
   std::uint64_t starts_ = 0;
   std::int64_t last_ = 0;
   Clock::time_point last_time_ = Clock::now();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
@@ -73,13 +74,18 @@ class TangentRun {
         refuse("the time turned round; every run wants an observer of its own");
       const StepReport report = tangents_.advance(previous_, dt);
       if (!report.ok())
-        throw std::runtime_error(std::string(who_) + ": no tangent map of the step to t = " + in_words(t, 9) +
-                                 ": " + semiexplicit::describe(report.status));
+        throw std::runtime_error(
+            std::string(who_) + ": no tangent map of the step to t = " + in_words(t, 9) + ": " +
+            (run.subdivided > subdivided_ ? std::string("the step was cut into parts (subdivide), and the "
+                                                        "vectors take it whole; take a smaller dt, at which "
+                                                        "no step is cut")
+                                          : semiexplicit::describe(report.status)));
       elapsed_ += passed(z, dt);
       ++steps_;
     }
     clock_.set(t, run, next);
     previous_ = z;
+    subdivided_ = run.subdivided;
     return next == Next::follows;
   }
 
@@ -150,6 +156,7 @@ class TangentRun {
   State previous_;
   double elapsed_ = 0;
   std::int64_t steps_ = 0;
+  std::int64_t subdivided_ = 0;  ///< so far, of the run's steps; for a message only, so no memory
   RunClock<Scalar> clock_;
 };
 

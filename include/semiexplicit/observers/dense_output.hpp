@@ -192,6 +192,7 @@ class DenseOutput {
   struct Places {
     Scalar place[max_nodes];
     bool used[max_nodes];
+    Scalar inverse[max_nodes][max_nodes];  ///< 1/(place[j] - place[k]) of those used
 
     Places(const DenseOutput& dense, std::size_t i) {
       const std::size_t size = dense.size_;
@@ -210,6 +211,9 @@ class DenseOutput {
       for (std::size_t k = i; k > 0; --k) take(k - 1, nearest);
       if (i + 1 < size) used[nearest = i + 1] = true;
       for (std::size_t k = i + 2; k < size; ++k) take(k, nearest);
+      for (std::size_t j = 0; j < size; ++j)
+        for (std::size_t k = 0; k < j; ++k)
+          if (used[j] && used[k]) inverse[k][j] = -(inverse[j][k] = 1 / (place[j] - place[k]));
     }
   };
 
@@ -226,7 +230,7 @@ class DenseOutput {
       for (std::size_t k = 0; k < size_; ++k) {
         if (k == j || !at.used[k]) continue;
         polynomial *= (x - place[k]) / (place[j] - place[k]);
-        slope += 1 / (place[j] - place[k]);
+        slope += at.inverse[j][k];
       }
       const Scalar squared = polynomial * polynomial, beyond = x - place[j];
       if (j != i) z.vector() += (squared * (1 - 2 * beyond * slope)) * (node(j).z.vector() - start.vector());
@@ -262,7 +266,7 @@ class DenseOutput {
       Scalar weight(1), slope(0);
       for (std::size_t k = 0; k < size_; ++k) {
         if (k == j || !at.used[k]) continue;
-        const Scalar inverse = unit / (at.place[j] - at.place[k]);
+        const Scalar inverse = unit * at.inverse[j][k];
         weight *= inverse * inverse;
         slope += inverse;
       }
@@ -279,12 +283,13 @@ class DenseOutput {
                  before = detail::state_size(hamiltonian_, last_but_one_);
     next_difference_ = Scalar(0);
     if (!(speed > Scalar(0) && size > Scalar(0))) return;
-    // By what factor they grow from one order to the next: on the way from the field to the last ones, since
-    // that from one to the other is anything near a zero of either.
+    // By what factor they grow from one order to the next: on the way from the field to the last ones, the
+    // larger, since that from one to the other is anything near a zero of either.
     const int order = 2 * static_cast<int>(nodes) - 2;
-    const Scalar growth = std::max(Scalar(pow(Scalar(last / speed), Scalar(1) / Scalar(order))),
-                                   Scalar(pow(Scalar(before / speed), Scalar(1) / Scalar(order - 1))));
-    next_difference_ = std::max(last, Scalar(before * growth)) * growth / size;
+    const Scalar growth = pow(Scalar(before / speed), Scalar(1) / Scalar(order - 1));
+    next_difference_ = last > before * growth
+                           ? Scalar(last * pow(Scalar(last / speed), Scalar(1) / Scalar(order)) / size)
+                           : Scalar(before * growth * growth / size);
   }
 
   void note_error(const Places& at, std::size_t i, const Scalar& x) {

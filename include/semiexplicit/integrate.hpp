@@ -32,8 +32,8 @@ struct IntegrationOptions {
   OnFailure on_failure = OnFailure::raise;
   /// A step that does not converge or is not finite is tried again as 2, 4, ... up to 2^subdivide equal ones
   /// before it counts as failed; IntegrationReport::subdivided says how often. The energy then may drift: a
-  /// step that depends on the state is a symplectic map no more. Not with events that change the state. 0:
-  /// never.
+  /// step that depends on the state is a symplectic map no more. Observers see whole steps: what interpolates
+  /// between such says by interpolation_error() how badly. Not with events that change the state. 0: never.
   int subdivide = 0;
   Scalar t0 = Scalar(0);  ///< time of the state that is handed in, or of the first one where the run goes on
   /// Where the run ends, exactly: with the fewest equal steps that are no longer than dt.

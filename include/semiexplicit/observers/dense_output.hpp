@@ -26,6 +26,12 @@ namespace semiexplicit {
 /// within a step of size h is of order h^{2 nodes}: four nodes do for methods up to order 8. A gradient is
 /// called only where something is interpolated.
 ///
+/// The steps must resolve the motion for that, which is more than a good method asks for: exact flows with
+/// five steps an orbit, Gauss's methods of many stages and steps that were cut
+/// (IntegrationOptions::subdivide) give states far better than what lies between them, and more nodes do not
+/// help there. interpolation_error() tells. Where it is too large take shorter steps, or a step to the very
+/// time: a run that ends there, by t_end.
+///
 /// It says nothing beyond the states it holds, end() included: ready() tells whether these are as many as
 /// were asked for. The state that it saw last, shown again as a run continues, changes nothing. Where the
 /// time turns round that state is the first of the way back; another orbit starts it anew.
@@ -47,6 +53,7 @@ class DenseOutput {
       throw std::invalid_argument("DenseOutput: " + std::to_string(nodes) +
                                   " nodes; give 2 to 8, half the order of the method or a little more");
     const State zero(dof_of(hamiltonian_));
+    last_ = last_but_one_ = zero;
     for (std::size_t i = 0; i < wanted_; ++i) kept_[i] = Node{.z = zero, .field = zero.vector()};
   }
 
@@ -61,6 +68,7 @@ class DenseOutput {
   template <class Done>
   bool push(const Scalar& t, const State& z, const IntegrationReport& run, const Done& done) {
     using Next = typename detail::RunClock<Scalar>::Next;
+    judged_ = none;
     if (z.dof() != dof_of(hamiltonian_))
       throw std::invalid_argument("DenseOutput: the state has " + std::to_string(z.dof()) +
                                   " degrees of freedom and the Hamiltonian " +
@@ -111,42 +119,27 @@ class DenseOutput {
 
   /// z becomes the interpolated state at the time x, from 0 to interval(i), after state i.
   void after(std::size_t i, const Scalar& x, State& z) {
-    Scalar place[max_nodes];  // of the nodes, from state i on
-    place[i] = Scalar(0);
-    for (std::size_t k = i; k + 1 < size_; ++k) place[k + 1] = place[k] + interval(k);
-    for (std::size_t k = i; k > 0; --k) place[k - 1] = place[k] - interval(k - 1);
-    // States that lie close together, as before and behind a step that was cut, are one to an interpolation
-    // over longer steps.
-    bool used[max_nodes];
-    const auto take = [&, least = interval(i) / 8](std::size_t k, std::size_t& nearest) {
-      using std::abs;
-      used[k] = abs(place[k] - place[nearest]) >= abs(least);
-      if (used[k]) nearest = k;
-    };
-    std::size_t nearest = i;
-    used[i] = true;
-    for (std::size_t k = i; k > 0; --k) take(k - 1, nearest);
-    if (i + 1 < size_) used[nearest = i + 1] = true;
-    for (std::size_t k = i + 2; k < size_; ++k) take(k, nearest);
-    // The weights of the states have the sum 1: differences from state i are added to it, so that late times
-    // and other large values are not rounded once a node.
-    const State& start = node(i).z;
-    z.vector().setZero();
-    for (std::size_t j = 0; j < size_; ++j) {
-      if (!used[j]) continue;
-      // Lagrange's polynomial of node j at x, and its slope at the node.
-      Scalar polynomial(1), slope(0);
-      for (std::size_t k = 0; k < size_; ++k) {
-        if (k == j || !used[k]) continue;
-        polynomial *= (x - place[k]) / (place[j] - place[k]);
-        slope += 1 / (place[j] - place[k]);
-      }
-      const Scalar squared = polynomial * polynomial, beyond = x - place[j];
-      if (j != i) z.vector() += (squared * (1 - 2 * beyond * slope)) * (node(j).z.vector() - start.vector());
-      z.vector() += (squared * beyond) * field(node(j));
-    }
-    z.vector() += start.vector();
+    const Places at(*this, i);
+    interpolate(at, i, x, z);
+    note_error(at, i, x);
   }
+  /// The same for a search, whose states are not handed on: interpolation_error() does not hear of them.
+  void sought_after(std::size_t i, const Scalar& x, State& z) { interpolate(Places(*this, i), i, x, z); }
+
+  /// The largest error of the interpolated states so far, as estimated: ‖error of (q, p)‖ relative to ‖(q,
+  /// p)‖ of the larger of the states before and behind, a number without unit; in an extended phase space
+  /// without (t, p_t). 0 before anything was interpolated, and no less than rounding after it. That is the
+  /// interpolation alone: the error of the run's own states comes to it (with_error_estimate()).
+  ///
+  /// The estimate is the next term of Newton's series for the interpolant, with a divided difference guessed
+  /// from the last two by a geometric law; it costs no gradient, and once a step the time of two
+  /// interpolations (0.1 µs with four nodes of one degree of freedom). For steps that resolve the motion it
+  /// was 1 to 7 times the worst error on harmonic, Kepler's and systems::Product's, and where the error is as
+  /// large as the orbit it is of that size too. What leaves no trace in the states at the steps it cannot
+  /// see.
+  ///
+  /// Source: J. Stoer, R. Bulirsch, Introduction to Numerical Analysis, 3rd ed., sections 2.1.3 to 2.1.5.
+  const Scalar& interpolation_error() const { return worst_; }
 
   const H& hamiltonian() const { return hamiltonian_; }
 
@@ -168,11 +161,13 @@ class DenseOutput {
     }
     visit(first_);
     visit(size_);
+    visit(worst_);
+    judged_ = none;
     clock_.visit_memory(visit);
   }
 
  private:
-  static constexpr std::size_t max_nodes = 8;
+  static constexpr std::size_t max_nodes = 8, none = ~std::size_t{0};
   struct Node {
     Scalar t = Scalar(0), after = Scalar(0);  ///< the time, and the time since the node before
     State z;
@@ -195,10 +190,130 @@ class DenseOutput {
     return at.field;
   }
 
+  /// Where the states lie, from state i on, and which of them an interpolation behind it goes through.
+  struct Places {
+    Scalar place[max_nodes];
+    bool used[max_nodes];
+    Scalar inverse[max_nodes][max_nodes];  ///< 1/(place[j] - place[k]) of those used
+
+    Places(const DenseOutput& dense, std::size_t i) {
+      const std::size_t size = dense.size_;
+      place[i] = Scalar(0);
+      for (std::size_t k = i; k + 1 < size; ++k) place[k + 1] = place[k] + dense.interval(k);
+      for (std::size_t k = i; k > 0; --k) place[k - 1] = place[k] - dense.interval(k - 1);
+      // States that lie close together, as before and behind a step that was cut, are one to an interpolation
+      // over longer steps.
+      const auto take = [&, least = dense.interval(i) / 8](std::size_t k, std::size_t& nearest) {
+        using std::abs;
+        used[k] = abs(place[k] - place[nearest]) >= abs(least);
+        if (used[k]) nearest = k;
+      };
+      std::size_t nearest = i;
+      used[i] = true;
+      for (std::size_t k = i; k > 0; --k) take(k - 1, nearest);
+      if (i + 1 < size) used[nearest = i + 1] = true;
+      for (std::size_t k = i + 2; k < size; ++k) take(k, nearest);
+      for (std::size_t j = 0; j < size; ++j)
+        for (std::size_t k = 0; k < j; ++k)
+          if (used[j] && used[k]) inverse[k][j] = -(inverse[j][k] = 1 / (place[j] - place[k]));
+    }
+  };
+
+  void interpolate(const Places& at, std::size_t i, const Scalar& x, State& z) {
+    const auto& place = at.place;
+    // The weights of the states have the sum 1: differences from state i are added to it, so that late times
+    // and other large values are not rounded once a node.
+    const State& start = node(i).z;
+    z.vector().setZero();
+    for (std::size_t j = 0; j < size_; ++j) {
+      if (!at.used[j]) continue;
+      // Lagrange's polynomial of node j at x, and its slope at the node.
+      Scalar polynomial(1), slope(0);
+      for (std::size_t k = 0; k < size_; ++k) {
+        if (k == j || !at.used[k]) continue;
+        polynomial *= (x - place[k]) / (place[j] - place[k]);
+        slope += at.inverse[j][k];
+      }
+      const Scalar squared = polynomial * polynomial, beyond = x - place[j];
+      if (j != i) z.vector() += (squared * (1 - 2 * beyond * slope)) * (node(j).z.vector() - start.vector());
+      z.vector() += (squared * beyond) * field(node(j));
+    }
+    z.vector() += start.vector();
+  }
+
+  /// What every place of an interval has in common of the error: with m nodes a guess of the divided
+  /// difference of order 2m, in units of the interval and relative to the size of the states.
+  void judge(const Places& at, std::size_t i) {
+    using std::abs;
+    using std::pow;
+    judged_ = i;
+    const Scalar unit = interval(i);
+    const auto larger = [&](auto&& of) { return std::max(Scalar(of(i)), Scalar(of(i + 1))); };
+    const Scalar size = larger([&](std::size_t k) { return detail::state_size(hamiltonian_, node(k).z); });
+    const Scalar speed = abs(unit) * larger([&](std::size_t k) {
+                           last_.vector() = field(node(k));
+                           return detail::state_size(hamiltonian_, last_);
+                         });
+    // The divided differences of order 2m - 1, and 2m - 2 without the slope at the farthest node.
+    std::size_t farthest = i, nodes = 0;
+    for (std::size_t k = 0; k < size_; ++k) {
+      if (!at.used[k]) continue;
+      ++nodes;
+      if (abs(at.place[k]) > abs(at.place[farthest])) farthest = k;
+    }
+    last_.vector().setZero();
+    last_but_one_.vector().setZero();
+    for (std::size_t j = 0; j < size_; ++j) {
+      if (!at.used[j]) continue;
+      Scalar weight(1), slope(0);
+      for (std::size_t k = 0; k < size_; ++k) {
+        if (k == j || !at.used[k]) continue;
+        const Scalar inverse = unit * at.inverse[j][k];
+        weight *= inverse * inverse;
+        slope += inverse;
+      }
+      const Scalar away = (at.place[j] - at.place[farthest]) / unit;
+      if (j != i) {
+        const auto beyond = node(j).z.vector() - node(i).z.vector();
+        last_.vector() += (-2 * weight * slope) * beyond;
+        last_but_one_.vector() += (weight * (1 - 2 * away * slope)) * beyond;
+      }
+      last_.vector() += (weight * unit) * field(node(j));
+      last_but_one_.vector() += (weight * away * unit) * field(node(j));
+    }
+    const Scalar last = detail::state_size(hamiltonian_, last_),
+                 before = detail::state_size(hamiltonian_, last_but_one_);
+    next_difference_ = Scalar(0);
+    if (!(speed > Scalar(0) && size > Scalar(0))) return;
+    // By what factor they grow from one order to the next: on the way from the field to the last ones, the
+    // larger, since that from one to the other is anything near a zero of either.
+    const int order = 2 * static_cast<int>(nodes) - 2;
+    const Scalar growth = pow(Scalar(before / speed), Scalar(1) / Scalar(order - 1));
+    next_difference_ = last > before * growth
+                           ? Scalar(last * pow(Scalar(last / speed), Scalar(1) / Scalar(order)) / size)
+                           : Scalar(before * growth * growth / size);
+  }
+
+  void note_error(const Places& at, std::size_t i, const Scalar& x) {
+    if (i + 1 >= size_ || x == Scalar(0) || x == interval(i)) return;
+    if (judged_ != i) judge(at, i);
+    Scalar error = next_difference_;
+    for (std::size_t k = 0; k < size_; ++k) {
+      const Scalar from = (x - at.place[k]) / interval(i);
+      if (at.used[k]) error *= from * from;
+    }
+    error += Eigen::NumTraits<Scalar>::epsilon();
+    if (error > worst_) worst_ = error;
+  }
+
   H hamiltonian_;
   std::size_t wanted_, first_ = 0, size_ = 0;
   std::array<Node, max_nodes> kept_;
   detail::RunClock<Scalar> clock_;
+  Scalar worst_ = Scalar(0);
+  State last_, last_but_one_;  ///< divided differences; see judge()
+  std::size_t judged_ = none;  ///< the interval of
+  Scalar next_difference_ = Scalar(0);
 };
 
 namespace detail {
@@ -309,6 +424,9 @@ class AtTimes {
 
   /// How many of the times were served.
   std::size_t served() const { return next_; }
+  /// The largest error of the interpolation at these times, estimated, relative to the size of the state; see
+  /// DenseOutput::interpolation_error().
+  const Scalar& interpolation_error() const { return intervals_.dense.interpolation_error(); }
 
   /// Whether it has seen nothing yet: a resumed run would miss the times before. The observer sees nothing
   /// until the first of the times.
@@ -384,7 +502,7 @@ class AtTimes {
     if (forward ? !(t < to) : !(t > to)) return interval;
     if constexpr (extended) {
       const auto late = [&](const Scalar& x) {
-        intervals_.dense.after(i, x, between_);
+        intervals_.dense.sought_after(i, x, between_);
         return Scalar(system().time(between_) - t);
       };
       return detail::bracketed_root(late, Scalar(0), Scalar(from - t), interval, Scalar(to - t));
@@ -408,6 +526,9 @@ class AtTimes {
 /// they are physical times, and z is the phase point without time. Call finish() after a run of fewer than
 /// nodes - 1 steps. A named observer is referred to, a temporary is kept. Throws std::invalid_argument for
 /// times that are not finite, not sorted or lie before the start.
+///
+/// Where a step is long the states between are far worse than those at the steps: interpolation_error()
+/// tells. If it is too large, shorten the steps, or end a run at each time by t_end.
 template <class H, class Observer>
 AtTimes<H, Observer> at_times(
     H hamiltonian, std::vector<std::type_identity_t<typename detail::HamiltonianDoor<H>::Scalar>> times,

@@ -121,6 +121,10 @@ class Events {
     return all;
   }
 
+  /// The largest error of the interpolated states at the events, estimated, relative to the size of the
+  /// state; see DenseOutput::interpolation_error(). Events that change the state are not interpolated.
+  const Scalar& interpolation_error() const requires(!changes_state) { return dense().interpolation_error(); }
+
   /// Whether it has seen nothing yet: a resumed run would miss the events before.
   bool fresh() const { return changes_state ? !started_ : intervals_.fresh(); }
 
@@ -451,7 +455,7 @@ class Events {
     std::array<Scalar, number> when{};
     each([&](std::size_t k, auto& kind) {
       const auto at = [&](const Scalar& x) {
-        dense().after(i, x, at_event_);
+        dense().sought_after(i, x, at_event_);
         return value(kind, at_event_);
       };
       const bool begins = open_[k];
@@ -524,7 +528,8 @@ class Events {
 /// extended q and p, so that the time is the last q.
 ///
 /// Where no action changes the state, events are found to rounding on the interpolation of the run
-/// (DenseOutput, `nodes` states), whose steps stay as they are; actions hear of the first ones up to nodes -
+/// (DenseOutput, `nodes` states), whose steps stay as they are and must resolve the motion:
+/// interpolation_error() tells how far; actions hear of the first ones up to nodes -
 /// 1 steps late, and finish() hands on the last ones of a shorter run. One that returns false ends the run
 /// after the step.
 ///

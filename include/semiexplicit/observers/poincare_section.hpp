@@ -46,7 +46,9 @@ class PoincareSection : public Events<H, OnEvent<Surface, Observer>> {
 /// referred to, a temporary is kept.
 ///
 /// Points and times are as accurate as the run and the interpolation: on an orbit of systems::Product with 80
-/// steps a period the times are found to 1e-10 with four nodes and to 1e-12 with six.
+/// steps a period the times are found to 1e-10 with four nodes and to 1e-12 with six. With steps that do not
+/// resolve the motion, as those of exact flows may be, they are far worse than the run: interpolation_error()
+/// tells. If it is too large, shorten the steps.
 template <class H, class Surface, class Observer>
 PoincareSection<H, Surface, Observer> poincare_section(H hamiltonian, Surface surface, Observer&& observer,
                                                        PoincareSectionOptions options = {}) {

@@ -230,6 +230,14 @@ TEST_CASE("Terms may branch", "[terms]") {
            sum_over(n, [&](auto i) { return q[i] * q[i + 1 < n ? i + 1 : Index(0)]; });
   };
   CHECK(error_of(n, by_index) <= 1e-15);
+  // From some term on another place, another distance, none at all, or beyond the end were it not for that.
+  const auto changing = [=](const auto& q, const auto& p) {
+    return sum_over(n, [&](auto i) { return p[i] * (i < 32 ? q[i + 1] : q[i - 7]); }) +
+           sum_over(n, [&](auto i) { return p[i] * (i < 32 ? q[i] : q[2 * i - 64]); }) +
+           sum_over(n, [&](auto i) { return i < 16 ? q[i] * q[i] : p[i] * q[i] * 2; }) +
+           sum_over(n, [&](auto i) { return p[i] * p[i] * (i < 32 ? q[i + 18] : q[i - 32]); });
+  };
+  CHECK(error_of(n, changing) <= 1e-15);
   // An iteration that takes as long as the term's value asks for.
   const auto root = [=](const auto& q, const auto& p) {
     return sum_over(n, [&](auto i) {

@@ -68,22 +68,25 @@ class EnergyColumn : public TracedColumn<T, Rows> {
     using L = typename LanesFor<T>::type;
     const int slot = i.slot(half);
     const Place place = i.place();
-    i.touched->touch(slot, place);
-    TermNumber<L> x(load(place, i.last()));
+    const bool expected = i.touched->touch(slot, place, this->size());
+    TermNumber<L> x(load(place, i.last(), expected));
     x.active = 1u << slot;
     TermNumber<L>::each_slot([&](auto k) SEMIEXPLICIT_INLINE_LAMBDA {
       if (k == slot) x.derivative[k] = L(1);
     });
     return x;
   }
-  /// Beyond the column there is nothing: the term alone then reads what it asks for.
-  SEMIEXPLICIT_INTO_TERM typename LanesFor<T>::type load(const Place& place, Eigen::Index last) const {
+  /// Beyond the column there is nothing: the term alone then reads what it asks for. An expected place is
+  /// known to be inside.
+  SEMIEXPLICIT_INTO_TERM typename LanesFor<T>::type load(const Place& place, Eigen::Index last,
+                                                         bool expected) const {
     if (place.stride == 1 && place.wrap == 0) {
-      const bool inside = place.first >= 0 && last < this->size();
+      const bool inside = expected || (place.first >= 0 && last < this->size());
       if (!inside) lanes_part() = true;
       return (inside ? at_ : nothing()).load(inside ? place.first : 0);
     }
-    if (place.stride == 0 && place.first >= 0 && place.first < this->size()) return same(at_[place.first]);
+    if (place.stride == 0 && (expected || (place.first >= 0 && place.first < this->size())))
+      return same(at_[place.first]);
     return gathered(place);
   }
   static SEMIEXPLICIT_INTO_TERM HalfPoint<T> nothing() {

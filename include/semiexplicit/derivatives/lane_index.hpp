@@ -1,7 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <concepts>
 #include <cstddef>
+#include <limits>
 
 #include <Eigen/Core>
 
@@ -17,27 +19,51 @@ struct Place {
   SEMIEXPLICIT_INTO_TERM Eigen::Index of_lane(Eigen::Index k) const {
     return wrap == 0 ? first + stride * k : (first + stride * k) % wrap;
   }
+  /// How many lanes there could be in a column of that size; where counting starts again none is sure.
+  SEMIEXPLICIT_INTO_TERM Eigen::Index reach(Eigen::Index size) const {
+    if (wrap != 0) return 0;
+    if (stride > 0) return (size - 1 - first) / stride + 1;
+    if (stride < 0) return first / -stride + 1;
+    return std::numeric_limits<Eigen::Index>::max();
+  }
 };
 
 /// Which variables the terms in the lanes have touched: each has a slot among `slots` derivatives, found from
 /// the half it is in and from its distance to the terms' number, so that the compiler knows it.
 struct TouchedPlaces {
   static constexpr int slots = 16;
+  Eigen::Index term;      // the first lane's
+  bool expected = false;  // what is used has been found with earlier terms
   unsigned used = 0;
-  // Not as places: to copy one of those two stores at a time stalls.
-  Eigen::Index first[slots] = {}, stride[slots] = {}, wrap[slots] = {};
+  /// For so many terms the places next to these are inside of their columns.
+  Eigen::Index reach = std::numeric_limits<Eigen::Index>::max();
+  // Not as places: to copy one of those two stores at a time stalls. The first lane's is told relative to the
+  // terms' number, which makes it a constant.
+  Eigen::Index offset[slots] = {}, stride[slots] = {}, wrap[slots] = {};
 
-  SEMIEXPLICIT_INTO_TERM void touch(int slot, const Place& at) {
-    if ((used >> slot & 1u) == 0)
-      put(slot, at.first, at.stride, at.wrap);
-    else if (first[slot] != at.first || stride[slot] != at.stride || wrap[slot] != at.wrap)
-      lanes_part() = true;  // two variables, one slot
-    used |= 1u << slot;
+  explicit TouchedPlaces(Eigen::Index first_term) : term(first_term) {}
+
+  /// Whether this place, in a column of that size, has been expected.
+  SEMIEXPLICIT_INTO_TERM bool touch(int slot, const Place& at, Eigen::Index size) {
+    const Eigen::Index from_term = at.first - at.stride * term;
+    if (!expected) reach = std::min(reach, at.reach(size));
+    if ((used >> slot & 1u) == 0) {
+      put(slot, from_term, at.stride, at.wrap);
+      used |= 1u << slot;
+      return false;
+    }
+    if (offset[slot] == from_term && stride[slot] == at.stride && wrap[slot] == at.wrap) return expected;
+    lanes_part() = true;  // two variables, one slot
+    return false;
   }
-  SEMIEXPLICIT_INTO_TERM void put(int slot, Eigen::Index at, Eigen::Index distance, Eigen::Index around) {
-    first[slot] = at;
+  SEMIEXPLICIT_INTO_TERM void put(int slot, Eigen::Index from_term, Eigen::Index distance,
+                                  Eigen::Index around) {
+    offset[slot] = from_term;
     stride[slot] = distance;
     wrap[slot] = around;
+  }
+  SEMIEXPLICIT_INTO_TERM Place place(int slot) const {
+    return {offset[slot] + stride[slot] * term, stride[slot], wrap[slot]};
   }
 };
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <concepts>
 #include <cstddef>
@@ -38,80 +39,79 @@ class LaneSum {
 
   explicit LaneSum(Tape<T>& tape) : tape_(tape), sum_(tape.new_sum()) {}
 
-  /// Adds the term(i) that the lanes from `first` on stand for; of those before `skip` nothing. False where
-  /// they have to be evaluated one by one; nothing is added then.
+  /// Adds term(i) from i = `first` on, as many at a time as there are lanes, as long as they read the
+  /// variables next to the ones before, and not beyond n - 1. Returns how far it got: not at all where they
+  /// have to be evaluated one by one.
   template <class Term>
-  SEMIEXPLICIT_FLATTEN bool add(const Term& term, Eigen::Index first, Eigen::Index skip) {
-    TouchedPlaces touched;
+  SEMIEXPLICIT_NOINLINE SEMIEXPLICIT_FLATTEN Eigen::Index add(const Term& term, Eigen::Index first,
+                                                              Eigen::Index n) {
     const std::size_t length = tape_.length();
+    const InsideTerm inside;
     lanes_part() = false;
-    const TermNumber<L> result = in_lanes(term, touched, first);
-    if (lanes_part()) {
-      tape_.rewind(length);
-      return false;
+    // At first only for the places, all else the compiler leaves out. What it finds constant of them needs no
+    // check in the loop.
+    const Eigen::Index begin = whole(first, n);
+    TouchedPlaces places(begin);
+    const unsigned active = term(&places, begin).active;
+    const Eigen::Index most = std::clamp(places.reach, lanes, block);
+    Eigen::Index next = first;
+    for (; next < n && !lanes_part(); next += lanes) {
+      const Eigen::Index now = whole(next, n), at = now - begin;
+      if (at + lanes > most) break;
+      TouchedPlaces touched(now);
+      touched.expected = true;
+      touched.used = places.used;
+      each_of(places.used, [&](auto k) SEMIEXPLICIT_INLINE_LAMBDA {
+        touched.put(k, places.offset[k], places.stride[k], places.wrap[k]);
+      });
+      const TermNumber<L> result = term(&touched, now);
+      if (lanes_part() || touched.used != places.used || result.active != active) break;
+      each_of(active,
+              [&](auto k) SEMIEXPLICIT_INLINE_LAMBDA { store(result.derivative[k], derivatives_[k] + at); });
     }
-    // Those added before come out as they are there, and are written once more.
-    if (terms_ + lanes - skip > block || !goes_on(result, touched, skip)) flush();
-    const bool alone = terms_ == 0;
-    if (alone) begin(result, touched);
-    const Eigen::Index at = alone ? 0 : terms_ - skip;
-    TermNumber<L>::each_slot([&](auto k) SEMIEXPLICIT_INLINE_LAMBDA {
-      if (result.varies(k)) store(result.derivative[k], derivatives_[k] + at);
-    });
-    if (alone && skip > 0) forget(skip);
-    terms_ = at + lanes;
-    return true;
+    if (lanes_part()) tape_.rewind(length);
+    if (next == first) return first;
+    terms_ = std::min(next, n) - begin;
+    active_ = active;
+    each_of(active, [&](auto k) SEMIEXPLICIT_INLINE_LAMBDA { places_[k] = places.place(k); });
+    if (begin < first) forget(first - begin);
+    flush();
+    return next;
   }
-  /// The values of these terms.
+  /// The values of term(i) for the lanes from `first` on.
   template <class Term>
-  SEMIEXPLICIT_NOINLINE SEMIEXPLICIT_FLATTEN T value(const Term& term, Eigen::Index first,
-                                                     Eigen::Index skip) {
-    TouchedPlaces touched;
-    const TermNumber<L> result = in_lanes(term, touched, first);
+  SEMIEXPLICIT_NOINLINE SEMIEXPLICIT_FLATTEN T value(const Term& term, Eigen::Index first, Eigen::Index n) {
+    const InsideTerm inside;
+    const Eigen::Index begin = whole(first, n);
+    TouchedPlaces touched(begin);
+    const TermNumber<L> result = term(&touched, begin);
     Plain values[std::size_t(Planes<T>::planes * block)];
     store(result.value, values);
     T sum(0);
-    for (Eigen::Index k = skip; k < lanes; ++k) sum += Planes<T>::join(values + k, block);
+    for (Eigen::Index k = first - begin; k < lanes; ++k) sum += Planes<T>::join(values + k, block);
     return sum;
   }
-  Traced<T> finished(const T& value) {
-    flush();
-    return tape_.finished(sum_, value);
-  }
+  Traced<T> finished(const T& value) { return tape_.finished(sum_, value); }
 
  private:
   static constexpr int slots = TouchedPlaces::slots;
   static constexpr Eigen::Index block = 32 * lanes;  // terms to collect
 
-  template <class Term>
-  static SEMIEXPLICIT_INTO_TERM TermNumber<L> in_lanes(const Term& term, TouchedPlaces& touched,
-                                                       Eigen::Index first) {
-    const InsideTerm inside;
-    return term(&touched, first);
-  }
   static SEMIEXPLICIT_INTO_TERM void store(const LanePack<Plain>& x, Plain* to) { x.store(to); }
   static SEMIEXPLICIT_INTO_TERM void store(const Dual<LanePack<Plain>, 1>& x, Plain* to) {
     x.value.store(to);
     x.derivative[0].store(to + block);
   }
 
-  /// Whether the variables are those next to the ones before.
-  SEMIEXPLICIT_INTO_TERM bool goes_on(const TermNumber<L>& result, const TouchedPlaces& touched,
-                                      Eigen::Index skip) {
-    bool same = result.active == active_ && terms_ >= skip;
-    TermNumber<L>::each_slot([&](auto k) SEMIEXPLICIT_INLINE_LAMBDA {
-      if (result.varies(k)) {
-        same = same && touched.stride[k] == places_.stride[k] && touched.wrap[k] == 0 &&
-               places_.wrap[k] == 0 &&
-               touched.first[k] == places_.first[k] + places_.stride[k] * (terms_ - skip);
-      }
-    });
-    return same;
+  /// Where the lanes for the terms from `first` on begin: the last ones go together with some before them.
+  static Eigen::Index whole(Eigen::Index first, Eigen::Index n) {
+    return first + lanes <= n ? first : n - lanes;
   }
-  SEMIEXPLICIT_INTO_TERM void begin(const TermNumber<L>& result, const TouchedPlaces& touched) {
-    active_ = result.active;
+  /// f(std::integral_constant<int, slot>) for these slots.
+  template <class F>
+  static SEMIEXPLICIT_INTO_TERM void each_of(unsigned these, const F& f) {
     TermNumber<L>::each_slot([&](auto k) SEMIEXPLICIT_INLINE_LAMBDA {
-      if (result.varies(k)) places_.put(k, touched.first[k], touched.stride[k], touched.wrap[k]);
+      if ((these >> k & 1u) != 0) f(k);
     });
   }
   /// Of the terms collected the first ones.
@@ -127,11 +127,9 @@ class LaneSum {
     for (unsigned left = active_; left != 0; left &= left - 1) {
       const int k = std::countr_zero(left);
       for (Eigen::Index plane = 0; plane < Planes<T>::planes; ++plane)
-        add_to(tape_.gradient_of(sum_, plane, k >= slots / 2 ? 1 : 0), tape_.weight_of(sum_),
-               {places_.first[k], places_.stride[k], places_.wrap[k]}, derivatives_[k] + plane * block,
-               terms_);
+        add_to(tape_.gradient_of(sum_, plane, k >= slots / 2 ? 1 : 0), tape_.weight_of(sum_), places_[k],
+               derivatives_[k] + plane * block, terms_);
     }
-    terms_ = 0;
   }
   static void add_to(Plain* __restrict to, Plain weight, const Place& place, const Plain* __restrict from,
                      Eigen::Index count) {
@@ -158,7 +156,7 @@ class LaneSum {
   std::size_t sum_;
   Eigen::Index terms_ = 0;
   unsigned active_ = 0;
-  TouchedPlaces places_;
+  Place places_[slots];
   alignas(64) Plain derivatives_[slots][std::size_t(Planes<T>::planes * block)];
 };
 
@@ -171,15 +169,17 @@ class TracedSum {
   template <class InLanes, class Single>
   SEMIEXPLICIT_INTO_TERM void add(Eigen::Index n, const InLanes& in_lanes, const Single& single) {
     constexpr Eigen::Index size = LaneSum<T>::lanes;
-    for (Eigen::Index i = 0; i < n; i += size) {
-      // The last ones go together with some that have been added.
-      const Eigen::Index skip = i + size <= n ? 0 : i + size - n;
-      if (skip <= i && failures_ <= 2 + successes_ && lanes_.add(in_lanes, i - skip, skip)) {
-        if (tape_.values) value_ += lanes_.value(in_lanes, i - skip, skip);
-        ++successes_;
+    for (Eigen::Index i = 0; i < n;) {
+      const bool together = n >= size && failures_ <= 2 + successes_;
+      Eigen::Index end = together ? lanes_.add(in_lanes, i, n) : i;
+      if (end > i) {
+        successes_ += (end - i) / size;
+        if (tape_.values)
+          for (; i < end; i += size) value_ += lanes_.value(in_lanes, i, n);
+        i = end;
       } else {
-        if (skip <= i) ++failures_;
-        for (Eigen::Index k = i; k < i + size - skip; ++k) others_ += single(k);
+        if (n >= size) ++failures_;
+        for (end = std::min(i + size, n); i < end; ++i) others_ += single(i);
       }
     }
   }

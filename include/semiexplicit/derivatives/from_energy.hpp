@@ -232,10 +232,10 @@ class EnergyHamiltonian {
 /// Up to eight degrees of freedom the energy is evaluated once or twice with all derivatives carried along.
 /// Beyond that it is recorded and gone through backwards, for a few times the cost of the energy however many
 /// variables there are; an energy written with sum_over() and sum_over_pairs() is differentiated term by
-/// term, which is faster again (terms.hpp). Gradients by terms take 4 to 6 times as long as a vectorised loop
-/// by hand on a lattice of 100 or 400 sites (backwards: 50 to 65 times), 2.5 times for pairs of 200 vortices;
-/// see benchmarks/autodiff. Memory is kept, one piece for each thread; no heap use once it is large enough,
-/// and none where all of the energy are sums.
+/// term, which is faster again (terms.hpp). Gradients by terms take 2.5 to 4 times as long as a vectorised
+/// loop by hand on a lattice of 100 or 400 sites (backwards: 70 times), twice as long for pairs of 200
+/// vortices; see benchmarks/autodiff. Memory is kept, one piece for each thread; no heap use once it is large
+/// enough, and none where all of the energy are sums.
 template <int Dof, class Scalar = double, class Energy>
 requires(Dof > 0) auto from_energy(Energy energy) {
   return EnergyHamiltonian<Scalar, Dof, Energy>(Dof, std::move(energy));

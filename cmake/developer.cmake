@@ -20,6 +20,10 @@ if(SEMIEXPLICIT_SANITIZE)
   target_link_options(semiexplicit_developer INTERFACE ${sanitizers})
 endif()
 
+# For what takes longer to compile than to run.
+add_library(semiexplicit_unoptimised INTERFACE)
+target_compile_options(semiexplicit_unoptimised INTERFACE $<$<CXX_COMPILER_ID:GNU,Clang,AppleClang>:-O0>)
+
 # For examples and benchmarks, on top: whole programs, so that no two parts of one disagree about Eigen's alignment.
 add_library(semiexplicit_program INTERFACE)
 target_link_libraries(semiexplicit_program INTERFACE semiexplicit semiexplicit_developer)

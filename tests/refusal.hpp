@@ -3,26 +3,21 @@
 #include <stdexcept>
 #include <string>
 
-/// What action() says when it throws std::invalid_argument.
-template <class Action>
-std::string refusal(const Action& action) {
+/// What action() says when it throws an Error.
+template <class Error = std::runtime_error, class Action>
+std::string complaint(const Action& action) {
   try {
     action();
-  } catch (const std::invalid_argument& error) {
+  } catch (const Error& error) {
     return error.what();
   }
   return "nothing was refused";
 }
 
-/// What action() says when it throws std::runtime_error.
+/// What action() says when it throws std::invalid_argument.
 template <class Action>
-std::string complaint(const Action& action) {
-  try {
-    action();
-  } catch (const std::runtime_error& error) {
-    return error.what();
-  }
-  return "no complaint";
+std::string refusal(const Action& action) {
+  return complaint<std::invalid_argument>(action);
 }
 
 /// Whether a message contains that text.

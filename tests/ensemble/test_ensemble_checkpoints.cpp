@@ -345,12 +345,7 @@ TEST_CASE("The checkpoint of an ensemble that was moved from is refused") {
   EnsembleCheckpoints checkpoints(saved.file, {}, saved.start, saved.options, list);
   const auto taken = std::move(saved.start);
   const auto says_so = [](const auto& action) {
-    try {
-      action();
-    } catch (const std::logic_error& error) {
-      return says(error.what(), "EnsembleCheckpoints: the ensemble was moved from");
-    }
-    return false;
+    return says(complaint<std::logic_error>(action), "EnsembleCheckpoints: the ensemble was moved from");
   };
   CHECK(says_so([&] { checkpoints.resume(); }));
   CHECK(says_so([&] { checkpoints.save(10); }));

@@ -122,8 +122,7 @@ struct CostTable {
       case Reach::orbit_ends:
         return "the orbit ends near t = " + in_words(orbit_end, 3) +
                ", or is too hard there for the calls of the search: no step tried goes beyond; give a "
-               "shorter "
-               "T, or raise options.min_gradients";
+               "shorter T, or raise options.min_gradients";
       case Reach::orbits_part:
         return "neighbouring orbits part as e^(" + in_words(parting_rate, 2) +
                " t): after t = " + in_words(horizon, 2) +

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <iostream>
+#include <iterator>
 #include <numbers>
 #include <random>
 #include <string>
@@ -28,8 +29,10 @@ using namespace examples;
 struct Regime {
   std::string name;
   double beta, published_slope;
+  std::string color;
 };
-const std::vector<Regime> regimes{{"weak", 0.04, -0.25}, {"strong", 0.72, -0.3}};
+const std::vector<Regime> all_regimes{{"weak", 0.04, -0.25, "'#08519c'"},
+                                      {"strong", 0.72, -0.3, "'#cb181d'"}};
 constexpr Eigen::Index excited = 21;
 constexpr double picture_begin = 10;
 
@@ -37,7 +40,14 @@ struct Request {
   Eigen::Index sites = 1000;
   std::int64_t realizations = 1, seed = 1;
   double dt = 0.15, time = 3e4;
+  std::string only{};
 
+  std::vector<Regime> regimes() const {
+    std::vector<Regime> asked_for;
+    std::copy_if(all_regimes.begin(), all_regimes.end(), std::back_inserter(asked_for),
+                 [&](const Regime& regime) { return only.empty() || regime.name == only; });
+    return asked_for;
+  }
   std::int64_t steps() const { return steps_in(time, dt); }
 };
 
@@ -74,24 +84,36 @@ Series run(const Regime& regime, const Request& request) {
   return mean;
 }
 
-void write(const std::filesystem::path& csv, const std::vector<Series>& all) {
-  CsvWriter writer(csv, {"t", "weak_exponent", "strong_exponent"});
-  for (std::size_t i = 0; i < all[0].t.size(); ++i)
-    writer.row(std::vector<double>{all[0].t[i], all[0].exponent(i), all[1].exponent(i)});
+/// One regime and what was measured of it.
+struct Measured {
+  Regime regime;
+  Series series;
+};
+
+void write(const std::filesystem::path& csv, const std::vector<Measured>& all) {
+  std::vector<std::string> header{"t"};
+  for (const Measured& one : all) header.push_back(one.regime.name + "_exponent");
+  CsvWriter writer(csv, header);
+  const std::vector<double>& t = all.front().series.t;
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    std::vector<double> row{t[i]};
+    for (const Measured& one : all) row.push_back(one.series.exponent(i));
+    writer.row(row);
+  }
   writer.commit();
 }
 
 std::string picture(const std::filesystem::path& png, const std::filesystem::path& csv,
-                    const std::vector<Series>& all) {
+                    const std::vector<Measured>& all) {
   std::string script = gnuplot_prologue(png, 1000, 700) +
                        "set logscale xy\nset format xy '10^{%T}'\nset xlabel 'time'\n"
                        "set ylabel 'largest Lyapunov exponent up to the time'\nset key bottom left\n"
                        "set yrange [*:1]\n" +
                        formatted("set xrange [%g:*]\nplot ", picture_begin);
   for (std::size_t i = 0; i < all.size(); ++i) {
-    const auto& [name, beta, published] = regimes[i];
-    const double end = all[i].t.back(), at_end = all[i].end(), slope = all[i].slope();
-    const std::string color = i == 0 ? "'#08519c'" : "'#cb181d'";
+    const auto& [name, beta, published, color] = all[i].regime;
+    const Series& series = all[i].series;
+    const double end = series.t.back(), at_end = series.end(), slope = series.slope();
     script += quoted(csv.string()) + " skip 1 using 1:" + std::to_string(i + 2) + " with lines lw 2 lc rgb " +
               color + " title '" + name + " chaos, β = " + formatted("%g", beta) +
               (std::isfinite(slope) ? formatted(", slope %.2f", slope) : "") + "', \\\n  ";
@@ -116,21 +138,23 @@ int main(int argc, char** argv) {
   add_value(app, "--realizations", request.realizations, "of the disorder, over which log Λ is averaged",
             whole_number(1, 1'000'000), "N");
   add_value(app, "--seed", request.seed, "of the first one", whole_number(0, 1'000'000'000), "N");
+  app.add_option("--only", request.only, "one regime: weak or strong")->check(one_of({"weak", "strong"}));
   add_output(app, settings, false);
   app.footer("About a minute. One realization scatters: average over several, with --time 3e5 or more.");
 
   return run_program(app, argc, argv, [&] {
     request.steps();  // refused before the folder is made
     settings.make_output_folder();
-    std::vector<Series> all;
-    for (const Regime& regime : regimes) {
-      all.push_back(run(regime, request));
-      std::cout << regime.name << " chaos: " << all.back().in_words(regime.published_slope) << '\n';
+    std::vector<Measured> all;
+    for (const Regime& regime : request.regimes()) {
+      all.push_back({regime, run(regime, request)});
+      std::cout << regime.name << " chaos: " << all.back().series.in_words(regime.published_slope)
+                << std::endl;
     }
     const std::filesystem::path csv = settings.output / "chaos.csv";
     write(csv, all);
     if (settings.no_plot) return 0;
-    if (all[0].t.back() <= picture_begin)
+    if (all.front().series.t.back() <= picture_begin)
       std::cout << formatted("no picture: it begins at t = %g\n", picture_begin);
     else
       draw(settings.output / "chaos.png", picture(settings.output / "chaos.png", csv, all));

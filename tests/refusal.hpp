@@ -3,7 +3,10 @@
 #include <stdexcept>
 #include <string>
 
-/// What action() says when it throws an Error.
+/// What complaint() and refusal() return when nothing is thrown.
+inline const std::string accepted = "nothing was refused";
+
+/// What action() says when it throws an Error; accepted when it throws none.
 template <class Error = std::runtime_error, class Action>
 std::string complaint(const Action& action) {
   try {
@@ -11,7 +14,7 @@ std::string complaint(const Action& action) {
   } catch (const Error& error) {
     return error.what();
   }
-  return "nothing was refused";
+  return accepted;
 }
 
 /// What action() says when it throws std::invalid_argument.

@@ -117,7 +117,6 @@ const systems::Product<double> h;
 auto usual() { return Semiexplicit(h, schemes::strang<double>()); }
 const auto q_of = [](const auto& q, const auto&) { return q[0]; };
 const auto nothing = [](double, const Point&) {};
-const std::string accepted = "nothing was refused";
 
 }  // namespace
 

@@ -260,7 +260,6 @@ struct Saved {
     }
     return why;
   }
-  static inline const std::string accepted = "nothing was refused";
 };
 
 /// Functions "f" that are q[0], times a factor of one member's own.
@@ -289,8 +288,8 @@ auto times(std::size_t member = 0, std::vector<double> own = {0.1, 0.3}) {
 TEST_CASE("An ensemble is not resumed with other functions of its observers") {
   Saved saved;
   saved.save(functions(), times());
-  CHECK(saved.resumed(functions(), times()) == Saved::accepted);
-  CHECK(saved.resumed(functions(7, 1 + 1e-15), times()) == Saved::accepted);  // another compiler's rounding
+  CHECK(saved.resumed(functions(), times()) == accepted);
+  CHECK(saved.resumed(functions(7, 1 + 1e-15), times()) == accepted);  // another compiler's rounding
   CHECK(says(saved.resumed(functions(0, 2), times()), "it belongs to another f: where member 0 was saved"));
   CHECK(says(saved.resumed(functions(10, 1.001), times()), "another f: where member 10 was saved"));
   auto renamed = functions();
@@ -305,7 +304,7 @@ TEST_CASE("A function of an observer that throws where the ensemble is saved doe
   far[2].q()[0] = 1000;
   saved.start = Ensemble(Lattice<5>{}, far, scheme);
   saved.save(functions());
-  CHECK(saved.resumed(functions()) == Saved::accepted);
+  CHECK(saved.resumed(functions()) == accepted);
   CHECK(says(saved.resumed(functions(3, 2)), "another f: where member 3 was saved"));
 }
 
@@ -321,7 +320,7 @@ TEST_CASE("An ensemble is not resumed with other options of any member's observe
   for (int i = 0; i < 1000; ++i) many.push_back(0.0004 * i);
   Saved other;
   other.save(times(3, many));
-  CHECK(other.resumed(times(3, many)) == Saved::accepted);
+  CHECK(other.resumed(times(3, many)) == accepted);
   many[999] += 1e-9;
   const std::string why = other.resumed(times(3, many));
   CHECK((says(why, "member 3: observer 1 times: 1000 numbers 0 ") && why.size() < 700));

@@ -1,7 +1,7 @@
 // What Lyapunov exponents cost: the time of a step that is observed by LyapunovExponents over that of a plain
 // one, for the NLS lattice and second derivatives from hessian_times, from dual numbers through the gradient,
-// from differences of it; and by the dense tangent map. Both kinds of runs alternate in batches; medians and
-// quartiles of the ratios of the pairs are printed.
+// from differences of it, from an energy as sums of terms; and by the dense tangent map. Both kinds of runs
+// alternate in batches; medians and quartiles of the ratios of the pairs are printed.
 //
 //     bench_chaos [rounds]          pin it to a core: taskset -c 1 bench_chaos
 
@@ -81,6 +81,22 @@ struct WithProduct : GradientOnly {
     }
   }
 };
+
+/// The same lattice as a user writes it who gives no derivatives.
+auto from_terms(Eigen::Index d) {
+  return from_energy(d, [d](const auto& q, const auto& p) {
+    return sum_over(d,
+                    [&](auto i) {
+                      const auto density = q[i] * q[i] + p[i] * p[i];
+                      return density * density / 4;
+                    }) -
+           sum_over(d - 1, [&](auto i) {
+             const auto u = q[i] * q[i] - p[i] * p[i], v = q[i] * p[i];
+             const auto next_u = q[i + 1] * q[i + 1] - p[i + 1] * p[i + 1], next_v = q[i + 1] * p[i + 1];
+             return u * next_u + 4 * (v * next_v);
+           });
+  });
+}
 
 /// Exponents by the dense tangent map, which costs d³ a kick.
 template <class H>
@@ -162,7 +178,9 @@ int main(int argc, char** argv) {
     return 2;
   }
   std::printf("Steps with exponents over plain steps, NLS lattice, low_defect6_s13; quartiles\n%6s %3s  %s\n",
-              "d", "k", "hessian_times            dual numbers             differences              dense");
+              "d", "k",
+              "hessian_times            dual numbers             differences              from_energy        "
+              "      dense");
   for (const Eigen::Index count : {1, 10})
     for (const Eigen::Index d : {10, 100, 1000, 10000}) {
       const int steps = static_cast<int>(std::max<Eigen::Index>(2, 100'000 / d / (count + 1)));
@@ -172,6 +190,7 @@ int main(int argc, char** argv) {
       print(ratio(WithProduct(lattice), exponents, 2 * steps, steps, rounds));
       print(ratio(lattice, exponents, 2 * steps, steps, rounds));
       print(ratio(GradientOnly{lattice}, exponents, 2 * steps, steps, rounds));
+      print(ratio(from_terms(d), exponents, 2 * steps, steps, rounds));
       if (d <= 100) {
         const auto dense = [&](const auto& stepper) { return DenseExponents<GradientOnly>(stepper, count); };
         print(ratio(GradientOnly{lattice}, dense, d < 100 ? 2000 : 200, 1, d < 100 ? rounds : 4));

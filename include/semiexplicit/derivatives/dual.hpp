@@ -1,12 +1,38 @@
 #pragma once
 
 #include <concepts>
+#include <type_traits>
 
 #include <Eigen/Core>
 
 #include <semiexplicit/derivatives/functions.hpp>
 
 namespace semiexplicit::detail::autodiff {
+
+/// Derivatives in N directions, to be multiplied by numbers and added: an array, which goes into registers
+/// where g++ leaves loops scalar. One derivative of a pack is but one more pack: through arrays of packs the
+/// compilers would not inline the terms of a sum.
+template <class T, int N>
+struct DerivativesOf {
+  using type = Eigen::Array<T, N, 1>;
+  static type zero() { return type::Constant(T(0)); }
+};
+template <class T>
+requires(!std::is_floating_point_v<T>) struct DerivativesOf<T, 1> {
+  struct type {
+    T only;
+    SEMIEXPLICIT_INTO_TERM T& operator[](Eigen::Index) { return only; }
+    SEMIEXPLICIT_INTO_TERM const T& operator[](Eigen::Index) const { return only; }
+    SEMIEXPLICIT_INTO_TERM type& operator+=(const type& y) {
+      only += y.only;
+      return *this;
+    }
+    friend SEMIEXPLICIT_INTO_TERM type operator*(const T& factor, const type& x) { return {factor * x.only}; }
+    friend SEMIEXPLICIT_INTO_TERM type operator+(const type& x, const type& y) { return {x.only + y.only}; }
+    friend SEMIEXPLICIT_INTO_TERM type operator-(const type& x, const type& y) { return {x.only - y.only}; }
+  };
+  static SEMIEXPLICIT_INTO_TERM type zero() { return {T(0)}; }
+};
 
 /// A number with its derivatives in N directions (forward automatic differentiation): arithmetic and the
 /// functions of functions.hpp obey the chain rule. It is a plain value that owns its numbers. Eigen's
@@ -17,8 +43,7 @@ namespace semiexplicit::detail::autodiff {
 template <class T, int N>
 struct Dual : Operators<Dual<T, N>, T> {
   T value = T(0);
-  Eigen::Array<T, N, 1> derivative =
-      Eigen::Array<T, N, 1>::Constant(T(0));  // in registers: g++ leaves loops scalar
+  typename DerivativesOf<T, N>::type derivative = DerivativesOf<T, N>::zero();
 
   Dual() = default;
   template <class U>

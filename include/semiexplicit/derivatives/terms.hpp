@@ -14,6 +14,17 @@
 #include <semiexplicit/core/inlined.hpp>
 #include <semiexplicit/derivatives/term_number.hpp>
 
+// What calls a user's term, which has to become one piece with the loop over terms. clang++ inlines only what
+// a function with `flatten` calls itself. g++ does not inline copies that it makes of a function for constant
+// arguments, and makes none beyond a function with `noclone`.
+#if defined(__clang__)
+#define SEMIEXPLICIT_CALL_OF_TERM __attribute__((always_inline, flatten))
+#elif defined(__GNUC__)
+#define SEMIEXPLICIT_CALL_OF_TERM __attribute__((noclone, flatten))
+#else
+#define SEMIEXPLICIT_CALL_OF_TERM
+#endif
+
 namespace semiexplicit {
 namespace detail::autodiff {
 
@@ -239,7 +250,7 @@ Traced<T> traced_sum_over(Eigen::Index n, const Term& term, const Single& single
                                TermNumber<typename LanesFor<T>::type>>) {
       if (!inside_term() && n >= Index::size) {
         TracedSum<T> sum(*Tape<T>::current());
-        const auto in_lanes = [&](TouchedPlaces* touched, Eigen::Index first) SEMIEXPLICIT_INLINE_LAMBDA {
+        const auto in_lanes = [&](TouchedPlaces* touched, Eigen::Index first) SEMIEXPLICIT_CALL_OF_TERM {
           return term(Index{touched, first, 0, 1, 0, 8});
         };
         sum.add(n, in_lanes, single);
@@ -261,7 +272,7 @@ Traced<T> traced_sum_over_pairs(Eigen::Index n, const Term& term) {
       if (!inside_term() && n > Index::size) {
         TracedSum<T> sum(*Tape<T>::current());
         for (Eigen::Index j = 1; j < n; ++j) {
-          const auto in_lanes = [&](TouchedPlaces* touched, Eigen::Index first) SEMIEXPLICIT_INLINE_LAMBDA {
+          const auto in_lanes = [&](TouchedPlaces* touched, Eigen::Index first) SEMIEXPLICIT_CALL_OF_TERM {
             return term(Index{touched, first, 0, 1, 0, 4}, Index{touched, j, 0, 0, 0, 4});
           };
           sum.add(j, in_lanes, [&](Eigen::Index i) { return term(i, j); });

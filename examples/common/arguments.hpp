@@ -155,6 +155,7 @@ class ConfigFile : public CLI::ConfigTOML {
 /// Adds --config, a file of such options: a regular one of at most 1 MB, for others may have no end.
 inline void add_config(CLI::App& app) {
   const auto short_file = [](const std::string& text) -> std::string {
+    if (text.empty()) return "'' is no file";
     std::error_code failure;
     const std::filesystem::file_status there = std::filesystem::status(text, failure);
     if (!std::filesystem::exists(there)) return "";  // which is refused elsewhere

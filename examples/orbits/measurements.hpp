@@ -82,16 +82,19 @@ struct FirstOrder {
       node += size * of_node;
       from_node += size * of_periapsis;
     };
-    if (c.on("1pn")) take("1PN", 3 * c["gm"] / (c["c"] * c["c"] * p), 0, 1);
+    const double relativity = 3 * c["gm"] / (c["c"] * c["c"] * p);
+    if (c.on("1pn")) take("1PN", relativity, 0, 1);
     if (c.on("j2"))
       take("J2", 1.5 * c["j2"] * std::pow(c["radius"] / p, 2), -std::cos(tilt),
            2 - 2.5 * std::pow(std::sin(tilt), 2));
     if (c.on("spin_orbit"))
       take("spin", 2 * c["gs"] / (c["c"] * c["c"] * std::sqrt(c["gm"] * p * p * p)), 1, -3 * std::cos(tilt));
     along = from_node + std::cos(tilt) * node;
+    // Of the size of the square of the largest term; 2PN is one itself.
+    second_order = std::pow(c.on("2pn") ? std::max(largest, relativity) : largest, 2);
   }
   std::string terms;
-  double node = 0, from_node = 0, along = 0, largest = 0;
+  double node = 0, from_node = 0, along = 0, largest = 0, second_order = 0;
   bool holds() const { return largest < 0.01; }
 };
 
@@ -178,10 +181,8 @@ inline Measurement<3> turning_orbit(const Choice& c, const std::string& unit, do
       if (expected.holds()) {
         out << "; " << (expected.terms.empty() ? "Kepler" : expected.terms + " to first order") << ": "
             << decimals(closed_form * motion);
-        // What a first order leaves out is of the size of the square of the largest term.
-        if (expected.largest > 0)
-          out << formatted(", terms of second order: about %.0g",
-                           expected.largest * expected.largest * motion);
+        if (expected.second_order > 0)
+          out << formatted(", terms of second order: about %.0g", expected.second_order * motion);
       } else {
         out << "; too strong a field for a formula of first order";
       }

@@ -8,6 +8,7 @@
 
 #include <semiexplicit/core/extended_phase_space.hpp>
 #include <semiexplicit/core/stepper.hpp>
+#include <semiexplicit/core/two_sum.hpp>
 #include <semiexplicit/ensemble/pack_point.hpp>
 #include <semiexplicit/solvers/simplified_newton.hpp>
 #include <semiexplicit/steppers/detail/kick.hpp>
@@ -223,10 +224,9 @@ class SemiexplicitPack {
   void finish(State& state, const Mask& ok, PackReport& report) {
     Many not_finite = 0.0;  // becomes NaN
     for (std::size_t i = 0; i < size(); ++i) {
-      const Many z = state.z[i], delta = moved_[i] / 2.0 + state.carry[i];
-      const Many sum = z + delta, step = sum - z;
+      const auto [sum, lost] = detail::two_sum<Many>(state.z[i], moved_[i] / 2.0 + state.carry[i]);
       m_[i] = sum;
-      f_[i] = (z - (sum - step)) + (delta - step);
+      f_[i] = lost;
       not_finite += sum - sum;
     }
     const Mask good = ok && not_finite == 0.0;

@@ -10,6 +10,7 @@
 #include <semiexplicit/core/checkpointable.hpp>
 #include <semiexplicit/core/phase_point.hpp>
 #include <semiexplicit/core/stepper.hpp>
+#include <semiexplicit/core/two_sum.hpp>
 #include <semiexplicit/time/pace.hpp>
 
 namespace semiexplicit {
@@ -186,9 +187,8 @@ class ReversibleSteps {
     clock_.slope = (density - (time == whole ? rho : Scalar(ds / time))) / ds;
     clock_.density = density;
     last_ = z;
-    // Knuth's two-sum.
-    const Scalar delta = time + clock_.carry, sum = clock_.time + delta, moved = sum - clock_.time;
-    clock_.carry = (clock_.time - (sum - moved)) + (delta - moved);
+    const auto [sum, lost] = detail::two_sum<Scalar>(clock_.time, time + clock_.carry);
+    clock_.carry = lost;
     clock_.time = sum;
     clock_.taken = time;
     return report;

@@ -6,6 +6,7 @@
 
 #include <semiexplicit/core/phase_point.hpp>
 #include <semiexplicit/core/threads.hpp>
+#include <semiexplicit/core/two_sum.hpp>
 #include <semiexplicit/steppers/detail/for_each_index.hpp>
 
 namespace semiexplicit {
@@ -97,11 +98,8 @@ class CompensatedUpdate {
     Scalar not_finite(0);  // becomes NaN
     detail::for_each_index(size, [&](Eigen::Index k) {
       const Eigen::Index i = begin + k;
-      // Knuth's two-sum: exact whichever operand is larger.
-      const Scalar delta = increment(i) + carry[i];
-      const Scalar sum = state[i] + delta;
-      const Scalar moved = sum - state[i];
-      lost[i] = (state[i] - (sum - moved)) + (delta - moved);
+      const auto [sum, rest] = detail::two_sum<Scalar>(state[i], increment(i) + carry[i]);
+      lost[i] = rest;
       sums[i] = sum;
       not_finite += sum - sum;
     });

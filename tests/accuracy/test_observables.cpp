@@ -8,14 +8,17 @@
 #include <vector>
 
 #include <semiexplicit/accuracy.hpp>
+#include <semiexplicit/derivatives.hpp>
 #include <semiexplicit/observers/every.hpp>
 #include <semiexplicit/systems/nls_lattice.hpp>
 #include <semiexplicit/systems/product.hpp>
 #include <semiexplicit/systems/vortices.hpp>
+#include <semiexplicit/time.hpp>
 
 #include "catch.hpp"
 
 #include "kepler.hpp"
+#include "refusal.hpp"
 
 namespace test_observables {
 
@@ -175,6 +178,71 @@ TEST_CASE("errors are relative to the largest value of the observable, or absolu
                                    .gauss_stages = {}}));
   };
   CHECK(of_one_scheme(hundred) > of_one_scheme(one));
+}
+
+TEST_CASE("a trajectory is that of the system, without the time it is driven by") {
+  const Autonomous pendulum(from_energy<1>([](const auto& t, const auto& q, const auto& p) {
+    using std::cos;
+    return p[0] * p[0] / 2 - cos(q[0]) * (1 + 0.1 * cos(0.3 * t));
+  }));
+  const auto start = pendulum.extended({0.5, 0}, 1e6);
+  const auto both = [](const auto& q, const auto& p) { return Eigen::Vector2d(q[0], p[0]); };
+  const auto by_hand = cost_of_accuracy(pendulum, start, 100, {.observable = both, .targets = {1e-6}});
+  const auto by_name =
+      cost_of_accuracy(pendulum, start, 100, {.observable = observables::Trajectory{}, .targets = {1e-6}});
+  const auto one = by_hand.cheapest(1e-6), other = by_name.cheapest(1e-6);
+  REQUIRE((one && other));
+  CHECK(other->setting.dt == one->setting.dt);
+  const auto positions =
+      cost_of_accuracy(pendulum, start, 100, {.observable = observables::Positions{}, .targets = {1e-6}})
+          .cheapest(1e-6);
+  REQUIRE(positions);
+  auto z = start, better = start;
+  by_hand.run(z, *positions);
+  GaussLegendre gauss(pendulum, {.stages = 8});
+  integrate(gauss, better, {.dt = 0.05, .t_end = 100});
+  CHECK(std::abs(z.q()[0] - better.q()[0]) < 3e-6 * 0.5);
+}
+
+TEST_CASE("advice for times of a step or two is right, also where they end in a hard place") {
+  int advices = 0;
+  for (const double e : {0.5, 0.7, 0.9}) {
+    const PhasePoint<double, 2> apocentre({-1 - e, 0}, {0, -std::sqrt((1 - e) / (1 + e))});
+    const auto x = [&](double t) {
+      const double mean = std::acos(-1.0) + t;
+      double anomaly = mean;
+      for (int i = 0; i < 300; ++i)
+        anomaly -= (anomaly - e * std::sin(anomaly) - mean) / (1 - e * std::cos(anomaly));
+      return std::cos(anomaly) - e;
+    };
+    for (const double T : {1.0, 3.2, 6.3})
+      for (const double target : {1e-2, 1e-4, 1e-8}) {
+        CAPTURE(e, T, target);
+        const auto cost = cost_of_accuracy(Kepler(), apocentre, T,
+                                           {.observable = observables::Coordinate{0}, .targets = {target}});
+        const auto advice = cost.cheapest(target);
+        if (!advice) continue;
+        ++advices;
+        CHECK(advice->setting.dt <= T);
+        auto z = apocentre;
+        double worst = 0, unit = 0;
+        const auto run = cost.run(z, *advice, [&](double t, const auto& now) {
+          worst = std::max(worst, std::abs(now.q()[0] - x(t)));
+          unit = std::max(unit, std::abs(x(t)));
+        });
+        CHECK(worst < 7 * target * unit);
+        CHECK(advice->gradients > 0.5 * static_cast<double>(run.gradients));
+      }
+  }
+  CHECK(advices > 24);
+}
+
+TEST_CASE("a vector that changes its size is refused as an observable") {
+  const auto growing = [](const auto& q, const auto&) {
+    return Eigen::VectorXd(Eigen::VectorXd::Ones(q[0] < 0.4 ? 1 : 2));
+  };
+  CHECK(refuses([&] { cost_of_accuracy(Kepler(), planet, 10, {.observable = growing}); },
+                "options.observable gives a vector of 1 numbers, and of 2 at z0"));
 }
 
 TEST_CASE("a search for an observable keeps its bound on gradient calls") {

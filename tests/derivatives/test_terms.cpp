@@ -179,18 +179,20 @@ TEST_CASE("Parameters come from arrays of any kind", "[terms]") {
   std::vector<float> small(std::size_t(n), 0.0f);
   Eigen::VectorXd column(n);
   std::array<int, 37> whole{};
+  Eigen::VectorXi whole_column(n);
   for (Index i = 0; i < n; ++i) {
     plain[std::size_t(i)] = std::sin(static_cast<double>(i));
     small[std::size_t(i)] = static_cast<float>(i);
     column[i] = 1.0 / static_cast<double>(i + 1);
-    whole[std::size_t(i)] = static_cast<int>(i % 5);
+    whole_column[i] = whole[std::size_t(i)] = static_cast<int>(i % 5);
   }
   const double* const pointer = plain.data();
   const Eigen::MatrixXd coupling = column * column.transpose();
   CHECK(error_of(n, [=](const auto& q, const auto& p) {
           return sum_over(n, [&](auto i) {
             return at(plain, i) * q[i] * q[i] + at(small, i) * p[i] + at(column, i) * q[i] * p[i] +
-                   at(whole, i) * p[i] * p[i] + at(pointer, i) + at(column.reverse(), i) * q[i];
+                   at(whole, i) * p[i] * p[i] + at(whole_column, i) * q[i] + at(pointer, i) +
+                   at(column.reverse(), i) * q[i];
           });
         }) <= 1e-15);
   // Neighbours' parameters, in a ring, too, and a number a pair.

@@ -6,6 +6,7 @@
 #include <string>
 
 #include <semiexplicit/checkpoint.hpp>
+#include <semiexplicit/derivatives.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 #include <semiexplicit/systems.hpp>
 #include <semiexplicit/time.hpp>
@@ -99,6 +100,26 @@ TEST_CASE("The estimate is within a factor of three of the error of Kepler's orb
   // Along steps that follow the motion.
   const auto g = [](const auto& q, const auto&) { return std::pow(q.squaredNorm(), 0.75); };
   is_within_three(ReversibleSteps(sixth, g), sixth, {}, 0.15);
+}
+
+TEST_CASE("The estimate of a driven system is that of its state, whatever work the force does",
+          "[error estimate]") {
+  const double force = 1e4, w = 0.7, T = 100;
+  const Autonomous forced(from_energy<1>([=](const auto& t, const auto& q, const auto& p) {
+    using std::cos;
+    return (p[0] * p[0] + q[0] * q[0]) / 2 - force * q[0] * cos(w * t);
+  }));
+  const Semiexplicit stepper(forced, schemes::low_defect4_s7<double>());
+  auto z = forced.extended({0, 0}, 0.0);
+  auto estimate = with_error_estimate(stepper);
+  auto run = stepper;
+  integrate(run, z, {.dt = 0.1, .t_end = T}, estimate);
+  const double size = force / (1 - w * w), q = size * (std::cos(w * T) - std::cos(T)),
+               p = size * (std::sin(T) - w * std::sin(w * T));
+  const double error = std::hypot(z.q()[0] - q, z.p()[0] - p);
+  REQUIRE(estimate.error());
+  CHECK(*estimate.error() < 3 * error);
+  CHECK(error < 3 * *estimate.error());
 }
 
 TEST_CASE("Where orbits part the estimate says nothing, and when", "[error estimate]") {

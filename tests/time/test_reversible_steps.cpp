@@ -2,6 +2,7 @@
 
 #include "catch.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <stdexcept>
@@ -10,6 +11,7 @@
 
 #include <semiexplicit/chaos.hpp>
 #include <semiexplicit/checkpoint.hpp>
+#include <semiexplicit/derivatives.hpp>
 #include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 #include <semiexplicit/systems.hpp>
@@ -137,7 +139,35 @@ TEST_CASE("Eccentric orbits of Kepler keep their energy without drift under reve
     // The mean of the error would move with a drift, however small its share of the worst.
     const double mean = early.sum / double(early.count), later = late.sum / double(late.count);
     CHECK(std::abs(later - mean) < 1e-2 * std::abs(early.worst));
+    CHECK(stepper.swing() < 0.01);
+    CHECK(stepper.restarts() == 0);
   }
+}
+
+TEST_CASE("Reversible steps of a chaotic orbit start afresh before they swing too far",
+          "[reversible steps]") {
+  const auto henon_heiles = from_energy<2>([](const auto& q, const auto& p) {
+    return (p[0] * p[0] + p[1] * p[1] + q[0] * q[0] + q[1] * q[1]) / 2 + q[0] * q[0] * q[1] -
+           q[1] * q[1] * q[1] / 3;
+  });
+  const double y = -0.25;
+  PhasePoint<double, 2> z({0, y}, {std::sqrt(0.25 - y * y + 2 * y * y * y / 3), 0});
+  ReversibleSteps stepper(Semiexplicit(henon_heiles, schemes::low_defect6_s13<double>()),
+                          [](const auto& q, const auto&) { return 1 / (1 + 3 * q.squaredNorm()); });
+  Invariants invariants(henon_heiles);
+  double farthest = 0, wanted = 0, longest = 0;
+  integrate(stepper, z, {.dt = 0.4, .t_end = 5000}, invariants,
+            [&](double t, const auto& now, const IntegrationReport& run) {
+              farthest = std::max(farthest, stepper.swing());
+              if (wanted > 0 && t < 4999) longest = std::max(longest, run.taken / wanted);
+              wanted = 0.4 / (1 + 3 * now.q().squaredNorm());
+            });
+  CHECK(stepper.restarts() > 0);
+  CHECK(stepper.restarts() < 20);
+  CHECK(farthest > 0.1);
+  CHECK(farthest <= stepper.most_swing);
+  CHECK(longest < 1.4);
+  CHECK(invariants["energy"].worst < 1e-7);
 }
 
 TEST_CASE("Reversible steps have the order of their stepper, and end at the time asked for",

@@ -53,8 +53,8 @@ class CostOfAccuracy : public CostTable {
 
 namespace detail {
 
-/// The options with an observable of states of dynamic size.
-template <class Scalar, int Dof, int OtherDof>
+/// The options with an observable of states of another size, of what is H's own in them.
+template <class H, class Scalar, int Dof, int OtherDof>
 SEMIEXPLICIT_COLD CostOptionsOf<Scalar, Dof> options_for(const CostOptionsOf<Scalar, OtherDof>& options) {
   CostOptionsOf<Scalar, Dof> result{.targets = options.targets,
                                     .absolute = options.absolute,
@@ -67,7 +67,7 @@ SEMIEXPLICIT_COLD CostOptionsOf<Scalar, Dof> options_for(const CostOptionsOf<Sca
                                     .splittings = options.splittings};
   if (!options.observable.is_energy())
     result.observable = [f = options.observable](const In<Scalar, Dof>& q, const In<Scalar, Dof>& p) {
-      return f(PhasePoint<Scalar, OtherDof>(q, p));
+      return f(PhasePoint<Scalar, OtherDof>(q, p), q.size() - (InExtendedPhaseSpace<H> ? 1 : 0));
     };
   return result;
 }
@@ -128,7 +128,7 @@ auto cost_of_accuracy(
     PhasePoint<typename H::Scalar, Eigen::Dynamic> at(z0.dof());
     at.vector() = z0.vector();
     detail::Problem<Any> problem(Any(hamiltonian), at, T,
-                                 detail::options_for<typename H::Scalar, Eigen::Dynamic>(options));
+                                 detail::options_for<H, typename H::Scalar, Eigen::Dynamic>(options));
     detail::Search<Any>(problem).run();
     problem.table.spent_seconds = detail::cpu_seconds() - start;
     if constexpr (requires { advised_flow(hamiltonian, z0); })  // a Scene
@@ -142,7 +142,7 @@ template <class H, std::same_as<CostOptions> Options>
 requires(H::Dof != Eigen::Dynamic) auto cost_of_accuracy(const H& hamiltonian,
                                                          const PhasePoint<double, H::Dof>& z0, double T,
                                                          const Options& options) {
-  return cost_of_accuracy(hamiltonian, z0, T, detail::options_for<double, H::Dof>(options));
+  return cost_of_accuracy(hamiltonian, z0, T, detail::options_for<H, double, H::Dof>(options));
 }
 
 }  // namespace semiexplicit

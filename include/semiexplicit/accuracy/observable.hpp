@@ -17,9 +17,9 @@ namespace observables {
 
 /// H(q, p), by which cost_of_accuracy() judges where nothing is said.
 struct Energy {};
-/// All of z = (q, p).
+/// All of z = (q, p), without (t, p_t) where the time is a coordinate, see InExtendedPhaseSpace.
 struct Trajectory {};
-/// All positions.
+/// All positions, likewise.
 struct Positions {};
 /// One entry of (q, p), counted from 0: the momenta follow the d positions. Beyond 2d - 1: std::out_of_range
 /// where it is used.
@@ -43,11 +43,15 @@ class Observable {
   Observable() = default;
   Observable(observables::Energy) {}
   Observable(observables::Trajectory)
-      : value_([](const PhasePoint<Scalar, Dof>& z) { return Value(z.vector()); }) {}
+      : value_([](const PhasePoint<Scalar, Dof>& z, Eigen::Index d) {
+          Value all(2 * d);
+          all << z.q().head(d), z.p().head(d);
+          return all;
+        }) {}
   Observable(observables::Positions)
-      : value_([](const PhasePoint<Scalar, Dof>& z) { return Value(z.q()); }) {}
+      : value_([](const PhasePoint<Scalar, Dof>& z, Eigen::Index d) { return Value(z.q().head(d)); }) {}
   Observable(observables::Coordinate one)
-      : value_([i = one.index](const PhasePoint<Scalar, Dof>& z) {
+      : value_([i = one.index](const PhasePoint<Scalar, Dof>& z, Eigen::Index) {
           if (i < 0 || i >= z.vector().size())
             throw std::out_of_range("observables::Coordinate: there is no entry " + std::to_string(i) +
                                     " among " + std::to_string(z.vector().size()));
@@ -56,12 +60,14 @@ class Observable {
   template <class F>
   requires std::invocable < const F&, const In<Scalar, Dof>
   &, const In<Scalar, Dof>& > Observable(F f)
-      : value_([f = std::move(f)](const PhasePoint<Scalar, Dof>& z) {
+      : value_([f = std::move(f)](const PhasePoint<Scalar, Dof>& z, Eigen::Index) {
           return column(f(In<Scalar, Dof>(z.q()), In<Scalar, Dof>(z.p())));
         }) {}
 
   bool is_energy() const { return !value_; }
-  Value operator()(const PhasePoint<Scalar, Dof>& z) const { return value_(z); }
+  Value operator()(const PhasePoint<Scalar, Dof>& z) const { return value_(z, z.dof()); }
+  /// Where only the first `d` degrees of freedom are the system's own.
+  Value operator()(const PhasePoint<Scalar, Dof>& z, Eigen::Index d) const { return value_(z, d); }
 
  private:
   template <class Result>
@@ -71,7 +77,7 @@ class Observable {
     else
       return Value(std::forward<Result>(result));
   }
-  std::function<Value(const PhasePoint<Scalar, Dof>&)> value_{};
+  std::function<Value(const PhasePoint<Scalar, Dof>&, Eigen::Index)> value_{};
 };
 
 }  // namespace semiexplicit

@@ -5,6 +5,7 @@
 #include <exception>
 #include <limits>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include <semiexplicit/accuracy/any_hamiltonian.hpp>
@@ -43,6 +44,10 @@ class Problem {
       value[0] = hamiltonian.energy(z.q(), z.p());
     } else {
       value = options.observable(z);
+      if (observable_size_ != 0 && value.size() != observable_size_)
+        throw std::invalid_argument("cost_of_accuracy: options.observable gives a vector of " +
+                                    std::to_string(value.size()) + " numbers, and of " +
+                                    std::to_string(observable_size_) + " at z0; give one of a fixed size");
     }
   }
   Value measured(const State& z) const {
@@ -129,7 +134,7 @@ class Problem {
           "cost_of_accuracy: nothing moves at z0, the gradient is zero; give another state");
     const double visible = 1e3 * std::sqrt(static_cast<double>(Eigen::NumTraits<Scalar>::epsilon()));
     table.time_scale = table.time;
-    double h = std::min(table.time, visible * static_cast<double>(norm(z0.vector())) / speed);
+    double h = std::min(table.time, visible * static_cast<double>(state_size(hamiltonian, z0)) / speed);
     if (!(h > 0)) h = visible * table.time * 1e-3;
     try {
       for (; h < table.time; h *= 10) {
@@ -173,6 +178,7 @@ class Problem {
     if (first.size() == 0 || !first.allFinite())
       throw std::invalid_argument(
           "cost_of_accuracy: options.observable is empty, NaN or Inf at z0; give a function that is finite");
+    observable_size_ = first.size();
     judged = judge(size_of_observable(z0), options.absolute);
   }
 
@@ -201,6 +207,7 @@ class Problem {
   }
 
   std::vector<double> met_{};
+  Eigen::Index observable_size_ = 0;
 };
 
 }  // namespace semiexplicit::detail

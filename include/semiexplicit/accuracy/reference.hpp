@@ -132,9 +132,10 @@ class Reference {
   double error() const { return *std::max_element(apart_.begin(), apart_.end()); }
   /// Whether the observable is constant as far as the reference knows: an invariant.
   SEMIEXPLICIT_COLD bool is_constant(const Problem<Any>& problem) const {
+    const Value first = problem.measured(problem.z0);
     double range = 0;
     for (const Value& value : values_)
-      range = std::max(range, static_cast<double>(norm(value - values_.front())) / problem.table.unit);
+      range = std::max(range, static_cast<double>(norm(value - first)) / problem.table.unit);
     const double rounding =
         50 * static_cast<double>(Eigen::NumTraits<typename Any::Scalar>::epsilon()) * problem.judged.terms;
     return range <= std::max(10 * error(), rounding);
@@ -147,10 +148,14 @@ class Reference {
     for (const double t : times_)
       if (t <= length) times.push_back(t);
     Walker<Any> walker(problem, setting);
+    // As the run itself, which ends at T with equal steps.
+    const double T = problem.table.time;
+    const std::int64_t all = std::max<std::int64_t>(1, std::llround(std::ceil(T / setting.dt * (1 - 1e-9))));
+    const double dt = T / static_cast<double>(all);
     std::int64_t n = 0;
     const auto values = values_along(problem, times, setting, probe, [&](auto& z) {
-      const double begin = static_cast<double>(n) * setting.dt, end = static_cast<double>(++n) * setting.dt;
-      return end >= times.back() || walker.step(z, setting.dt, probe, n > 1) ? end : begin;
+      const double begin = static_cast<double>(n) * dt, end = ++n < all ? static_cast<double>(n) * dt : T;
+      return walker.step(z, dt, probe, n > 1) ? end : begin;
     });
     walker.finish(probe);
     probe.length = times.back();

@@ -59,28 +59,32 @@ class Walker {
     }
     if (setting_.method == Setting::Method::semiexplicit || setting_.method == Setting::Method::midpoint)
       drift_ += unfinished(report, z);
-    all_time_ += dt;
-    if (counts) {
-      calls_ += report.gradients;
-      evaluations_ += report.evaluations;
-      time_ += dt;
-      ++steps_;
-    }
+    Count& count = counts ? typical_ : others_;
+    count.calls += report.gradients;
+    count.evaluations += report.evaluations;
+    count.time += dt;
+    ++count.steps;
     return true;
   }
 
   void finish(Probe& probe) const {
-    if (all_time_ > 0) probe.drift = drift_ / all_time_;
-    if (steps_ == 0) return;
-    probe.rate = static_cast<double>(calls_) / time_;
-    probe.evaluations = static_cast<double>(evaluations_) / static_cast<double>(steps_);
+    const Count& count = typical_.steps > 0 ? typical_ : others_;
+    if (count.steps == 0) return;
+    probe.drift = drift_ / (typical_.time + others_.time);
+    probe.rate = static_cast<double>(count.calls) / count.time;
+    probe.evaluations = static_cast<double>(count.evaluations) / static_cast<double>(count.steps);
   }
 
  private:
+  struct Count {
+    std::int64_t calls = 0, evaluations = 0, steps = 0;
+    double time = 0;
+  };
+
   /// What the step's unfinished solve may add to the error of the invariants, e (‖m‖ + e)/‖z‖²: see
   /// StoppingRule::product.
-  static double unfinished(const StepReport& report, const State& z) {
-    const double e = report.correction, size = static_cast<double>(norm(z.vector()));
+  double unfinished(const StepReport& report, const State& z) const {
+    const double e = report.correction, size = static_cast<double>(state_size(problem_.hamiltonian, z));
     const double m = report.evaluations > 1 && report.rate > 0 ? e / report.rate : 0;
     return size > 0 ? (e / size) * ((m + e) / size) : 0;
   }
@@ -88,8 +92,8 @@ class Walker {
   Problem<Any>& problem_;
   Setting setting_;
   AnyStepper<Scalar> stepper_;
-  double drift_ = 0, all_time_ = 0, time_ = 0;
-  std::int64_t calls_ = 0, evaluations_ = 0, steps_ = 0;
+  double drift_ = 0;
+  Count typical_{}, others_{};
 };
 
 /// Follows an invariant along steps, the observable or the energy: how far apart its values are.
@@ -164,7 +168,8 @@ SEMIEXPLICIT_COLD Probe try_on_windows(Problem<Any>& problem, const Setting& set
 
 /// The observable at the given rising times of a run from z0. advance(z) makes a step and returns the time
 /// after it, or the same as before where it failed. Between the steps' ends it is found by shorter steps of
-/// `method`, which leave the run alone. Fewer values than times: a step failed.
+/// `method` back from the later one, so that no error of a whole step is left out; they leave the run alone.
+/// Fewer values than times: a step failed.
 template <class Any, class Advance>
 SEMIEXPLICIT_COLD std::vector<typename Problem<Any>::Value> values_along(Problem<Any>& problem,
                                                                          const std::vector<double>& times,
@@ -172,15 +177,15 @@ SEMIEXPLICIT_COLD std::vector<typename Problem<Any>::Value> values_along(Problem
                                                                          const Advance& advance) {
   std::vector<typename Problem<Any>::Value> values;
   Walker<Any> between(problem, method);
-  auto z = problem.z0, last = z, at = z;
+  auto z = problem.z0, at = z;
   for (double t = 0, end = 0; values.size() < times.size(); t = end) {
-    last.vector() = z.vector();
     end = advance(z);
     if (!(end > t)) break;
     for (; values.size() < times.size() && times[values.size()] <= end;
          values.push_back(problem.measured(at))) {
-      at.vector() = last.vector();
-      if (!between.step(at, times[values.size()] - t, probe, false)) return values;
+      at.vector() = z.vector();
+      const double back = times[values.size()] - end;
+      if (back != 0 && !between.step(at, back, probe, false)) return values;
     }
   }
   return values;

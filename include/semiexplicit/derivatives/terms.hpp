@@ -357,7 +357,7 @@ SEMIEXPLICIT_INTO_TERM auto at(const Array& array, const detail::autodiff::LaneI
     }
   if constexpr (requires {
                   array.derived().innerStride();
-                  array.derived().data();
+                  { array.derived().data() } -> std::convertible_to<const S*>;
                 })
     if (array.derived().innerStride() == 1 && place.stride == 1 && place.wrap == 0)
       return Pack::load(array.derived().data() + place.first);

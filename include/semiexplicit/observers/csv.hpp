@@ -111,9 +111,10 @@ class CsvWriter {
                semiexplicit::checksum(rows) == wanted.sum) {
       file_.write(rows);  // a run that was killed between commit() and the end of its checkpoints
     } else {
-      throw std::invalid_argument(
-          file_.part().string() +
-          " is not what it was when the checkpoint was written; start anew without the checkpoint");
+      throw std::invalid_argument(file_.part().string() +
+                                  " is not what it was when the checkpoint was written; give the output of "
+                                  "then, or start anew without "
+                                  "the checkpoint");
     }
     saved_ = wanted;
   }

@@ -43,7 +43,8 @@ class ErrorEstimate {
       throw std::invalid_argument("with_error_estimate: parts is below 1; give 2, or 1 for a better method");
     if (!(options_.parted > 0))
       throw std::invalid_argument("with_error_estimate: parted is not positive; give a relative error, 0.01");
-    if constexpr (requires { stepper_.dof(); }) companion_ = last_ = State(Eigen::Index(stepper_.dof()));
+    if constexpr (requires { stepper_.dof(); })
+      companion_ = last_ = difference_ = State(Eigen::Index(stepper_.dof()));
   }
 
   /// Takes in the next state; false where an observer of the companion asked to stop. Throws
@@ -61,7 +62,7 @@ class ErrorEstimate {
     if (next == Next::follows) {
       if (!parted_ && !failed_) go_on(clock_.interval(t, run), clock_.steps_since(run));
     } else if (next != Next::again) {
-      companion_ = z;
+      companion_ = difference_ = z;
       parted_ = false;
       error_ = worst_ = Scalar(0);
     }
@@ -72,8 +73,8 @@ class ErrorEstimate {
     return tell(t, run);
   }
 
-  /// The error of (q, p) at the last state, in the Euclidean norm; nothing where the companion has parted
-  /// from the run.
+  /// The error of (q, p) at the last state, in the Euclidean norm, without the work p_t of a driven system;
+  /// nothing where the companion has parted from the run.
   std::optional<Scalar> error() const { return said(error_); }
   /// The largest so far.
   std::optional<Scalar> worst() const { return said(worst_); }
@@ -129,12 +130,12 @@ class ErrorEstimate {
   /// upper bound above.
   Scalar factor() const { return options_.parts > 1 ? Scalar(4) / 3 : Scalar(1); }
 
-  /// ‖z‖, without the time where that is a coordinate.
-  Scalar size() const {
+  /// ‖z‖, without time and work, (t, p_t), where these are coordinates.
+  Scalar size(const State& z) const {
     if constexpr (requires { stepper_.hamiltonian(); })
-      return detail::state_size(stepper_.hamiltonian(), last_);
+      return detail::state_size(stepper_.hamiltonian(), z);
     else
-      return detail::norm(last_.vector());
+      return detail::norm(z.vector());
   }
 
   std::optional<Scalar> said(const Scalar& value) const {
@@ -155,8 +156,9 @@ class ErrorEstimate {
 
   void judge(const Scalar& t) {
     if (parted_) return;
-    error_ = factor() * detail::norm(last_.vector() - companion_.vector());
-    if (failed_ || !(error_ <= Scalar(options_.parted) * size())) {
+    difference_.vector() = last_.vector() - companion_.vector();
+    error_ = factor() * size(difference_);
+    if (failed_ || !(error_ <= Scalar(options_.parted) * size(last_))) {
       parted_ = true;
       parted_at_ = t;
       failed_ = false;
@@ -178,7 +180,7 @@ class ErrorEstimate {
   S stepper_;
   ErrorEstimateOptions options_;
   std::tuple<Observers...> observers_;
-  State companion_, last_;
+  State companion_, last_, difference_;
   bool parted_ = false, failed_ = false;
   Scalar parted_at_ = Scalar(0), error_ = Scalar(0), worst_ = Scalar(0);
   std::int64_t gradients_ = 0;

@@ -149,12 +149,11 @@ class Reference {
       if (t <= length) times.push_back(t);
     Walker<Any> walker(problem, setting);
     // As the run itself, which ends at T with equal steps.
-    const double T = problem.table.time;
-    const std::int64_t all = std::max<std::int64_t>(1, std::llround(std::ceil(T / setting.dt * (1 - 1e-9))));
-    const double dt = T / static_cast<double>(all);
-    std::int64_t n = 0;
+    const double T = problem.table.time, all = std::max(1.0, std::ceil(T / setting.dt * (1 - 1e-9))),
+                 dt = T / all;
+    double n = 0;
     const auto values = values_along(problem, times, setting, probe, [&](auto& z) {
-      const double begin = static_cast<double>(n) * dt, end = ++n < all ? static_cast<double>(n) * dt : T;
+      const double begin = n * dt, end = ++n < all ? n * dt : T;
       return walker.step(z, dt, probe, n > 1) ? end : begin;
     });
     walker.finish(probe);

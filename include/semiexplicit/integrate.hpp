@@ -373,6 +373,10 @@ IntegrationReport integrate_checked(S& stepper, typename S::State& state,
   [[maybe_unused]] auto whole = kept(), start_of_rest = kept();
   while (by_clock ? t != options.t_end : report.steps < options.steps) {
     if constexpr (changing_observers == 1) start_of_rest = whole = state;
+    if constexpr (ChoosesSteps<S>)
+      if (stepper.time() != t)
+        throw std::logic_error(
+            "integrate: an observer has moved the stepper of this run, which keeps a time; give it a copy");
     report.last = one_step(stepper, state, options.dt, options);
     report.evaluations += report.last.evaluations;
     report.gradients += report.last.gradients;

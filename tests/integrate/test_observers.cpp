@@ -172,6 +172,15 @@ TEST_CASE("Invariants follow the energy of a Hamiltonian", "[observers]") {
   CHECK(errors["energy"].worst == 1);
 }
 
+TEST_CASE("Invariants refuse the states of a system of another size", "[observers]") {
+  Semiexplicit stepper(systems::NlsLattice<double>(5));
+  PhasePoint<double, Eigen::Dynamic> z(5);
+  z.vector().setConstant(0.1);
+  Invariants of_another(systems::NlsLattice<double>(7));
+  CHECK(refuses([&] { integrate(stepper, z, {.dt = 0.1, .steps = 2}, of_another); },
+                "Invariants: the state has 5 degrees of freedom and the Hamiltonian 7"));
+}
+
 TEST_CASE("A first value that is zero up to rounding is not what errors are relative to", "[observers]") {
   // A light ray: H = 0, and -1.5e-16 in numbers, of terms of size one.
   const effects::black_hole::Schwarzschild<> hole;

@@ -10,6 +10,7 @@
 #include <type_traits>
 #include <utility>
 
+#include <semiexplicit/derivatives.hpp>
 #include <semiexplicit/systems.hpp>
 
 #include "../properties/methods.hpp"
@@ -199,6 +200,40 @@ TEST_CASE("Broyden's method bears steps that the simplified iteration does not",
   CHECK(dt > 0.1);
   Semiexplicit robust(h, schemes::strang(), Broyden{});
   CHECK(robust.step(z, dt).ok());
+}
+
+TEST_CASE("No solver takes a distant solution of the projection for that of the step", "[failures]") {
+  const auto h = from_energy<2>([](const auto& q, const auto& p) {
+    const auto well = q[0] * q[0] - 1;
+    return (p[0] * p[0] + p[1] * p[1]) / 2 * (1 + 0.3 * q[0] * q[0]) + well * well / 4 + q[1] * q[1] / 2 +
+           0.2 * q[0] * q[1] * p[0];
+  });
+  // An iteration that wanders for nearly a hundred evaluations ends there.
+  PhasePoint<double, 2> z({-1.6049070631184654, 0.26706564373062314},
+                          {-1.1391682576997479, -1.9528368559373941});
+  const auto before = z;
+  CHECK(Semiexplicit(h).step(z, 1.0).status == Status::no_convergence);
+  CHECK(z.vector() == before.vector());
+
+  const auto thrown = [&](auto solver) {
+    std::mt19937_64 random(11);
+    std::uniform_real_distribution<double> entry(-2, 2);
+    Semiexplicit stepper(h, schemes::low_defect6_s13(), solver);
+    int taken = 0, off = 0;
+    for (int i = 0; i < 5000; ++i) {
+      for (double& x : z.vector()) x = entry(random);
+      auto y = z;
+      if (!stepper.step(y, 0.9).ok()) continue;
+      ++taken;
+      if (std::abs(h.energy(y.q(), y.p()) / h.energy(z.q(), z.p()) - 1) > 0.2) ++off;
+    }
+    CHECK(taken > 2000);
+    return off;
+  };
+  CHECK(thrown(SimplifiedNewton{}) == 0);
+  CHECK(thrown(Broyden{}) == 0);
+  CHECK(thrown(NewtonKrylov{}) == 0);
+  CHECK(thrown(Robust{}) == 0);
 }
 
 TEST_CASE("No solver accepts copies that are far apart: random states and large steps", "[failures]") {

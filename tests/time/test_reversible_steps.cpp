@@ -144,30 +144,94 @@ TEST_CASE("Eccentric orbits of Kepler keep their energy without drift under reve
   }
 }
 
-TEST_CASE("Reversible steps of a chaotic orbit start afresh before they swing too far",
+/// Two oscillators, one of them hard.
+struct Oscillators {
+  using Scalar = double;
+  static constexpr int Dof = 2;
+  static constexpr bool separable = true;
+  using SeparableGradientOf = Oscillators;
+  double energy(In<double, 2> q, In<double, 2> p) const {
+    return (p.squaredNorm() + q[0] * q[0] + 2 * q[1] * q[1]) / 2 + q[0] * q[0] * q[0] * q[0] / 4;
+  }
+  void position_gradient(In<double, 2> q, Out<double, 2> half) const {
+    half << q[0] + q[0] * q[0] * q[0], 2 * q[1];
+  }
+  void momentum_gradient(In<double, 2> p, Out<double, 2> half) const { half = p; }
+  void gradient(In<double, 2> q, In<double, 2> p, Out<double, 2> dHdq, Out<double, 2> dHdp) const {
+    position_gradient(q, dHdq);
+    momentum_gradient(p, dHdp);
+  }
+};
+
+TEST_CASE("Reversible steps that come to swing start afresh, and fail where they do soon",
           "[reversible steps]") {
-  const auto henon_heiles = from_energy<2>([](const auto& q, const auto& p) {
-    return (p[0] * p[0] + p[1] * p[1] + q[0] * q[0] + q[1] * q[1]) / 2 + q[0] * q[0] * q[1] -
-           q[1] * q[1] * q[1] / 3;
-  });
-  const double y = -0.25;
-  PhasePoint<double, 2> z({0, y}, {std::sqrt(0.25 - y * y + 2 * y * y * y / 3), 0});
-  ReversibleSteps stepper(Semiexplicit(henon_heiles, schemes::low_defect6_s13<double>()),
-                          [](const auto& q, const auto&) { return 1 / (1 + 3 * q.squaredNorm()); });
-  Invariants invariants(henon_heiles);
-  double farthest = 0, wanted = 0, longest = 0;
-  integrate(stepper, z, {.dt = 0.4, .t_end = 5000}, invariants,
-            [&](double t, const auto& now, const IntegrationReport& run) {
-              farthest = std::max(farthest, stepper.swing());
-              if (wanted > 0 && t < 4999) longest = std::max(longest, run.taken / wanted);
-              wanted = 0.4 / (1 + 3 * now.q().squaredNorm());
-            });
-  CHECK(stepper.restarts() > 0);
-  CHECK(stepper.restarts() < 20);
+  // With steps of which the longest is a tenth of a period, and g three times as large there as elsewhere.
+  const Oscillators h;
+  const auto g = [](const auto& q, const auto&) { return 1 / (0.3 + 0.5 * q.squaredNorm()); };
+  const Point start({0.3, 0.2}, {0.8, 0.9});
+  ReversibleSteps stepper(ExplicitSplitting(h, schemes::blanes_moan6()), g);
+  Invariants invariants(h);
+  double farthest = 0, longest = 0, wanted = 0;
+  Point z = start;
+  const auto look = [&](double, const Point& now, const IntegrationReport& run) {
+    farthest = std::max(farthest, stepper.swing());
+    if (run.steps > 0) longest = std::max(longest, run.taken / wanted);
+    wanted = 0.087 * g(now.q(), now.p());
+  };
+  integrate(stepper, z, {.dt = 0.087, .steps = 60'000}, invariants, look);
+  CHECK(stepper.restarts() >= 1);
+  CHECK(stepper.restarts() <= 3);
   CHECK(farthest > 0.1);
   CHECK(farthest <= stepper.most_swing);
-  CHECK(longest < 1.4);
+  CHECK(longest < 1.6);
   CHECK(invariants["energy"].worst < 1e-7);
+
+  ReversibleSteps coarse(ExplicitSplitting(h, schemes::blanes_moan6()), g);
+  z = start;
+  Point last = z;
+  const auto report = integrate(coarse, z, {.dt = 0.115, .steps = 60'000, .on_failure = OnFailure::stop},
+                                [&](double, const Point& now) { last = now; });
+  CHECK(report.status == Status::invalid_monitor);
+  CHECK(report.steps < coarse.least_between);
+  CHECK(z.vector() == last.vector());
+  CHECK(coarse.time() == report.t);
+}
+
+TEST_CASE("Monitor functions of distances leave out the time of a driven system", "[reversible steps]") {
+  const Autonomous driven(from_energy<2>([](const auto& t, const auto& q, const auto& p) {
+    using std::cos;
+    using std::sqrt;
+    return (p[0] * p[0] + p[1] * p[1]) / 2 - 1 / sqrt(q[0] * q[0] + q[1] * q[1]) + 0.01 * q[0] * cos(t);
+  }));
+  const auto start = driven.extended({{0.7, 0}, {0, 1.3}}, 100);
+  const auto end_with = [&](const auto& monitor) {
+    auto z = start;
+    ReversibleSteps stepper(Semiexplicit(driven), monitor);
+    integrate(stepper, z, {.dt = 0.05, .t0 = 100, .t_end = 120});
+    return z;
+  };
+  const auto by_hand = end_with([](const auto& q, const auto&) { return std::sqrt(q.head(2).norm()); });
+  CHECK((end_with(monitors::Distance{.power = 0.5}).vector() - by_hand.vector()).norm() < 1e-12);
+  const Eigen::Vector2d origin(0, 0);
+  CHECK((end_with(monitors::DistanceFrom(origin, 0.5)).vector() - by_hand.vector()).norm() < 1e-12);
+  CHECK(refuses([&] { end_with(monitors::DistanceFrom(Eigen::Vector3d(0, 0, 0), 0.5)); },
+                "give a centre of the system's, without the time"));
+}
+
+TEST_CASE("A run by reversible steps refuses an observer that moves its stepper", "[reversible steps]") {
+  ReversibleSteps stepper(Semiexplicit(Kepler()), free_fall);
+  Point z = kepler_orbit(0.5, 0);
+  CHECK(says(complaint<std::logic_error>([&] {
+               integrate(stepper, z, {.dt = 0.1, .t_end = 5}, [&](double t, Point ahead) {
+                 if (t > 2) integrate(stepper, ahead, {.dt = 0.1, .steps = 3, .t0 = t});
+               });
+             }),
+             "an observer has moved the stepper of this run, which keeps a time; give it a copy"));
+  z = kepler_orbit(0.5, 0);
+  CHECK_NOTHROW(integrate(stepper, z, {.dt = 0.1, .t_end = 5}, [&](double t, Point ahead) {
+    auto own = stepper;
+    if (t > 2) integrate(own, ahead, {.dt = 0.1, .steps = 3, .t0 = t});
+  }));
 }
 
 TEST_CASE("Reversible steps have the order of their stepper, and end at the time asked for",

@@ -36,6 +36,8 @@ class ErrorEstimate {
       requires(const State& z) { z.vector(); },
       "with_error_estimate takes steppers of phase points, and this one moves two copies: take "
       "Semiexplicit or MidpointProjection");
+  static_assert(!ChoosesSteps<S>,
+                "with_error_estimate takes a companion that steps by times: give stepper.stepper()");
 
   ErrorEstimate(S stepper, ErrorEstimateOptions options, Observers&&... observers)
       : stepper_(std::move(stepper)), options_(options), observers_(std::forward<Observers>(observers)...) {

@@ -44,7 +44,13 @@ class Invariants {
   template <class H>
   explicit Invariants(const H& hamiltonian) {
     if constexpr (detail::has_energy<H>())
-      add("energy", [hamiltonian](const auto& q, const auto& p) { return hamiltonian.energy(q, p); });
+      add("energy", [hamiltonian](const auto& q, const auto& p) {
+        if (q.size() != dof_of(hamiltonian))
+          throw std::invalid_argument("Invariants: the state has " + std::to_string(q.size()) +
+                                      " degrees of freedom and the Hamiltonian " +
+                                      std::to_string(dof_of(hamiltonian)) + "; give both the same size");
+        return hamiltonian.energy(q, p);
+      });
   }
 
   Invariants& add(std::string called, Function value) {

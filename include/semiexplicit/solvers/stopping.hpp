@@ -136,6 +136,8 @@ class Convergence {
     const Scalar previous = report_.correction;
     report_.correction = e;
     if (!first) report_.rate = e / previous;
+    if (first) first_ = e;
+    if (first || e > largest_) largest_ = e;
     if (first || e < best_ / 2) {
       best_ = e;
       stalled_ = 0;
@@ -160,6 +162,11 @@ class Convergence {
       if (first) accurate_ = residual.rounding_level() / (100 * sqrt(Eigen::NumTraits<Scalar>::epsilon()));
       return exhausted();
     }
+    // An iteration that went astray may end at another solution, far from the step's: there ‖m‖ was above
+    // half of the state, and at the step's, with dt so long that many steps fail, in 99.9 % below 1e-3 of it.
+    if (report_.status != Status::not_finite && largest_ > 2 * first_ && accurate_ > 0 &&
+        !(size_m <= accurate_ / (16 * sqrt(Eigen::NumTraits<Scalar>::epsilon()))))
+      report_.status = Status::no_convergence;
     return true;
   }
 
@@ -174,7 +181,7 @@ class Convergence {
   int max_iterations_, judged_ = 0;
   static constexpr int patience = 8;  ///< corrections in which one that diverges shows
   int stalled_ = 0;                   ///< corrections since the smallest was halved
-  Scalar best_ = 0;
+  Scalar first_ = 0, largest_ = 0, best_ = 0;
   Scalar accurate_ = 0;  ///< nothing larger passes for rounding
   SolverReport<Scalar> report_;
 };

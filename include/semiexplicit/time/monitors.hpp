@@ -8,9 +8,11 @@
 
 #include <semiexplicit/core/hamiltonian_door.hpp>
 #include <semiexplicit/core/phase_point.hpp>
+#include <semiexplicit/time/pace.hpp>
 
 /// Monitor functions for TimeTransformed, which asks for their gradients, and ReversibleSteps, which takes
-/// `value` alone.
+/// `value` alone. Those of distances leave out the time of a driven system (Autonomous) under
+/// ReversibleSteps; a function of one's own has all of its q and p, the time last.
 namespace semiexplicit::monitors {
 
 namespace detail {
@@ -64,6 +66,10 @@ class DistanceFrom {
  private:
   template <class Q>
   Scalar squared(const Q& q) const {
+    if (q.size() != centre_.size())
+      throw std::invalid_argument("DistanceFrom: the centre has " + std::to_string(centre_.size()) +
+                                  " coordinates and the system " + std::to_string(q.size()) +
+                                  "; give a centre of the system's, without the time");
     Scalar sum(0);
     for (Eigen::Index i = 0; i < centre_.size(); ++i) sum += (q[i] - centre_[i]) * (q[i] - centre_[i]);
     return sum;
@@ -215,3 +221,14 @@ template <class Vortices>
 VortexDistances(const Vortices&) -> VortexDistances<typename Vortices::Scalar, Vortices::Dof>;
 
 }  // namespace semiexplicit::monitors
+
+namespace semiexplicit::detail {
+
+template <>
+inline constexpr bool leaves_time_out<monitors::Distance> = true;
+template <class Scalar, int Dof>
+inline constexpr bool leaves_time_out<monitors::DistanceFrom<Scalar, Dof>> = true;
+template <>
+inline constexpr bool leaves_time_out<monitors::ClosestPair> = true;
+
+}  // namespace semiexplicit::detail

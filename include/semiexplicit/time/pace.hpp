@@ -42,10 +42,16 @@ concept ValueMonitor = detail::HasMonitorValue<G, Scalar, Dof> || PhaseMonitor<G
 
 namespace detail {
 
-/// g at z; `scratch` is for a gradient that comes with it.
-template <class G, class Scalar, int Dof>
+/// A monitor that is one of the system's own coordinates, not of the time where that is one.
+template <class G>
+inline constexpr bool leaves_time_out = false;
+
+/// g at z, `Timed`: in an extended phase space; `scratch` is for a gradient that comes with it.
+template <bool Timed, class G, class Scalar, int Dof>
 Scalar pace(const G& g, const PhasePoint<Scalar, Dof>& z, [[maybe_unused]] PhasePoint<Scalar, Dof>& scratch) {
-  if constexpr (HasMonitorValue<G, Scalar, Dof>)
+  if constexpr (Timed && leaves_time_out<G>)
+    return static_cast<Scalar>(g.value(z.q().head(z.dof() - 1), z.p().head(z.dof() - 1)));
+  else if constexpr (HasMonitorValue<G, Scalar, Dof>)
     return static_cast<Scalar>(g.value(z.q(), z.p()));
   else if constexpr (PhaseMonitor<G, Scalar, Dof>) {
     auto dgdq = scratch.q(), dgdp = scratch.p();  // a monitor may take them by reference

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include <semiexplicit/core/checkpointable.hpp>
+#include <semiexplicit/core/extended_phase_space.hpp>
 #include <semiexplicit/core/phase_point.hpp>
 #include <semiexplicit/core/stepper.hpp>
 #include <semiexplicit/core/two_sum.hpp>
@@ -46,13 +47,13 @@ namespace semiexplicit {
 /// a step; kinks of g are noise to the density.
 ///
 /// Of the rules that can be undone this one is tied to g at every step, and no swing grows or decays by
-/// itself. Near integrable motion g feeds none: measured on Kepler orbits, e = 0.9 to 0.999, thirty to two
-/// hundred steps an orbit, it is as stable over 1e5 periods as ρ_{n+1/2} - ρ_{n-1/2} = -dt (∇g·X)/g (Hairer,
-/// Söderlind), which needs the derivative along the motion; the product ρ_{n+1/2} ρ_{n-1/2} = 1/g², always
-/// positive, is not, its swing grows. In chaotic motion the swing takes a random walk: with twenty steps an
-/// oscillation it came to a tenth in some 1e5 steps, with thirty and more it stayed invisible for 1e6. From
-/// `most_swing` on the density starts afresh, which is the one step that cannot be undone; restarts() counts
-/// them. A run with many wants a smaller dt.
+/// itself. Measured on Kepler orbits, e = 0.9 to 0.999, thirty to two hundred steps an orbit, it is as stable
+/// over 1e5 periods as ρ_{n+1/2} - ρ_{n-1/2} = -dt (∇g·X)/g (Hairer, Söderlind), which needs the derivative
+/// along the motion; the product ρ_{n+1/2} ρ_{n-1/2} = 1/g², always positive, is not, its swing grows. But
+/// where g varies within the longest steps, and then in chaotic motion above all, the swing takes a random
+/// walk, the faster the longer the steps are. Where it comes to `most_swing` the density starts afresh, which
+/// is the one step that cannot be undone; restarts() counts them. Where it does so within `least_between`
+/// steps, the step fails with Status::invalid_monitor: energies would drift, and a smaller dt is the remedy.
 ///
 /// Sources: W. Huang, B. Leimkuhler, SIAM J. Sci. Comput. 18 (1997) 239, the rule; S. Cirilli, E. Hairer, B.
 /// Leimkuhler, BIT 39 (1999) 25, its start and its swing; E. Hairer, G. Söderlind, SIAM J. Sci. Comput. 26
@@ -74,10 +75,11 @@ class ReversibleSteps {
     Scalar slope = Scalar(0);                    ///< (ρ_{n+1/2} - ρ_{n-1/2})/(2 dt), the same backward
     Scalar taken = Scalar(0);                    ///< the time of the last step
     Scalar swing = Scalar(0);                    ///< see swing()
-    std::int64_t restarts = 0;
+    std::int64_t since = 0, restarts = 0;        ///< since: steps since the density started afresh
   };
-  /// The swing from which on the density starts afresh.
+  /// The swing from which on the density starts afresh, and how many steps it has to last.
   static constexpr double most_swing = 0.15;
+  static constexpr std::int64_t least_between = 10'000;
 
   ReversibleSteps(S stepper, G monitor) : stepper_(std::move(stepper)), monitor_(std::move(monitor)) {
     if constexpr (requires { stepper_.dof(); })
@@ -149,7 +151,7 @@ class ReversibleSteps {
     list("stepper", stepper_);
     list.function("monitor", [this](const auto& q, const auto& p) {
       State z(q, p), scratch = z;
-      return detail::pace(monitor_, z, scratch);
+      return detail::pace<timed>(monitor_, z, scratch);
     });
   }
   /// Time, density, and what the stepper itself carries; see CheckpointMemory.
@@ -162,11 +164,19 @@ class ReversibleSteps {
     visit(clock_.slope);
     visit(clock_.taken);
     visit(clock_.swing);
+    visit(clock_.since);
     visit(clock_.restarts);
     visit(last_.vector());
   }
 
  private:
+  static constexpr bool timed = [] {
+    if constexpr (requires(const S& s) { s.hamiltonian(); })
+      return InExtendedPhaseSpace<std::remove_cvref_t<decltype(std::declval<const S&>().hamiltonian())>>;
+    else
+      return false;
+  }();
+
   bool continues(const State& z) const {
     return clock_.density != Scalar(0) && z.vector().size() == last_.vector().size() &&
            z.vector() == last_.vector();
@@ -200,26 +210,33 @@ class ReversibleSteps {
       report.status = Status::invalid_monitor;
       return report;
     }
+    const Scalar slope = (density - (time == whole ? rho : Scalar(ds / time))) / ds,
+                 swing = next_swing(dt * slope / density);
+    using std::abs;
+    const bool swings = abs(swing) > Scalar(most_swing);
+    if (swings && clock_.since < least_between) {
+      report.status = Status::invalid_monitor;
+      return report;
+    }
     back.wanted = false;
-    clock_.slope = (density - (time == whole ? rho : Scalar(ds / time))) / ds;
-    clock_.density = density;
+    clock_.slope = slope;
+    clock_.density = swings ? Scalar(0) : density;
+    clock_.swing = swings ? Scalar(0) : swing;
+    clock_.since = swings ? 0 : clock_.since + 1;
+    clock_.restarts += swings ? 1 : 0;
     last_ = z;
     const auto [sum, lost] = detail::two_sum<Scalar>(clock_.time, time + clock_.carry);
     clock_.carry = lost;
     clock_.time = sum;
     clock_.taken = time;
-    watch_swing(dt);
     return report;
   }
 
   /// The part of ρ_{n+1/2} g(z_n) - 1 that changes its sign at every step, averaged over some thirty steps:
   /// what follows the motion averages out.
-  void watch_swing(const Scalar& dt) {
-    const Scalar weight = Scalar(1) / 32, most = Scalar(1), off = dt * clock_.slope / clock_.density;
-    clock_.swing = weight * std::clamp(off, Scalar(-most), most) - (1 - weight) * clock_.swing;
-    if (swing() <= Scalar(most_swing)) return;
-    clock_.density = clock_.swing = Scalar(0);
-    ++clock_.restarts;
+  Scalar next_swing(const Scalar& off) const {
+    const Scalar weight = Scalar(1) / 32, most = Scalar(1);
+    return weight * std::clamp(off, Scalar(-most), most) - (1 - weight) * clock_.swing;
   }
 
   /// Density and slope at a z that it has not come to itself; the slope from a trial step to either side.
@@ -227,6 +244,7 @@ class ReversibleSteps {
     last_ = trial_ = scratch_ = z;
     clock_.density = density_at(z, report);
     clock_.slope = clock_.swing = Scalar(0);
+    clock_.since = 0;
     if (!usable(clock_.density)) return;
     const Scalar time = dt / clock_.density;
     Scalar change(0);
@@ -269,7 +287,7 @@ class ReversibleSteps {
 
   Scalar density_at(const State& z, StepReport& report) {
     if constexpr (requires { monitor_.gradients(); }) report.gradients += monitor_.gradients();
-    return 1 / detail::pace(monitor_, z, scratch_);
+    return 1 / detail::pace<timed>(monitor_, z, scratch_);
   }
 
   S stepper_;

@@ -44,6 +44,10 @@ requires(PositionMonitor<G, typename H::Scalar, H::Dof> ||
   using typename Space::State;
   static constexpr int Dof = Space::Dof;
   static_assert(detail::is_in_one_process<H>());
+  static_assert(
+      !InExtendedPhaseSpace<H> || !detail::leaves_time_out<G>,
+      "TimeTransformed: the time of a driven system would count among the distances of this monitor; "
+      "give one of q without its last entry, or take ReversibleSteps");
 
   TimeTransformed(H hamiltonian, G monitor, Scalar energy)
       : hamiltonian_(std::move(hamiltonian)),

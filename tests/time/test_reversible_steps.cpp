@@ -206,7 +206,8 @@ TEST_CASE("Monitor functions of distances leave out the time of a driven system"
   const auto start = driven.extended({{0.7, 0}, {0, 1.3}}, 100);
   const auto end_with = [&](const auto& monitor) {
     auto z = start;
-    ReversibleSteps stepper(Semiexplicit(driven), monitor);
+    const Semiexplicit by_times(driven);
+    ReversibleSteps stepper(by_times, monitor);
     integrate(stepper, z, {.dt = 0.05, .t0 = 100, .t_end = 120});
     return z;
   };

@@ -220,7 +220,8 @@ TEST_CASE("Monitor functions of distances leave out the time of a driven system"
 }
 
 TEST_CASE("A run by reversible steps refuses an observer that moves its stepper", "[reversible steps]") {
-  ReversibleSteps stepper(Semiexplicit(Kepler()), free_fall);
+  const Semiexplicit by_times{Kepler()};
+  ReversibleSteps stepper(by_times, free_fall);
   Point z = kepler_orbit(0.5, 0);
   CHECK(says(complaint<std::logic_error>([&] {
                integrate(stepper, z, {.dt = 0.1, .t_end = 5}, [&](double t, Point ahead) {

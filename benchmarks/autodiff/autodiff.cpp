@@ -25,8 +25,10 @@
 #include <semiexplicit/systems.hpp>
 
 #include "../batches.hpp"
+#include "../lattice_energy.hpp"
 
 using namespace semiexplicit;
+using bench::lattice_by_terms;
 using bench::quantile;
 using bench::seconds;
 
@@ -133,21 +135,6 @@ struct PlainLattice {
     site(n - 1, u(n - 2), v(n - 2));
   }
 };
-
-auto lattice_by_terms(Eigen::Index n) {
-  return [n](const auto& q, const auto& p) {
-    return sum_over(n,
-                    [&](auto i) {
-                      const auto density = q[i] * q[i] + p[i] * p[i];
-                      return density * density / 4;
-                    }) -
-           sum_over(n - 1, [&](auto i) {
-             const auto u = q[i] * q[i] - p[i] * p[i], v = q[i] * p[i];
-             const auto next_u = q[i + 1] * q[i + 1] - p[i + 1] * p[i + 1], next_v = q[i + 1] * p[i + 1];
-             return u * next_u + 4 * (v * next_v);
-           });
-  };
-}
 
 /// The gradient of vortices as one would write it: every pair twice, in a loop that vectorises.
 struct PlainVortices {

@@ -18,6 +18,7 @@
 #include <semiexplicit/systems.hpp>
 
 #include "../batches.hpp"
+#include "../lattice_energy.hpp"
 
 using namespace semiexplicit;
 using bench::quantile;
@@ -81,22 +82,6 @@ struct WithProduct : GradientOnly {
     }
   }
 };
-
-/// The same lattice as a user writes it who gives no derivatives.
-auto from_terms(Eigen::Index d) {
-  return from_energy(d, [d](const auto& q, const auto& p) {
-    return sum_over(d,
-                    [&](auto i) {
-                      const auto density = q[i] * q[i] + p[i] * p[i];
-                      return density * density / 4;
-                    }) -
-           sum_over(d - 1, [&](auto i) {
-             const auto u = q[i] * q[i] - p[i] * p[i], v = q[i] * p[i];
-             const auto next_u = q[i + 1] * q[i + 1] - p[i + 1] * p[i + 1], next_v = q[i + 1] * p[i + 1];
-             return u * next_u + 4 * (v * next_v);
-           });
-  });
-}
 
 /// Exponents by the dense tangent map, which costs d³ a kick.
 template <class H>
@@ -190,7 +175,7 @@ int main(int argc, char** argv) {
       print(ratio(WithProduct(lattice), exponents, 2 * steps, steps, rounds));
       print(ratio(lattice, exponents, 2 * steps, steps, rounds));
       print(ratio(GradientOnly{lattice}, exponents, 2 * steps, steps, rounds));
-      print(ratio(from_terms(d), exponents, 2 * steps, steps, rounds));
+      print(ratio(from_energy(d, bench::lattice_by_terms(d)), exponents, 2 * steps, steps, rounds));
       if (d <= 100) {
         const auto dense = [&](const auto& stepper) { return DenseExponents<GradientOnly>(stepper, count); };
         print(ratio(GradientOnly{lattice}, dense, d < 100 ? 2000 : 200, 1, d < 100 ? rounds : 4));

@@ -113,8 +113,7 @@ class CsvWriter {
     } else {
       throw std::invalid_argument(file_.part().string() +
                                   " is not what it was when the checkpoint was written; give the output of "
-                                  "then, or start anew without "
-                                  "the checkpoint");
+                                  "then, or start anew without the checkpoint");
     }
     saved_ = wanted;
   }

@@ -222,7 +222,7 @@ class ReversibleSteps {
     clock_.slope = slope;
     clock_.density = swings ? Scalar(0) : density;
     clock_.swing = swings ? Scalar(0) : swing;
-    clock_.since = swings ? 0 : clock_.since + 1;
+    ++clock_.since;
     clock_.restarts += swings ? 1 : 0;
     last_ = z;
     const auto [sum, lost] = detail::two_sum<Scalar>(clock_.time, time + clock_.carry);

@@ -189,7 +189,8 @@ inline std::string about_extras(const CLI::App& app, const std::vector<std::stri
 }
 
 /// Parses the arguments and runs `body`, which gives the exit code. Bad arguments (std::invalid_argument,
-/// too) end in one line and exit code 2, other failures in one line and exit code 1.
+/// too) end in one line and exit code 2, other failures, a full standard output too, in one line and exit
+/// code 1.
 template <class Body>
 int run_program(CLI::App& app, int argc, char** argv, const Body& body) {
   const std::string name = std::filesystem::path(argv[0]).filename().string();
@@ -200,7 +201,10 @@ int run_program(CLI::App& app, int argc, char** argv, const Body& body) {
   };
   try {
     app.parse(argc, argv);
-    return body();
+    const int code = body();
+    std::cout.flush();
+    if (std::cout.bad()) return complain("the standard output could not be written, its text is lost", 1);
+    return code;
   } catch (const CLI::Success& help) {
     return app.exit(help);
   } catch (const CLI::ConfigError& error) {

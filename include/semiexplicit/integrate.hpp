@@ -101,7 +101,7 @@ SEMIEXPLICIT_COLD bool step_in_parts(S& stepper, typename S::State& state,
     StepReport together;
     for (std::int64_t i = 0; i < parts && together.ok(); ++i) {
       if constexpr (ChoosesSteps<S>)
-        if (ends_by_clock<S>(options) && stepper.time() == options.t_end) break;
+        if (ends_by_clock<S>(options) && stepper.reached(options.t_end)) break;
       const StepReport one = one_step(stepper, trial, part, options);
       report.evaluations += one.evaluations;
       report.gradients += one.gradients;
@@ -371,7 +371,12 @@ IntegrationReport integrate_checked(S& stepper, typename S::State& state,
       return 0;
   };
   [[maybe_unused]] auto whole = kept(), start_of_rest = kept();
-  while (by_clock ? t != options.t_end : report.steps < options.steps) {
+  const auto at_end = [&] {
+    if constexpr (ChoosesSteps<S>)
+      if (by_clock) return stepper.reached(options.t_end);
+    return report.steps >= options.steps;
+  };
+  while (!at_end()) {
     if constexpr (changing_observers == 1) start_of_rest = whole = state;
     if constexpr (ChoosesSteps<S>)
       if (stepper.time() != t)

@@ -237,6 +237,41 @@ TEST_CASE("advice for times of a step or two is right, also where they end in a 
   CHECK(advices > 24);
 }
 
+TEST_CASE("advice is right for runs no longer than the time scale of their start") {
+  const auto q0 = [](const auto& q, const auto&) { return q[0]; };
+  int advices = 0;
+  const auto check = [&](const auto& h, const auto& start, double T) {
+    auto exact = start;
+    GaussLegendre fine(h, {.stages = 8});
+    integrate(fine, exact, {.dt = 0.005, .t_end = T});
+    for (const double target : {1e-3, 1e-6, 1e-8}) {
+      CAPTURE(T, target);
+      const auto cost = cost_of_accuracy(h, start, T, {.observable = q0, .targets = {target}});
+      const auto advice = cost.cheapest(target);
+      REQUIRE(advice);
+      ++advices;
+      auto z = start;
+      double largest = std::abs(start.q()[0]);
+      cost.run(z, *advice,
+               [&](double, const auto& now) { largest = std::max(largest, std::abs(now.q()[0])); });
+      CHECK(std::abs(z.q()[0] - exact.q()[0]) < 3 * target * largest);
+    }
+  };
+  const auto pendulum = from_energy<1>([](const auto& q, const auto& p) {
+    using std::cos;
+    return p[0] * p[0] / 2 - cos(q[0]);
+  });
+  for (const double T : {1.8, 2.0, 3.6}) check(pendulum, PhasePoint<double, 1>(1, T < 1.9 ? 5.3 : 4.0), T);
+  const auto hill = from_energy<1>([](const auto& q, const auto& p) {
+    using std::exp;
+    return p[0] * p[0] / 2 + 0.1 * exp(-q[0] * q[0]);
+  });
+  for (const double way : {5.0, 20.0}) check(hill, PhasePoint<double, 1>(-way, 1), 2 * way + 2);
+  for (const double way : {5.0, 20.0})
+    check(Kepler(), PhasePoint<double, 2>({-way, 1}, {1.5, 0}), 2 * way / 1.5);
+  CHECK(advices == 21);
+}
+
 TEST_CASE("a vector that changes its size is refused as an observable") {
   const auto growing = [](const auto& q, const auto&) {
     return Eigen::VectorXd(Eigen::VectorXd::Ones(q[0] < 0.4 ? 1 : 2));

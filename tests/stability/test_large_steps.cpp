@@ -68,7 +68,7 @@ TEST_CASE("Solved exactly, the linear oscillator stays on the unit circle at ste
       }
 }
 
-TEST_CASE("Simplified Newton gives up near 1.85 radians a step with Strang; the others go on",
+TEST_CASE("Simplified Newton gives up near 1.85 radians a step with Strang, the others go on",
           "[stability]") {
   const Quadratic h{1, 0, 1};
   const auto survives = [&](const auto& solver, double dt) {

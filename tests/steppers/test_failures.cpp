@@ -234,6 +234,19 @@ TEST_CASE("No solver takes a distant solution of the projection for that of the 
   CHECK(thrown(Broyden{}) == 0);
   CHECK(thrown(NewtonKrylov{}) == 0);
   CHECK(thrown(Robust{}) == 0);
+
+  // Angles that have wound up make the state large, and nothing else.
+  const auto pendulums = from_energy<2>([](const auto& q, const auto& p) {
+    using std::cos;
+    return (1 - 0.557887 * cos(q[0] - q[1])) * (p[0] * p[0] + p[1] * p[1]) / 2 +
+           3 * (2 - cos(q[0]) - cos(q[1]));
+  });
+  for (const int turns : {0, 10, 1000}) {
+    CAPTURE(turns);
+    const double wound = turns * 2 * std::acos(-1.0);
+    z = PhasePoint<double, 2>({2.02487 + wound, 0.310773 + wound}, {-3.94475, 1.3608});
+    CHECK(Semiexplicit(pendulums).step(z, 0.574479).status == Status::no_convergence);
+  }
 }
 
 TEST_CASE("No solver accepts copies that are far apart: random states and large steps", "[failures]") {

@@ -195,6 +195,13 @@ TEST_CASE("Reversible steps that come to swing start afresh, and fail where they
   CHECK(report.steps < coarse.least_between);
   CHECK(z.vector() == last.vector());
   CHECK(coarse.time() == report.t);
+
+  // A shorter dt does not inherit the swing.
+  Point y = z;
+  ReversibleSteps fresh(ExplicitSplitting(h, schemes::blanes_moan6()), g);
+  integrate(coarse, z, {.dt = 0.05, .steps = 2000});
+  integrate(fresh, y, {.dt = 0.05, .steps = 2000});
+  CHECK(z.vector() == y.vector());
 }
 
 TEST_CASE("Monitor functions of distances leave out the time of a driven system", "[reversible steps]") {
@@ -469,6 +476,51 @@ TEST_CASE("A reversible step that fails leaves the state, the time and the densi
     CHECK(z.vector() == x.vector());
     CHECK(faulty.time() == sound.time());
   }
+}
+
+TEST_CASE("Reversible steps whose first step failed start as if it had not been", "[reversible steps]") {
+  const auto begun = [](auto& stepper) {
+    Point z = kepler_orbit(0.9, 1);
+    integrate(stepper, z, {.dt = 0.1, .steps = 500});
+    return z;
+  };
+  ReversibleSteps clean(Semiexplicit(Kepler()), free_fall);
+  const Point expected = begun(clean);
+  for (const double too_long : {1.5, 3.0}) {
+    ReversibleSteps stepper(Semiexplicit(Kepler()), free_fall);
+    Point z = kepler_orbit(0.9, 1);
+    REQUIRE_FALSE(stepper.step(z, too_long).ok());
+    CHECK(begun(stepper).vector() == expected.vector());
+    CHECK(stepper.swing() == clean.swing());
+  }
+  for (const int at : {1, 2, 3, 4}) {
+    int calls = 0;
+    ReversibleSteps stepper(Semiexplicit(Kepler()), [&](const auto& q, const auto& p) {
+      if (++calls == at) throw std::runtime_error("monitor");
+      return free_fall(q, p);
+    });
+    Point z = kepler_orbit(0.9, 1);
+    CHECK_THROWS_AS(stepper.step(z, 0.1), std::runtime_error);
+    CHECK(begun(stepper).vector() == expected.vector());
+  }
+  // Where only one of the trial steps can be taken, the density has the slope of that.
+  ReversibleSteps one_sided(Semiexplicit(Kepler()), [](const auto& q, const auto& p) {
+    return q.dot(p) > 0.88 ? free_fall(q, p) : std::nan("");  // starts with 0.8844, and rises
+  });
+  Point z = kepler_orbit(0.9, 0.5);
+  integrate(one_sided, z, {.dt = 0.1, .steps = 3});
+  CHECK(one_sided.swing() < 0.005);
+}
+
+TEST_CASE("Reversible steps below the rounding of the time come to t_end", "[reversible steps]") {
+  const auto oscillator =
+      from_energy<1, float>([](const auto& q, const auto& p) { return (p[0] * p[0] + q[0] * q[0]) / 2; });
+  ReversibleSteps stepper(Semiexplicit(oscillator, schemes::low_defect6_s13<float>()),
+                          [](const auto&, const auto&) { return 1.0F; });
+  PhasePoint<float, 1> z(1, 0);
+  const auto run = integrate(stepper, z, {.dt = 0.003F, .t0 = 1e6F, .t_end = 1e6F + 2});
+  CHECK(run.t == 1e6 + 2);
+  CHECK(double(z.q()[0]) == Approx(std::cos(2.0)).epsilon(1e-6));
 }
 
 TEST_CASE("A monitor function that grows too fast for the step is said to", "[reversible steps]") {

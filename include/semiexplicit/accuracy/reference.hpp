@@ -12,7 +12,9 @@
 namespace semiexplicit::detail {
 
 /// Gauss-Legendre with eight stages, whose steps are a fraction of the time scale of the motion where it is:
-/// a hard place does not make the whole run dear.
+/// a hard place does not make the whole run dear. That scale is long where motion is nearly free, also right
+/// before an encounter, so the first steps are short, and none is a large part of the run: two runs of
+/// different fractions never take the same steps.
 template <class Any>
 class PacedGauss {
  public:
@@ -31,10 +33,10 @@ class PacedGauss {
 
   /// One step from t, not beyond `end`. Returns the time after it: t where no step works, or the calls ended.
   SEMIEXPLICIT_COLD double step(State& z, double t, double end, Probe& probe) {
-    const double wanted = fraction_ * here_;
+    const double wanted = fraction_ * std::min(here_, problem_.table.time / 48);
     // Only a step that stays the same starts near its stages.
     if (wanted > 0 && !(wanted > dt_ / 1.4 && wanted < 1.4 * dt_))
-      dt_ = rounded(std::min(wanted, dt_ > 0 ? 2 * dt_ : end - t));
+      dt_ = rounded(std::min(wanted, dt_ > 0 ? 2 * dt_ : wanted / 16));
     for (int attempt = 0; attempt < 40; ++attempt, dt_ /= 2) {
       const double dt = std::min(dt_, end - t);
       State next = z;
@@ -233,6 +235,7 @@ class Reference {
   SEMIEXPLICIT_COLD std::vector<Value> choose_times(double trial) {
     trial /= hardness_;  // which makes it as dear
     trial_ = std::clamp(std::max(trial, std::min(1.05 * cycle_, 16 * trial)), way_.front().t, way_.back().t);
+    if (2 * trial_ > way_.back().t) trial_ = way_.back().t;  // what little is left may be the hardest
     times_.clear();
     std::vector<Value> values;
     const auto choose = [&](std::size_t from, std::size_t to, std::size_t most) {

@@ -52,6 +52,7 @@ concept Stepper = detail::NamesScalarAndState<S> && detail::HasStep<S>;
 ///     void begin(const State& z, const Scalar& t);   // a run starts from z at the time t
 ///     Scalar time() const, taken() const;            // of its last state, and of the step to it
 ///     StepReport step_until(State& z, const Scalar& dt, const Scalar& t_end);  // step(), not beyond t_end
+///     bool reached(const Scalar& t) const;           // has come to t, which time() may round to earlier
 ///     Clock clock() const;                           // what it knows of the time and of its steps,
 ///     void rewind(const Clock& clock, const State& z);  // and back to that, and the state of then
 ///     const S& stepper() const;                      // takes steps of given times; `using Fixed = S;`
@@ -62,6 +63,7 @@ concept ChoosesSteps = Stepper<S> && requires(S& s, const S& c, typename S::Stat
   { c.time() } -> std::convertible_to<typename S::Scalar>;
   { c.taken() } -> std::convertible_to<typename S::Scalar>;
   { s.step_until(z, x, x) } -> std::same_as<StepReport>;
+  { c.reached(x) } -> std::same_as<bool>;
   { c.clock() } -> std::convertible_to<typename S::Clock>;
   s.rewind(clock, z);
   { c.stepper() } -> std::convertible_to<const typename S::Fixed&>;

@@ -4,14 +4,7 @@
 #include <concepts>
 #include <type_traits>
 
-// What a term of a sum is made of: it is fast only where all of it is one piece of code.
-#if defined(__GNUC__)
-#define SEMIEXPLICIT_INTO_TERM __attribute__((always_inline)) inline
-#define SEMIEXPLICIT_INLINE_LAMBDA __attribute__((always_inline))
-#else
-#define SEMIEXPLICIT_INTO_TERM inline
-#define SEMIEXPLICIT_INLINE_LAMBDA
-#endif
+#include <semiexplicit/core/inlined.hpp>
 
 // A namespace of its own, since functions as sqrt would hide the standard ones from the rest of detail.
 namespace semiexplicit::detail::autodiff {

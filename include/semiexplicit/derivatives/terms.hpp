@@ -14,17 +14,6 @@
 #include <semiexplicit/core/inlined.hpp>
 #include <semiexplicit/derivatives/term_number.hpp>
 
-// What calls a user's term, which has to become one piece with the loop over terms. clang++ inlines only what
-// a function with `flatten` calls itself. g++ does not inline copies that it makes of a function for constant
-// arguments, and makes none beyond a function with `noclone`.
-#if defined(__clang__)
-#define SEMIEXPLICIT_CALL_OF_TERM __attribute__((always_inline, flatten))
-#elif defined(__GNUC__)
-#define SEMIEXPLICIT_CALL_OF_TERM __attribute__((noclone, flatten))
-#else
-#define SEMIEXPLICIT_CALL_OF_TERM
-#endif
-
 namespace semiexplicit {
 namespace detail::autodiff {
 

@@ -63,6 +63,7 @@ struct Broyden {
     residual(work.f);
     work.u = work.f / -4;
     Scalar length = norm_over_ranks(residual, work.u);
+    const Scalar first = length;  // ‖f(0)‖/4
     if (convergence.done(length, Scalar(0), residual)) return convergence.report();
     m.setZero();
     Eigen::Index kept = 0;
@@ -97,9 +98,27 @@ struct Broyden {
       }
       length = norm_over_ranks(residual, work.u);
       // The updates may cancel what f still has, so that a short correction alone says nothing.
-      if (convergence.done(std::max(length, size_f / 4), norm_over_ranks(residual, m), residual))
+      if (convergence.done(std::max(length, size_f / 4), norm_over_ranks(residual, m), residual)) {
+        if (convergence.refused_as_distant() && is_straight(residual, m, first, work))
+          convergence.take_distant();
         return convergence.report();
+      }
     }
+  }
+
+ private:
+  /// Whether f falls to 0 on a nearly straight way, ‖f(m/2)‖ = ‖f(0)‖/2: then m is the step's solution,
+  /// however far the iteration strayed, as it does at steps of radians. Two evaluations; leaves the copies at
+  /// m.
+  template <class Residual, class Vec>
+  static bool is_straight(Residual& residual, const Vec& m, const typename Vec::Scalar& first,
+                          Workspace<Vec>& work) {
+    using std::abs;
+    work.u = m / 2;
+    residual(work.u, work.f);
+    const auto half = norm_over_ranks(residual, work.f);
+    residual(m, work.f);
+    return abs(half - 2 * first) <= first / 50;
   }
 };
 

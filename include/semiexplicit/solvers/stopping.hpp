@@ -104,6 +104,8 @@ struct ResidualSizes {
     const Scalar moves = StoppingRule::moves * norms.distance(), size = norms.size();
     return moves < size ? moves : size;
   }
+  /// How far the mean of the copies moved.
+  Scalar move() const { return norms.distance(); }
   /// A correction below this may be nothing but rounding: the copies' own, made larger by the kicks in
   /// between.
   Scalar rounding_level() const { return 100 * rounding * (norms.size() + norms.distance()); }
@@ -130,6 +132,7 @@ class Convergence {
   template <class Residual>
   bool done(const Scalar& e, const Scalar& size_m, const Residual& residual) {
     using std::isfinite;
+    using std::min;
     using std::sqrt;
     ++report_.evaluations;
     const bool first = ++judged_ == 1;
@@ -159,16 +162,25 @@ class Convergence {
       report_.status = Status::rounding_limited;
     else {
       // Copies that diverge have a rounding level above the state itself; the first sweep's is believed.
-      if (first) accurate_ = residual.rounding_level() / (100 * sqrt(Eigen::NumTraits<Scalar>::epsilon()));
+      if (first) {
+        accurate_ = residual.rounding_level() / (100 * sqrt(Eigen::NumTraits<Scalar>::epsilon()));
+        near_ = min(residual.state_size(), Scalar(2 * residual.move())) / 16 + residual.rounding_level();
+      }
       return exhausted();
     }
     // An iteration that went astray may end at another solution, far from the step's: there ‖m‖ was above
     // half of the state, and at the step's, with dt so long that many steps fail, in 99.9 % below 1e-3 of it.
-    if (report_.status != Status::not_finite && largest_ > 2 * first_ && accurate_ > 0 &&
-        !(size_m <= accurate_ / (16 * sqrt(Eigen::NumTraits<Scalar>::epsilon()))))
+    // By the move, too: angles that have wound up are no measure.
+    if (report_.status != Status::not_finite && largest_ > 2 * first_ && judged_ > 1 && !(size_m <= near_)) {
+      distant_ = report_.status;
       report_.status = Status::no_convergence;
+    }
     return true;
   }
+
+  /// Whether the end was refused for its distance alone, and what takes it nevertheless.
+  bool refused_as_distant() const { return distant_ != Status::no_convergence; }
+  void take_distant() { report_.status = distant_; }
 
   /// One more evaluation, which is not judged.
   void count() { ++report_.evaluations; }
@@ -183,6 +195,8 @@ class Convergence {
   int stalled_ = 0;                   ///< corrections since the smallest was halved
   Scalar first_ = 0, largest_ = 0, best_ = 0;
   Scalar accurate_ = 0;  ///< nothing larger passes for rounding
+  Scalar near_ = 0;      ///< ‖m‖ of a step's own solution
+  Status distant_ = Status::no_convergence;
   SolverReport<Scalar> report_;
 };
 

@@ -87,7 +87,8 @@ class ReversibleSteps {
   }
 
   /// A step of dt in s, which may be negative. z is untouched unless the report is ok(), and so are time and
-  /// density; also where the gradient or the monitor throws. No heap use beyond the stepper's own.
+  /// density; also where the gradient or the monitor throws. Only a density that swings too much is given up:
+  /// the next step starts afresh. No heap use beyond the stepper's own.
   StepReport step(State& z, const Scalar& dt) {
     return advance(z, dt, [](const Scalar& time) { return time; });
   }
@@ -95,8 +96,8 @@ class ReversibleSteps {
   /// The same, but not beyond t_end: what is left of less than two steps is taken in two halves, of less than
   /// one at once.
   StepReport step_until(State& z, const Scalar& dt, const Scalar& t_end) {
+    if (reached(t_end)) return {};
     const Scalar left = (t_end - clock_.time) - clock_.carry;
-    if (left == Scalar(0)) return {};
     if ((left > Scalar(0)) != (dt > Scalar(0))) return {.status = Status::invalid_step};
     bool last = false;
     const StepReport report = advance(z, dt, [&](const Scalar& time) {
@@ -121,6 +122,8 @@ class ReversibleSteps {
 
   /// Time of the state that it left last; the sum of its steps where there was no begin().
   Scalar time() const { return clock_.time; }
+  /// Whether it has come to t. Steps below the rounding of t reach a time() of t earlier.
+  bool reached(const Scalar& t) const { return (t - clock_.time) - clock_.carry == Scalar(0); }
   /// How long its last step was.
   Scalar taken() const { return clock_.taken; }
 
@@ -187,21 +190,27 @@ class ReversibleSteps {
   StepReport advance(State& z, const Scalar& dt, const Limit& limit) {
     StepReport report{.status = detail::status_at_start(dt, true, fits(z))};
     if (!report.ok()) return report;
-    if (!continues(z)) start(z, dt, report);
-    const Scalar rho = clock_.density + dt * clock_.slope;
-    if (!usable(clock_.density) || !usable(rho)) return failed(z, report);
+    // A start counts from the step on that succeeds.
+    Clock clock = clock_;
+    const bool goes_on = continues(z);
+    if (!goes_on) {
+      start(clock, z, dt, report);
+      trial_ = z;
+    }
+    const Scalar rho = clock.density + dt * clock.slope;
+    if (!usable(clock.density) || !usable(rho)) return failed(z, report);
 
     const Scalar whole = dt / rho, time = limit(whole);
     // The step in s that takes the time: ds/(density + ds slope) = time.
-    const Scalar ds = time == whole ? dt : Scalar(time * clock_.density / (1 - time * clock_.slope));
+    const Scalar ds = time == whole ? dt : Scalar(time * clock.density / (1 - time * clock.slope));
     struct Back {  // also where the monitor throws
       State& z;
-      const State& last;
+      const State& before;
       bool wanted = false;
       ~Back() {
-        if (wanted) z = last;
+        if (wanted) z = before;
       }
-    } back{z, last_};
+    } back{z, goes_on ? last_ : trial_};
     add(report, stepper_.step(z, time));
     if (!report.ok()) return report;
     back.wanted = true;
@@ -210,55 +219,61 @@ class ReversibleSteps {
       report.status = Status::invalid_monitor;
       return report;
     }
-    const Scalar slope = (density - (time == whole ? rho : Scalar(ds / time))) / ds,
-                 swing = next_swing(dt * slope / density);
+    clock.slope = (density - (time == whole ? rho : Scalar(ds / time))) / ds;
+    clock.density = density;
+    clock.swing = next_swing(clock.swing, dt * clock.slope / density);
     using std::abs;
-    const bool swings = abs(swing) > Scalar(most_swing);
-    if (swings && clock_.since < least_between) {
-      report.status = Status::invalid_monitor;
-      return report;
+    if (abs(clock.swing) > Scalar(most_swing)) {
+      clock.density = clock.swing = Scalar(0);
+      if (clock.since < least_between) {
+        clock_.density = Scalar(0);
+        report.status = Status::invalid_monitor;
+        return report;
+      }
+      ++clock.restarts;
     }
     back.wanted = false;
-    clock_.slope = slope;
-    clock_.density = swings ? Scalar(0) : density;
-    clock_.swing = swings ? Scalar(0) : swing;
-    ++clock_.since;
-    clock_.restarts += swings ? 1 : 0;
+    ++clock.since;
+    const auto [sum, lost] = detail::two_sum<Scalar>(clock.time, time + clock.carry);
+    clock.carry = lost;
+    clock.time = sum;
+    clock.taken = time;
+    clock_ = clock;
     last_ = z;
-    const auto [sum, lost] = detail::two_sum<Scalar>(clock_.time, time + clock_.carry);
-    clock_.carry = lost;
-    clock_.time = sum;
-    clock_.taken = time;
     return report;
   }
 
   /// The part of ρ_{n+1/2} g(z_n) - 1 that changes its sign at every step, averaged over some thirty steps:
   /// what follows the motion averages out.
-  Scalar next_swing(const Scalar& off) const {
+  static Scalar next_swing(const Scalar& last, const Scalar& off) {
     const Scalar weight = Scalar(1) / 32, most = Scalar(1);
-    return weight * std::clamp(off, Scalar(-most), most) - (1 - weight) * clock_.swing;
+    return weight * std::clamp(off, Scalar(-most), most) - (1 - weight) * last;
   }
 
-  /// Density and slope at a z that it has not come to itself; the slope from a trial step to either side.
-  void start(const State& z, const Scalar& dt, StepReport& report) {
-    last_ = trial_ = scratch_ = z;
-    clock_.density = density_at(z, report);
-    clock_.slope = clock_.swing = Scalar(0);
-    clock_.since = 0;
-    if (!usable(clock_.density)) return;
-    const Scalar time = dt / clock_.density;
+  /// Density and slope at a z that it has not come to itself; the slope from a trial step to either side, or
+  /// to the one that can be gone.
+  void start(Clock& clock, const State& z, const Scalar& dt, StepReport& report) {
+    trial_ = scratch_ = z;
+    clock.density = density_at(trial_, report);
+    clock.slope = clock.swing = Scalar(0);
+    clock.since = 0;
+    if (!usable(clock.density)) return;
+    const Scalar time = dt / clock.density;
     Scalar change(0);
+    int sides = 0;
     for (const Scalar side : {Scalar(1), Scalar(-1)}) {
       trial_ = z;
       StepReport one = stepper_.step(trial_, side * time);
       const Scalar density = one.ok() ? density_at(trial_, one) : Scalar(0);
       report.gradients += one.gradients;
       report.evaluations += one.evaluations;
-      if (!usable(density)) return;
-      change += side * density / 4;
+      if (!usable(density)) continue;
+      change += side * (density - clock.density);
+      ++sides;
     }
-    const Scalar most = clock_.density / 2;
-    clock_.slope = std::clamp(change, Scalar(-most), most) / dt;
+    if (sides == 0) return;
+    const Scalar most = clock.density / 2;
+    clock.slope = std::clamp(Scalar(change / static_cast<Scalar>(2 * sides)), Scalar(-most), most) / dt;
   }
 
   static StepReport failed(const State& z, StepReport report) {

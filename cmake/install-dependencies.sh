@@ -21,6 +21,7 @@ declare -A purpose=(
   [libhdf5-dev]="HDF5, the format of that example's results"
   [libomp-dev]="OpenMP for clang; g++ has its own"
   [clang]="the second compiler that everything must pass, and the quicker one for the tests"
+  [lld]="its linker, which links the tests in half the time"
   [libclang-rt-14-dev]="the run-time part of its sanitizers"
   [libc++-dev]="the other C++ library of clang"
   [libc++abi-dev]="its run-time part"
@@ -34,7 +35,7 @@ declare -A purpose=(
 )
 # The program by which a package is recognised, wherever it comes from; libraries are asked of dpkg.
 declare -A program=(
-  [g++]=g++ [cmake]=cmake [ninja-build]=ninja [gnuplot-nox]=gnuplot [clang]=clang++ [clang-format]=clang-format
+  [g++]=g++ [cmake]=cmake [ninja-build]=ninja [gnuplot-nox]=gnuplot [clang]=clang++ [lld]=ld.lld [clang-format]=clang-format
   [pkg-config]=pkg-config [g++-aarch64-linux-gnu]=aarch64-linux-gnu-g++ [qemu-user]=qemu-aarch64
   [g++-mingw-w64-x86-64]=x86_64-w64-mingw32-g++-posix [doxygen]=doxygen [openmpi-bin]=mpirun
 )
@@ -44,7 +45,7 @@ for task in "$@"; do
   case $task in
     run) packages+=(g++ cmake ninja-build libeigen3-dev libcli11-dev gnuplot-nox) ;;
     test)
-      packages+=(g++ clang cmake ninja-build libeigen3-dev libcli11-dev catch2 libboost-dev libomp-dev libopenmpi-dev openmpi-bin libhdf5-dev)
+      packages+=(g++ clang lld cmake ninja-build libeigen3-dev libcli11-dev catch2 libboost-dev libomp-dev libopenmpi-dev openmpi-bin libhdf5-dev)
       ;;
     benchmark) packages+=(g++ cmake ninja-build libeigen3-dev libcli11-dev gnuplot-nox libboost-dev libgsl-dev libsundials-dev) ;;
     libc++) packages+=(clang libc++-dev libc++abi-dev libeigen3-dev catch2 libboost-dev) ;;

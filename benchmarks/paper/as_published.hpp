@@ -117,7 +117,7 @@ class AsPublished {
     // Sizes of zero: nothing is forgiven as rounding, the iteration goes on to the last one allowed.
     double state_size() const { return 0; }
     bool within_rounding(double) const { return false; }
-    double move() const { return 1; }
+    double farthest() const { return 1e300; }  // the paper has no such rule
     double rounding_level() const { return 0; }
   };
 

@@ -33,7 +33,7 @@ struct Residual {
     value = last_f = f(m);
   }
   double state_size() const { return size; }
-  double move() const { return 1; }
+  double farthest() const { return size; }
   double rounding_level() const { return rounding; }
   bool within_rounding(double multiple) const {
     const double epsilon = std::numeric_limits<double>::epsilon();

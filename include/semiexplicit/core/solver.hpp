@@ -16,8 +16,8 @@ struct AnyResidual {
   void operator()(Vec& f);                ///< f(0), where every solver starts
   void operator()(const Vec& m, Vec& f);  ///< f(m)
   Scalar state_size() const;              ///< ‖z‖, or less; see StoppingRule
-  Scalar move() const;                    ///< how far the mean of the copies moved in the last sweep
-  Scalar rounding_level() const;          ///< a correction below this may be nothing but rounding
+  Scalar farthest() const;        ///< the step's own solution has no larger ‖m‖, by the last sweep
+  Scalar rounding_level() const;  ///< a correction below this may be nothing but rounding
   /// Of the last f: |fᵢ|/4 in every entry is below so many roundings of zᵢ and of what a step moves. The
   /// norms of rounding_level() are those of the largest entry, which may be coupled to nothing.
   bool within_rounding(double multiple) const;

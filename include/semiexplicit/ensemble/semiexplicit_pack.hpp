@@ -154,7 +154,7 @@ class SemiexplicitPack {
     std::size_t lane;
     double state, full, distance;
     double state_size() const { return state; }
-    double move() const { return distance; }
+    double farthest() const { return detail::farthest(state, distance, rounding_level()); }
     double rounding_level() const { return 100 * Eigen::NumTraits<double>::epsilon() * (full + distance); }
     bool within_rounding(double multiple) const {
       for (std::size_t i = 0; i < z.size(); ++i) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <concepts>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -79,6 +80,15 @@ bool within_rounding(const Scalar* f, const Scalar* z, Eigen::Index size, const 
   return true;
 }
 
+/// See AnyResidual::farthest(). At other solutions, where many steps of that dt fail, ‖m‖ was above half of
+/// the state, and at the step's own in 99.9 % below 1e-3 of it. By the move, too: angles that have wound up
+/// are no measure.
+template <class Scalar>
+Scalar farthest(const Scalar& size_z, const Scalar& move, const Scalar& rounding_level) {
+  using std::min;
+  return min(size_z, Scalar(2 * move)) / 16 + rounding_level;
+}
+
 /// Norms that are known: ‖z‖, without the time where that is a coordinate, and how far the mean of the copies
 /// moved.
 template <class Scalar>
@@ -98,14 +108,17 @@ struct ResidualSizes {
   Eigen::Index count = 0;
   Norms norms;
   Scalar rounding = Eigen::NumTraits<Scalar>::epsilon();  ///< of f, relative; more where differences enter it
+  bool linear = false;                                    ///< f is, and has one solution
 
   /// ‖z‖, but no more than so many moves of a step: see StoppingRule.
   Scalar state_size() const {
     const Scalar moves = StoppingRule::moves * norms.distance(), size = norms.size();
     return moves < size ? moves : size;
   }
-  /// How far the mean of the copies moved.
-  Scalar move() const { return norms.distance(); }
+  Scalar farthest() const {
+    if (linear) return std::numeric_limits<Scalar>::infinity();
+    return detail::farthest<Scalar>(norms.size(), norms.distance(), rounding_level());
+  }
   /// A correction below this may be nothing but rounding: the copies' own, made larger by the kicks in
   /// between.
   Scalar rounding_level() const { return 100 * rounding * (norms.size() + norms.distance()); }
@@ -132,7 +145,6 @@ class Convergence {
   template <class Residual>
   bool done(const Scalar& e, const Scalar& size_m, const Residual& residual) {
     using std::isfinite;
-    using std::min;
     using std::sqrt;
     ++report_.evaluations;
     const bool first = ++judged_ == 1;
@@ -164,14 +176,12 @@ class Convergence {
       // Copies that diverge have a rounding level above the state itself; the first sweep's is believed.
       if (first) {
         accurate_ = residual.rounding_level() / (100 * sqrt(Eigen::NumTraits<Scalar>::epsilon()));
-        near_ = min(residual.state_size(), Scalar(2 * residual.move())) / 16 + residual.rounding_level();
+        farthest_ = residual.farthest();
       }
       return exhausted();
     }
-    // An iteration that went astray may end at another solution, far from the step's: there ‖m‖ was above
-    // half of the state, and at the step's, with dt so long that many steps fail, in 99.9 % below 1e-3 of it.
-    // By the move, too: angles that have wound up are no measure.
-    if (report_.status != Status::not_finite && largest_ > 2 * first_ && judged_ > 1 && !(size_m <= near_)) {
+    // An iteration that went astray may end at another solution, far from the step's.
+    if (report_.status != Status::not_finite && largest_ > 2 * first_ && !(size_m <= farthest_)) {
       distant_ = report_.status;
       report_.status = Status::no_convergence;
     }
@@ -194,8 +204,8 @@ class Convergence {
   static constexpr int patience = 8;  ///< corrections in which one that diverges shows
   int stalled_ = 0;                   ///< corrections since the smallest was halved
   Scalar first_ = 0, largest_ = 0, best_ = 0;
-  Scalar accurate_ = 0;  ///< nothing larger passes for rounding
-  Scalar near_ = 0;      ///< ‖m‖ of a step's own solution
+  Scalar accurate_ = 0;                                        ///< nothing larger passes for rounding
+  Scalar farthest_ = std::numeric_limits<Scalar>::infinity();  ///< that a step's own solution may be
   Status distant_ = Status::no_convergence;
   SolverReport<Scalar> report_;
 };

@@ -284,7 +284,8 @@ class TangentStep<Semiexplicit<H, Solver>> {
             copies_.g.data(),
             v.size(),
             {norm(v.reshaped()), copies_.tangent_distance(v)},
-            copies_.second().rounding()};
+            copies_.second().rounding(),
+            true};
   }
 
   void solve_together(const State& z, const Vectors& v, const Scalar& dt, StepReport& report) {

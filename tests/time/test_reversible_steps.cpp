@@ -484,10 +484,10 @@ TEST_CASE("Reversible steps whose first step failed start as if it had not been"
     integrate(stepper, z, {.dt = 0.1, .steps = 500});
     return z;
   };
-  ReversibleSteps clean(Semiexplicit(Kepler()), free_fall);
+  ReversibleSteps clean{Semiexplicit(Kepler()), free_fall};
   const Point expected = begun(clean);
   for (const double too_long : {1.5, 3.0}) {
-    ReversibleSteps stepper(Semiexplicit(Kepler()), free_fall);
+    ReversibleSteps stepper{Semiexplicit(Kepler()), free_fall};
     Point z = kepler_orbit(0.9, 1);
     REQUIRE_FALSE(stepper.step(z, too_long).ok());
     CHECK(begun(stepper).vector() == expected.vector());
@@ -495,18 +495,19 @@ TEST_CASE("Reversible steps whose first step failed start as if it had not been"
   }
   for (const int at : {1, 2, 3, 4}) {
     int calls = 0;
-    ReversibleSteps stepper(Semiexplicit(Kepler()), [&](const auto& q, const auto& p) {
-      if (++calls == at) throw std::runtime_error("monitor");
-      return free_fall(q, p);
-    });
+    ReversibleSteps stepper{Semiexplicit(Kepler()), [&](const auto& q, const auto& p) {
+                              if (++calls == at) throw std::runtime_error("monitor");
+                              return free_fall(q, p);
+                            }};
     Point z = kepler_orbit(0.9, 1);
     CHECK_THROWS_AS(stepper.step(z, 0.1), std::runtime_error);
     CHECK(begun(stepper).vector() == expected.vector());
   }
   // Where only one of the trial steps can be taken, the density has the slope of that.
-  ReversibleSteps one_sided(Semiexplicit(Kepler()), [](const auto& q, const auto& p) {
-    return q.dot(p) > 0.88 ? free_fall(q, p) : std::nan("");  // starts with 0.8844, and rises
-  });
+  ReversibleSteps one_sided{Semiexplicit(Kepler()), [](const auto& q, const auto& p) {
+                              // starts with 0.8844, and rises
+                              return q.dot(p) > 0.88 ? free_fall(q, p) : std::nan("");
+                            }};
   Point z = kepler_orbit(0.9, 0.5);
   integrate(one_sided, z, {.dt = 0.1, .steps = 3});
   CHECK(one_sided.swing() < 0.005);

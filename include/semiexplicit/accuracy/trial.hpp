@@ -125,6 +125,9 @@ class Range {
   Value low_{}, high_{}, now_{};
 };
 
+/// How many equal steps no longer than dt a run ends at T with; see IntegrationOptions::t_end.
+inline double steps_to(double T, double dt) { return std::max(1.0, std::ceil(T / dt * (1 - 1e-9))); }
+
 /// Tries a setting on windows, for the observable where that is an invariant, or the energy. Gives up at the
 /// first step that fails, or when the error exceeds `hopeless`.
 template <class Any>
@@ -139,16 +142,21 @@ SEMIEXPLICIT_COLD Probe try_on_windows(Problem<Any>& problem, const Setting& set
     auto z = window.start;
     invariant.start(z);
     double half = 0;
+    // The whole run is tried with the steps that it takes.
+    const double T = problem.table.time;
+    const bool whole = window.length >= T;
+    const auto steps =
+        whole ? steps_to(T, setting.dt) : std::max(4.0, std::floor(window.length / setting.dt) + 1);
+    const double dt = whole ? T / steps : setting.dt;
     // Gauss's first step has nothing to extrapolate from: it is not counted.
-    const auto steps = std::max<std::int64_t>(4, static_cast<std::int64_t>(window.length / setting.dt) + 1);
-    for (std::int64_t n = 0; n < steps; ++n) {
-      if (!walker.step(z, setting.dt, result, n > 0 && window.typical)) return result;
+    for (double n = 0; n < steps; ++n) {
+      if (!walker.step(z, dt, result, n > 0 && window.typical)) return result;
       invariant.add(z);
       if (2 * n < steps) half = invariant.range();
     }
     if (&window == &windows.front()) {
       result.early = half, result.late = invariant.range();
-      result.length = static_cast<double>(steps) * setting.dt;
+      result.length = steps * dt;
     }
     if (!window.typical) hard.push_back(invariant.range());
     if (!(invariant.range() <= result.range)) result.range = invariant.range();

@@ -24,11 +24,10 @@
 #include <semiexplicit/semiexplicit.hpp>
 #include <semiexplicit/systems.hpp>
 
+#include "../../tests/lattice_energy.hpp"
 #include "../batches.hpp"
-#include "../lattice_energy.hpp"
 
 using namespace semiexplicit;
-using bench::lattice_by_terms;
 using bench::quantile;
 using bench::seconds;
 

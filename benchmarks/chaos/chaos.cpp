@@ -17,8 +17,8 @@
 #include <semiexplicit/semiexplicit.hpp>
 #include <semiexplicit/systems.hpp>
 
+#include "../../tests/lattice_energy.hpp"
 #include "../batches.hpp"
-#include "../lattice_energy.hpp"
 
 using namespace semiexplicit;
 using bench::quantile;
@@ -175,7 +175,7 @@ int main(int argc, char** argv) {
       print(ratio(WithProduct(lattice), exponents, 2 * steps, steps, rounds));
       print(ratio(lattice, exponents, 2 * steps, steps, rounds));
       print(ratio(GradientOnly{lattice}, exponents, 2 * steps, steps, rounds));
-      print(ratio(from_energy(d, bench::lattice_by_terms(d)), exponents, 2 * steps, steps, rounds));
+      print(ratio(from_energy(d, lattice_by_terms(d)), exponents, 2 * steps, steps, rounds));
       if (d <= 100) {
         const auto dense = [&](const auto& stepper) { return DenseExponents<GradientOnly>(stepper, count); };
         print(ratio(GradientOnly{lattice}, dense, d < 100 ? 2000 : 200, 1, d < 100 ? rounds : 4));

@@ -125,13 +125,25 @@ SEMIEXPLICIT_COLD bool step_in_parts(S& stepper, typename S::State& state,
   return false;
 }
 
+/// The fewest equal steps no longer than dt from t0 to t_end, which lies where dt leads; a quotient that is a
+/// whole number but for rounding is one. The times themselves are rounded, and late ones by more than their
+/// difference is.
+template <class Scalar>
+Scalar steps_between(const Scalar& t0, const Scalar& t_end, const Scalar& dt) {
+  using std::abs;
+  using std::ceil;
+  const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon(), quotient = (t_end - t0) / dt;
+  const Scalar slack = (8 * epsilon * quotient) + 2 * epsilon * (abs(t0) + abs(t_end)) / abs(dt);
+  const Scalar steps = ceil(quotient - (slack < Scalar(0.5) ? slack : Scalar(0.5)));
+  return steps < Scalar(1) ? Scalar(1) : steps;
+}
+
 /// The options with t_end turned into steps and the dt that they take, unless the stepper S chooses its
-/// steps. A quotient that is a whole number but for rounding is one.
+/// steps.
 template <class S, class Scalar = typename S::Scalar>
 SEMIEXPLICIT_COLD IntegrationOptions<Scalar> with_steps(
     std::type_identity_t<IntegrationOptions<Scalar>> options) {
   using std::abs;
-  using std::ceil;
   using std::isfinite;
   using std::isnan;
   if (isnan(options.t_end)) return options;
@@ -141,17 +153,13 @@ SEMIEXPLICIT_COLD IntegrationOptions<Scalar> with_steps(
     throw std::invalid_argument("integrate: with t_end, dt must be finite and not zero, and t_end finite");
   if (time == Scalar(0)) return options;
   const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon();
-  const Scalar quotient = time / options.dt;
-  if (!(quotient > Scalar(0)))
+  if (!(time / options.dt > Scalar(0)))
     throw std::invalid_argument("integrate: dt leads away from t_end; give it the sign of t_end - t0");
   if (ChoosesSteps<S>) return options;
-  // The times themselves are rounded, and late ones by more than their difference is.
-  const Scalar slack =
-      (8 * epsilon * quotient) + 2 * epsilon * (abs(options.t0) + abs(options.t_end)) / abs(options.dt);
-  const Scalar steps = ceil(quotient - (slack < Scalar(0.5) ? slack : Scalar(0.5)));
+  const Scalar steps = steps_between(options.t0, options.t_end, options.dt);
   if (!(steps < Scalar(9e18)))
     throw std::invalid_argument("integrate: t_end is more than 9e18 steps of dt away; give a longer dt");
-  options.steps = steps < Scalar(1) ? 1 : static_cast<std::int64_t>(steps);
+  options.steps = static_cast<std::int64_t>(steps);
   // A dt that divides the time stays as it is, bit for bit: a longer t_end then goes on with the same steps.
   const Scalar even = time / Scalar(options.steps);
   if (abs(even - options.dt) > 4 * epsilon * abs(options.dt)) options.dt = even;

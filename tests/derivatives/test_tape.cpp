@@ -217,17 +217,7 @@ TEST_CASE("An energy may ask for the gradient of another one, and may throw", "[
 
 TEST_CASE("Steps, ensembles and tangent maps take gradients backwards", "[tape]") {
   const Index n = 18;
-  const auto h = from_energy(n, [n](const auto& q, const auto& p) {
-    return sum_over(n,
-                    [&](auto i) {
-                      const auto density = q[i] * q[i] + p[i] * p[i];
-                      return density * density / 4;
-                    }) -
-           sum_over(n - 1, [&](auto i) {
-             return (q[i] * q[i] - p[i] * p[i]) * (q[i + 1] * q[i + 1] - p[i + 1] * p[i + 1]) +
-                    4 * q[i] * p[i] * q[i + 1] * p[i + 1];
-           });
-  });
+  const auto h = from_energy(n, lattice_by_terms(n));
   const systems::NlsLattice<double> hand(n);
   auto z = some_point(n), by_hand = z;
   Semiexplicit stepper(h, schemes::low_defect6_s13());

@@ -13,6 +13,7 @@
 
 #include "forward_gradient.hpp"
 #include "gradient_of.hpp"
+#include "lattice_energy.hpp"
 
 namespace test_terms {
 
@@ -49,21 +50,6 @@ double error_at(const Energy& energy, const PhasePoint<Scalar, Dof>& z) {
 template <class Energy>
 double error_of(Index dof, const Energy& energy) {
   return error_at(energy, some_point(dof));
-}
-
-/// The energy of systems::NlsLattice by sites and bonds.
-auto lattice_by_terms(Index n) {
-  return [n](const auto& q, const auto& p) {
-    const auto sites = sum_over(n, [&](auto i) {
-      const auto density = q[i] * q[i] + p[i] * p[i];
-      return density * density / 4;
-    });
-    return sites - sum_over(n - 1, [&](auto i) {
-             const auto u = q[i] * q[i] - p[i] * p[i], v = q[i] * p[i];
-             const auto next_u = q[i + 1] * q[i + 1] - p[i + 1] * p[i + 1], next_v = q[i + 1] * p[i + 1];
-             return u * next_u + 4 * v * next_v;
-           });
-  };
 }
 
 /// A Fermi-Pasta-Ulam-Tsingou chain in a ring.

@@ -151,7 +151,7 @@ class Reference {
       if (t <= length) times.push_back(t);
     Walker<Any> walker(problem, setting);
     // As the run itself, which ends at T with equal steps.
-    const double T = problem.table.time, all = steps_to(T, setting.dt), dt = T / all;
+    const double T = problem.table.time, all = steps_between(0.0, T, setting.dt), dt = T / all;
     double n = 0;
     const auto values = values_along(problem, times, setting, probe, [&](auto& z) {
       const double begin = n * dt, end = ++n < all ? n * dt : T;

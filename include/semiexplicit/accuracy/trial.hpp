@@ -7,6 +7,7 @@
 
 #include <semiexplicit/accuracy/problem.hpp>
 #include <semiexplicit/core/cold.hpp>
+#include <semiexplicit/integrate.hpp>
 
 namespace semiexplicit::detail {
 
@@ -125,9 +126,6 @@ class Range {
   Value low_{}, high_{}, now_{};
 };
 
-/// How many equal steps no longer than dt a run ends at T with; see IntegrationOptions::t_end.
-inline double steps_to(double T, double dt) { return std::max(1.0, std::ceil(T / dt * (1 - 1e-9))); }
-
 /// Tries a setting on windows, for the observable where that is an invariant, or the energy. Gives up at the
 /// first step that fails, or when the error exceeds `hopeless`.
 template <class Any>
@@ -146,7 +144,7 @@ SEMIEXPLICIT_COLD Probe try_on_windows(Problem<Any>& problem, const Setting& set
     const double T = problem.table.time;
     const bool whole = window.length >= T;
     const auto steps =
-        whole ? steps_to(T, setting.dt) : std::max(4.0, std::floor(window.length / setting.dt) + 1);
+        whole ? steps_between(0.0, T, setting.dt) : std::max(4.0, std::floor(window.length / setting.dt) + 1);
     const double dt = whole ? T / steps : setting.dt;
     // Gauss's first step has nothing to extrapolate from: it is not counted.
     for (double n = 0; n < steps; ++n) {

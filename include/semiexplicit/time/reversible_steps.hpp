@@ -96,8 +96,8 @@ class ReversibleSteps {
   /// The same, but not beyond t_end: what is left of less than two steps is taken in two halves, of less than
   /// one at once.
   StepReport step_until(State& z, const Scalar& dt, const Scalar& t_end) {
-    if (reached(t_end)) return {};
-    const Scalar left = (t_end - clock_.time) - clock_.carry;
+    const Scalar left = left_to(t_end);
+    if (left == Scalar(0)) return {};
     if ((left > Scalar(0)) != (dt > Scalar(0))) return {.status = Status::invalid_step};
     bool last = false;
     const StepReport report = advance(z, dt, [&](const Scalar& time) {
@@ -123,7 +123,7 @@ class ReversibleSteps {
   /// Time of the state that it left last; the sum of its steps where there was no begin().
   Scalar time() const { return clock_.time; }
   /// Whether it has come to t. Steps below the rounding of t reach a time() of t earlier.
-  bool reached(const Scalar& t) const { return (t - clock_.time) - clock_.carry == Scalar(0); }
+  bool reached(const Scalar& t) const { return left_to(t) == Scalar(0); }
   /// How long its last step was.
   Scalar taken() const { return clock_.taken; }
 
@@ -179,6 +179,8 @@ class ReversibleSteps {
     else
       return false;
   }();
+
+  Scalar left_to(const Scalar& t) const { return (t - clock_.time) - clock_.carry; }
 
   bool continues(const State& z) const {
     return clock_.density != Scalar(0) && z.vector().size() == last_.vector().size() &&
@@ -253,8 +255,8 @@ class ReversibleSteps {
   /// Density and slope at a z that it has not come to itself; the slope from a trial step to either side, or
   /// to the one that can be gone.
   void start(Clock& clock, const State& z, const Scalar& dt, StepReport& report) {
-    trial_ = scratch_ = z;
-    clock.density = density_at(trial_, report);
+    scratch_ = z;
+    clock.density = density_at(z, report);
     clock.slope = clock.swing = Scalar(0);
     clock.since = 0;
     if (!usable(clock.density)) return;

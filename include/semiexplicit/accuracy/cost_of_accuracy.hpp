@@ -119,7 +119,7 @@ auto cost_of_accuracy(
       throw std::invalid_argument("cost_of_accuracy: z0 has " + std::to_string(z0.dof()) +
                                   " degrees of freedom and the Hamiltonian " +
                                   std::to_string(dof_of(hamiltonian)) + "; give both the same size");
-    if (!z0.vector().allFinite())
+    if (!detail::all_finite(z0.vector()))
       throw std::invalid_argument("cost_of_accuracy: z0 holds NaN or Inf; give a finite initial state");
     detail::require_symplectic(hamiltonian, "cost_of_accuracy",
                                "its energy changes by their work: give runs with_error_estimate() instead");

@@ -155,7 +155,8 @@ class Pilot {
 
   SEMIEXPLICIT_COLD void note_parting(const State& z) {
     if (!watches_neighbour()) return;
-    const double apart = static_cast<double>(norm(neighbour_.vector() - z.vector()));
+    const auto between = (neighbour_.vector() - z.vector()).eval();
+    const double apart = static_cast<double>(norm(between));
     if (apart_ == 0) apart_ = static_cast<double>(norm(beside(problem_.z0).vector() - problem_.z0.vector()));
     const double log = parted_ + (apart > 0 ? std::log(apart / apart_) : 0);
     // Relative errors of an orbit that itself goes off as fast do not grow.
@@ -163,7 +164,7 @@ class Pilot {
     parting_.emplace_back(table_.pilot_time,
                           log - (table_.relative && farthest_out_ > 0 ? std::log(farthest_out_) : 0));
     if (!(apart > 0) || (apart < 100 * apart_ && apart > apart_ / 100)) return;
-    neighbour_.vector() = z.vector() + Scalar(apart_ / apart) * (neighbour_.vector() - z.vector());
+    neighbour_.vector() = z.vector() + Scalar(apart_ / apart) * between;
     parted_ = log;
   }
 

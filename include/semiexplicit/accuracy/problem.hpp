@@ -175,7 +175,7 @@ class Problem {
 
   SEMIEXPLICIT_COLD void measure_first() {
     const Value first = measured(z0);
-    if (first.size() == 0 || !first.allFinite())
+    if (first.size() == 0 || !all_finite(first))
       throw std::invalid_argument(
           "cost_of_accuracy: options.observable is empty, NaN or Inf at z0; give a function that is finite");
     observable_size_ = first.size();

@@ -68,7 +68,7 @@ class TangentMap {
   Status at(const State& z, const Scalar& dt) {
     using std::isfinite;
     using std::pow;
-    const bool fits = z.vector().size() == size_ && z.vector().allFinite();
+    const bool fits = z.vector().size() == size_ && detail::all_finite(z.vector());
     if (const Status start = detail::status_at_start(dt, !scheme_.b.empty(), fits); start != Status::success)
       return start;
     Scalar close(0);
@@ -91,7 +91,7 @@ class TangentMap {
       if (!isfinite(correction)) return Status::not_finite;
       if (correction <= close) {
         finish();
-        return matrix_.allFinite() ? Status::success : Status::not_finite;
+        return detail::all_finite(matrix_) ? Status::success : Status::not_finite;
       }
       m_ -= correction_.vector();
     }

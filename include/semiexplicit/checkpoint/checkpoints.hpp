@@ -214,7 +214,7 @@ class Checkpoints {
                                   " degrees of freedom, and the one that was saved " + std::to_string(dof));
     detail::visit_sums(memory, report);
     visit_state(memory, z);
-    if (!z.q().allFinite() || !z.p().allFinite())
+    if (!detail::all_finite(z.q()) || !detail::all_finite(z.p()))
       throw std::invalid_argument("its state is NaN or Inf; start anew without it");
     visit_functions(memory, z);
   }

@@ -124,13 +124,9 @@ inline void assign(const LaneMask& lanes, Many& to, const Many& from) {
 #endif
 }
 
+inline Many square_of(const Many& x) { return x * x; }
 inline Many squares_of_block(const Many* v, Eigen::Index n) {
-  Many part[4] = {0.0, 0.0, 0.0, 0.0};
-  const Eigen::Index whole = n - n % 4;
-  for (Eigen::Index i = 0; i < whole; i += 4)
-    for (Eigen::Index k = 0; k < 4; ++k) part[k] += v[i + k] * v[i + k];
-  for (Eigen::Index i = whole; i < n; ++i) part[i - whole] += v[i] * v[i];
-  return (part[0] + part[1]) + (part[2] + part[3]);
+  return sum_in_four<Many>(0, n, [v](Eigen::Index i) { return square_of(v[i]); });
 }
 /// v · v in each lane, summed in the order of dot().
 inline Many squares(const Many* v, Eigen::Index n) {
@@ -163,14 +159,10 @@ inline Many norm(const Many* v, Eigen::Index n) {
   // Some lane's squares have no room in the exponent.
   Many largest = 0.0;
   for (Eigen::Index i = 0; i < n; ++i) largest = max(largest, abs(v[i]));
-  Many unit = largest, part[4] = {0.0, 0.0, 0.0, 0.0};
+  Many unit = largest;
   assign(largest == 0.0, unit, 1.0);
-  const Eigen::Index whole = n - n % 4;
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const Many scaled = v[i] / unit;
-    part[i < whole ? i % 4 : i - whole] += scaled * scaled;
-  }
-  Many rescaled = largest * square_root((part[0] + part[1]) + (part[2] + part[3]));
+  const auto scaled_square = [&](Eigen::Index i) { return square_of(v[i] / unit); };
+  Many rescaled = largest * square_root(sum_in_four<Many>(0, n, scaled_square));
   assign(!isfinite(largest), rescaled, largest);
   assign(!plain, result, rescaled);
   return result;

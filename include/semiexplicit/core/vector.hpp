@@ -41,17 +41,25 @@ constexpr Eigen::Index block_of_sum(Eigen::Index n) {
   return (block + 63) / 64 * 64;
 }
 
+/// Sum of term(i) over begin <= i < end, in four partial sums.
+template <class Scalar, class Term>
+SEMIEXPLICIT_INLINE Scalar sum_in_four(Eigen::Index begin, Eigen::Index end, const Term& term) {
+  Scalar part[4] = {Scalar(0), Scalar(0), Scalar(0), Scalar(0)};
+  const Eigen::Index whole = end - (end - begin) % 4;
+  for (Eigen::Index i = begin; i < whole; i += 4)
+    for (Eigen::Index k = 0; k < 4; ++k) part[k] += term(i + k);
+  for (Eigen::Index i = whole; i < end; ++i) part[i - whole] += term(i);
+  return (part[0] + part[1]) + (part[2] + part[3]);
+}
+
 template <class U, class V>
 SEMIEXPLICIT_INLINE typename U::Scalar dot_of_block(const Eigen::MatrixBase<U>& u,
                                                     const Eigen::MatrixBase<V>& v, Eigen::Index begin,
                                                     Eigen::Index end) {
   using Scalar = typename U::Scalar;
-  Scalar part[4] = {Scalar(0), Scalar(0), Scalar(0), Scalar(0)};
-  const Eigen::Index whole = end - (end - begin) % 4;
-  for (Eigen::Index i = begin; i < whole; i += 4)
-    for (Eigen::Index k = 0; k < 4; ++k) part[k] += u.derived().coeff(i + k) * v.derived().coeff(i + k);
-  for (Eigen::Index i = whole; i < end; ++i) part[i - whole] += u.derived().coeff(i) * v.derived().coeff(i);
-  return (part[0] + part[1]) + (part[2] + part[3]);
+  return sum_in_four<Scalar>(begin, end, [&](Eigen::Index i) SEMIEXPLICIT_INLINE_LAMBDA {
+    return Scalar(u.derived().coeff(i) * v.derived().coeff(i));
+  });
 }
 template <class U, class V>
 SEMIEXPLICIT_NOINLINE typename U::Scalar dot_of_many(const Eigen::MatrixBase<U>& u,
@@ -83,12 +91,18 @@ template <class Derived>
 typename Derived::Scalar sum_of_absolutes(const Eigen::MatrixBase<Derived>& v) {
   using Scalar = typename Derived::Scalar;
   using std::abs;
-  Scalar part[4] = {Scalar(0), Scalar(0), Scalar(0), Scalar(0)};
-  const Eigen::Index n = v.size(), whole = n - n % 4;
-  for (Eigen::Index i = 0; i < whole; i += 4)
-    for (Eigen::Index k = 0; k < 4; ++k) part[k] += abs(v.derived().coeff(i + k));
-  for (Eigen::Index i = whole; i < n; ++i) part[i - whole] += abs(v.derived().coeff(i));
-  return (part[0] + part[1]) + (part[2] + part[3]);
+  return sum_in_four<Scalar>(0, v.size(), [&](Eigen::Index i) { return Scalar(abs(v.derived().coeff(i))); });
+}
+
+/// Whether none of n numbers is NaN or Inf. Eigen's allFinite() costs compilers a family of classes for each
+/// type of vector.
+template <class Scalar>
+bool all_finite(const Scalar* x, Eigen::Index n) {
+  return sum_in_four<Scalar>(0, n, [x](Eigen::Index i) { return Scalar(x[i] - x[i]); }) == Scalar(0);
+}
+template <class Dense>
+bool all_finite(const Dense& v) {
+  return all_finite(v.data(), v.size());
 }
 
 /// max |vᵢ|; NaN does not count.
@@ -110,7 +124,10 @@ SEMIEXPLICIT_NOINLINE typename Derived::Scalar norm_of_extreme(const Eigen::Matr
   using std::sqrt;
   const Scalar largest = largest_absolute(v);
   if (largest == Scalar(0) || !isfinite(largest)) return largest;
-  return largest * sqrt(dot(v / largest, v / largest));
+  return largest * sqrt(sum_in_four<Scalar>(0, v.size(), [&](Eigen::Index i) {
+           const Scalar part = v.derived().coeff(i) / largest;
+           return Scalar(part * part);
+         }));
 }
 
 /// Whether a sum of squares is right as it is: none of them left the range of normal numbers, or it is NaN.

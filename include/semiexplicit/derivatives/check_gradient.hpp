@@ -444,7 +444,7 @@ SEMIEXPLICIT_COLD GradientCheck<typename detail::EnergyDoor<H>::Scalar> check_gr
   PhasePoint<Scalar, H::Dof> given(d), at(z);
   const auto outputs = detail::written_gradient(hamiltonian, z, given);
   const Scalar rounding = detail::energy_rounding(hamiltonian, energy, z);
-  const Scalar size = z.vector().cwiseAbs().maxCoeff(), typical = detail::typical_size(z);
+  const Scalar size = detail::largest_absolute(z.vector()), typical = detail::typical_size(z);
   GradientCheck<Scalar> check;
   for (Eigen::Index i = 0; i < 2 * d; ++i) {
     const auto energy_at = [&](const Scalar& x) -> Scalar {

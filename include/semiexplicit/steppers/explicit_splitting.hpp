@@ -66,7 +66,7 @@ class ExplicitSplitting {
     report.gradients = position_gradients() + 1;
     if (!update_.update(
             z, [moved = moved_.data()](Eigen::Index i) { return moved[i]; }, everywhere))
-      report.status = everywhere(z.vector().allFinite()) ? Status::not_finite : Status::invalid_state;
+      report.status = everywhere(detail::all_finite(z.vector())) ? Status::not_finite : Status::invalid_state;
     return report;
   }
 

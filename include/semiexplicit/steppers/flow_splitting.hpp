@@ -196,7 +196,7 @@ class FlowSplitting {
     if (report.ok() &&
         !update_.update(z, [moved = moving_.moved.data()](Eigen::Index i) { return moved[i]; }))
       report.status = Status::not_finite;
-    if (!report.ok() && !z.vector().allFinite()) report.status = Status::invalid_state;
+    if (!report.ok() && !detail::all_finite(z.vector())) report.status = Status::invalid_state;
     return report;
   }
 

@@ -192,7 +192,7 @@ class GaussLegendre : public detail::GaussShell<GaussLegendre<H>, H> {
       work.second(hamiltonian_, point_, work.hessian);
       report.gradients += 1 + work.second.gradients();
       // An infinite entry would make the correction zero, which looks like the end.
-      if (!work.hessian.allFinite()) return std::numeric_limits<Scalar>::quiet_NaN();
+      if (!detail::all_finite(work.hessian)) return std::numeric_limits<Scalar>::quiet_NaN();
       for (Eigen::Index i = 0; i < stages; ++i) {
         const Scalar factor = weights_(i, j);
         auto block = work.matrix.block(i * n, j * n, n, n);  // δ_ij I - dt a_ij J H''

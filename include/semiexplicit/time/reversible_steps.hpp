@@ -279,7 +279,7 @@ class ReversibleSteps {
   }
 
   static StepReport failed(const State& z, StepReport report) {
-    report.status = z.vector().allFinite() ? Status::invalid_monitor : Status::invalid_state;
+    report.status = detail::all_finite(z.vector()) ? Status::invalid_monitor : Status::invalid_state;
     return report;
   }
 

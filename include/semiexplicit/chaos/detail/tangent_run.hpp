@@ -50,7 +50,7 @@ class TangentRun {
       const Scalar least = 100 * Eigen::NumTraits<Scalar>::epsilon() * norm(vectors.col(j).eval());
       independent = independent && part > least;
     });
-    if (!independent || !v.allFinite()) refuse("the vectors to start with are not independent");
+    if (!independent || !all_finite(v)) refuse("the vectors to start with are not independent");
   }
 
   /// Takes in the next state; true where that was a step, which the vectors have gone along. Throws what

@@ -174,13 +174,13 @@ class DoubledTangents {
 
   /// Whether a step of size dt can start from z.
   Status check(const State& z, const Scalar& dt) const {
-    return status_at_start(dt, !scheme_.b.empty(), z.vector().size() == a.size() && z.vector().allFinite());
+    return status_at_start(dt, !scheme_.b.empty(), z.vector().size() == a.size() && all_finite(z.vector()));
   }
 
   /// v becomes the mean of the copies; false, and v untouched, where that is not finite.
   bool finish(Vectors& v) {
     g = (da + db) / 2;
-    if (!g.allFinite()) return false;
+    if (!all_finite(g)) return false;
     v.swap(g);
     return true;
   }
@@ -410,7 +410,7 @@ class TangentStep<ExplicitSplitting<H>> {
 
   StepReport operator()(const State& z, Vectors& v, const Scalar& dt) {
     StepReport report{.status = status_at_start(dt, !scheme_.b.empty(),
-                                                z.vector().size() == at_.size() && z.vector().allFinite())};
+                                                z.vector().size() == at_.size() && all_finite(z.vector()))};
     if (!report.ok()) return report;
     if constexpr (MovingGroups<H>::apply)
       groups_.each(v.cols(), [&](auto& copies, Eigen::Index j) {
@@ -421,7 +421,7 @@ class TangentStep<ExplicitSplitting<H>> {
     else
       along_orbit(z, v, dt);
     report.evaluations = 1;
-    if (moved_.allFinite())
+    if (all_finite(moved_))
       v.swap(moved_);
     else
       report.status = Status::not_finite;

@@ -40,7 +40,7 @@ class DoubledStep {
 
   /// The status of a step from z that came out NaN or Inf.
   Status diagnose(const State& z) const {
-    return on_all_ranks<Scalar>(hamiltonian_, z.vector().allFinite()) ? Status::not_finite
+    return on_all_ranks<Scalar>(hamiltonian_, all_finite(z.vector())) ? Status::not_finite
                                                                       : Status::invalid_state;
   }
 
@@ -72,8 +72,8 @@ class DoubledStep {
       return update_.update(
           z, [moved = moved_.data()](Eigen::Index i) { return moved[i] / 2; },
           [this](bool ok) { return on_all_ranks<Scalar>(hamiltonian_, ok); });
-    moved_ = z.vector() + moved_ / 2;
-    if (!on_all_ranks<Scalar>(hamiltonian_, moved_.allFinite())) return false;
+    moved_ = z.vector() + Scalar(0.5) * moved_;
+    if (!on_all_ranks<Scalar>(hamiltonian_, all_finite(moved_))) return false;
     z.vector() = moved_;
     return true;
   }

@@ -76,7 +76,8 @@ class GaussShell {
     if (weights_dt_ != dt) stages.scale_weights(dt);
     weights_dt_ = dt;
     report.status = stages.solve(z, goes_on, report);
-    if (report.status == Status::not_finite && !z.vector().allFinite()) report.status = Status::invalid_state;
+    if (report.status == Status::not_finite && !detail::all_finite(z.vector()))
+      report.status = Status::invalid_state;
     if (!report.ok()) return report;
     if (update_.update(z, [&](Eigen::Index i) { return stages.increment(i, dt); }))
       last_dt_ = dt;

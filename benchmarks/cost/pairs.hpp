@@ -2,31 +2,10 @@
 
 #include <string>
 
+#include "../../tests/kepler.hpp"
 #include "systems.hpp"
 
 namespace bench {
-
-/// A planet about its star, H = p²/2 - 1/r: separable, so that the explicit splitting is in the race.
-struct Kepler {
-  using Scalar = double;
-  static constexpr int Dof = 2;
-  static constexpr bool separable = true;
-  using SeparableGradientOf = Kepler;
-
-  double energy(const In<double, 2>& q, const In<double, 2>& p) const {
-    return p.squaredNorm() / 2 - 1 / q.norm();
-  }
-  void position_gradient(const In<double, 2>& q, Out<double, 2> dVdq) const {
-    const double r = q.norm();
-    dVdq = q / (r * r * r);
-  }
-  void momentum_gradient(const In<double, 2>& p, Out<double, 2> dTdp) const { dTdp = p; }
-  void gradient(const In<double, 2>& q, const In<double, 2>& p, Out<double, 2> dHdq,
-                Out<double, 2> dHdp) const {
-    position_gradient(q, dHdq);
-    momentum_gradient(p, dHdp);
-  }
-};
 
 /// Where the periapsis lies, as a vector: that of Laplace, Runge and Lenz.
 inline Eigen::Vector2d periapsis(const In<double, 2>& q, const In<double, 2>& p) {

@@ -27,6 +27,8 @@
 #include <semiexplicit/systems.hpp>
 #include <semiexplicit/time.hpp>
 
+#include "../../tests/kepler.hpp"
+
 using namespace semiexplicit;
 
 namespace {
@@ -272,17 +274,6 @@ void compare(const std::string& wanted, const Problem<H, Monitor>& problem) {
   std::printf("\n");
   std::fflush(stdout);
 }
-
-struct Kepler {
-  using Scalar = double;
-  static constexpr int Dof = 2;
-  double energy(In<double, 2> q, In<double, 2> p) const { return p.squaredNorm() / 2 - 1 / q.norm(); }
-  void gradient(In<double, 2> q, In<double, 2> p, Out<double, 2> dHdq, Out<double, 2> dHdp) const {
-    const double rr = q.squaredNorm();
-    dHdq = q / (rr * std::sqrt(rr));
-    dHdp = p;
-  }
-};
 
 /// The apocentre.
 PhasePoint<double, 2> apocentre(double e) { return {{-1 - e, 0}, {0, -std::sqrt((1 - e) / (1 + e))}}; }

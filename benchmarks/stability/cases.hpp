@@ -11,6 +11,7 @@
 #include <semiexplicit/systems.hpp>
 #include <semiexplicit/time.hpp>
 
+#include "../../tests/kepler.hpp"
 #include "../cost/systems.hpp"
 
 /// Cases that are hard for long runs of systems that are not separable. The tests run them for a while,
@@ -54,18 +55,6 @@ struct DoubleWell {
 };
 
 using bench::DoublePendulum;
-
-/// H = |p|²/2 - 1/|q| in the plane.
-struct Kepler {
-  using Scalar = double;
-  static constexpr int Dof = 2;
-  double energy(In<double, 2> q, In<double, 2> p) const { return p.squaredNorm() / 2 - 1 / q.norm(); }
-  void gradient(In<double, 2> q, In<double, 2> p, Out<double, 2> dHdq, Out<double, 2> dHdp) const {
-    const double rr = q.squaredNorm();
-    dHdq = q / (rr * std::sqrt(rr));
-    dHdp = p;
-  }
-};
 
 /// A lattice of `sites` whose amplitudes are random, of this size.
 template <class Scalar = double>

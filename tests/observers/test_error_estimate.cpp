@@ -12,6 +12,7 @@
 #include <semiexplicit/time.hpp>
 
 #include "folder.hpp"
+#include "kepler.hpp"
 #include "refusal.hpp"
 
 namespace test_error_estimate {
@@ -21,27 +22,6 @@ namespace {
 using namespace semiexplicit;
 using Point = PhasePoint<double, 2>;
 const double pi = std::acos(-1.0);
-
-/// H = |p|²/2 - 1/|q|.
-struct Kepler {
-  using Scalar = double;
-  static constexpr int Dof = 2;
-  void gradient(In<double, 2> q, In<double, 2> p, Out<double, 2> dHdq, Out<double, 2> dHdp) const {
-    const double rr = q.squaredNorm();
-    dHdq = q / (rr * std::sqrt(rr));
-    dHdp = p;
-  }
-};
-
-/// The orbit of semi-major axis 1 at the time t after the pericentre, from Kepler's equation.
-Point kepler_orbit(double e, double t) {
-  const double mean = std::remainder(t, 2 * pi);
-  double anomaly = mean;
-  for (int i = 0; i < 50; ++i)
-    anomaly -= (anomaly - e * std::sin(anomaly) - mean) / (1 - e * std::cos(anomaly));
-  const double c = std::cos(anomaly), s = std::sin(anomaly), b = std::sqrt(1 - e * e), rate = 1 / (1 - e * c);
-  return {{c - e, b * s}, {-s * rate, b * c * rate}};
-}
 
 /// How often the estimate is within a factor 3 of the true error, while both are small and above rounding.
 template <class Stepper, class Companion>

@@ -10,6 +10,7 @@
 #include <semiexplicit/systems.hpp>
 
 #include "folder.hpp"
+#include "kepler.hpp"
 #include "with_events.hpp"
 
 namespace test_interpolation_error {
@@ -34,27 +35,10 @@ struct Oscillator {
   static PhasePoint<T, 1> at(double t) { return {T(std::cos(t)), T(-std::sin(t))}; }
 };
 
-/// H = p²/2 - 1/|q| with the eccentricity 0.2.
+/// Kepler's motion with the eccentricity 0.2.
 template <class T>
-struct Kepler {
-  using Scalar = T;
-  static constexpr int Dof = 2;
-  void gradient(In<T, 2> q, In<T, 2> p, Out<T, 2> dHdq, Out<T, 2> dHdp) const {
-    using std::sqrt;
-    const T rr = q.squaredNorm();
-    dHdq = q / (rr * sqrt(rr));
-    dHdp = p;
-  }
-  static PhasePoint<T, 2> at(double t) {
-    const double e = 0.2, b = std::sqrt(1 - e * e);
-    double u = t;
-    for (int i = 0; i < 60; ++i) u -= (u - e * std::sin(u) - t) / (1 - e * std::cos(u));
-    const double c = std::cos(u), s = std::sin(u), rate = 1 / (1 - e * c);
-    PhasePoint<T, 2> z;
-    z.q() << T(c - e), T(b * s);
-    z.p() << T(-s * rate), T(b * c * rate);
-    return z;
-  }
+struct Planet : KeplerOf<T> {
+  static PhasePoint<T, 2> at(double t) { return kepler_orbit<T>(0.2, t); }
 };
 
 template <class H>
@@ -95,7 +79,7 @@ void check(const Errors& errors) {
 }  // namespace
 
 TEMPLATE_TEST_CASE("The error of interpolation is known where it is above rounding", "[interpolation error]",
-                   Oscillator<double>, Kepler<double>) {
+                   Oscillator<double>, Planet<double>) {
   const double turn = 2 * std::acos(-1.0);
   for (const int nodes : {2, 4, 6, 8})
     for (const double h : {turn / 5, turn / 10, 0.2, 0.1, 0.03}) {
@@ -109,7 +93,7 @@ TEMPLATE_TEST_CASE("The error of interpolation is known where it is above roundi
 }
 
 TEMPLATE_TEST_CASE("The error of interpolation is known in float", "[interpolation error]", Oscillator<float>,
-                   Kepler<float>) {
+                   Planet<float>) {
   const double turn = 2 * std::acos(-1.0);
   for (const int nodes : {2, 4})
     for (const double h : {turn / 5, 0.5, 0.25, 0.06}) {
@@ -121,7 +105,7 @@ TEMPLATE_TEST_CASE("The error of interpolation is known in float", "[interpolati
 TEST_CASE("Where a method of high order leaps over the motion, the estimate says so",
           "[interpolation error]") {
   // Gauss's method of six stages with eight steps an orbit.
-  using H = Kepler<double>;
+  using H = Planet<double>;
   GaussLegendre stepper(H(), {.stages = 6});
   auto z = H::at(0);
   double between = 0, at_steps = 0;

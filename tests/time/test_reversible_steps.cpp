@@ -18,6 +18,7 @@
 #include <semiexplicit/time.hpp>
 
 #include "folder.hpp"
+#include "kepler.hpp"
 #include "refusal.hpp"
 
 namespace test_reversible_steps {
@@ -27,34 +28,7 @@ namespace {
 using namespace semiexplicit;
 const double pi = std::acos(-1.0);
 
-/// H = |p|²/2 - 1/|q|.
-struct Kepler {
-  using Scalar = double;
-  static constexpr int Dof = 2;
-  static constexpr bool separable = true;
-  using SeparableGradientOf = Kepler;
-  double energy(In<double, 2> q, In<double, 2> p) const { return p.squaredNorm() / 2 - 1 / q.norm(); }
-  void position_gradient(In<double, 2> q, Out<double, 2> dHdq) const {
-    const double rr = q.squaredNorm();
-    dHdq = q / (rr * std::sqrt(rr));
-  }
-  void momentum_gradient(In<double, 2> p, Out<double, 2> dHdp) const { dHdp = p; }
-  void gradient(In<double, 2> q, In<double, 2> p, Out<double, 2> dHdq, Out<double, 2> dHdp) const {
-    position_gradient(q, dHdq);
-    momentum_gradient(p, dHdp);
-  }
-};
 using Point = PhasePoint<double, 2>;
-
-/// The orbit of semi-major axis 1 at the time t after the pericentre, from Kepler's equation.
-Point kepler_orbit(double e, double t) {
-  const double mean = std::remainder(t, 2 * pi);
-  double anomaly = mean + (mean > 0 ? e : -e);
-  for (int i = 0; i < 50; ++i)
-    anomaly -= (anomaly - e * std::sin(anomaly) - mean) / (1 - e * std::cos(anomaly));
-  const double c = std::cos(anomaly), s = std::sin(anomaly), b = std::sqrt(1 - e * e), rate = 1 / (1 - e * c);
-  return {{c - e, b * s}, {-s * rate, b * c * rate}};
-}
 
 /// The free-fall time, up to a factor; no derivatives.
 const auto free_fall = [](const auto& q, const auto&) { return std::pow(q.squaredNorm(), 0.75); };

@@ -12,6 +12,7 @@
 #include <semiexplicit/systems.hpp>
 #include <semiexplicit/time.hpp>
 
+#include "kepler.hpp"
 #include "refusal.hpp"
 
 namespace test_time_transformed {
@@ -20,31 +21,6 @@ namespace {
 
 using namespace semiexplicit;
 const double pi = std::acos(-1.0);
-
-/// H = |p|²/2 - 1/|q|, in as many dimensions as the value says.
-template <int Size>
-struct Kepler {
-  using Scalar = double;
-  static constexpr int Dof = Size;
-  Eigen::Index dof() const { return 2; }
-  double energy(In<double, Size> q, In<double, Size> p) const { return p.squaredNorm() / 2 - 1 / q.norm(); }
-  void gradient(In<double, Size> q, In<double, Size> p, Out<double, Size> dHdq,
-                Out<double, Size> dHdp) const {
-    const double rr = q.squaredNorm();
-    dHdq = q / (rr * std::sqrt(rr));
-    dHdp = p;
-  }
-};
-
-/// The orbit of semi-major axis 1 at the time t after the pericentre, from Kepler's equation.
-PhasePoint<double, 2> kepler_orbit(double e, double t) {
-  const double mean = std::remainder(t, 2 * pi);
-  double anomaly = mean + (mean > 0 ? e : -e);
-  for (int i = 0; i < 50; ++i)
-    anomaly -= (anomaly - e * std::sin(anomaly) - mean) / (1 - e * std::cos(anomaly));
-  const double c = std::cos(anomaly), s = std::sin(anomaly), b = std::sqrt(1 - e * e), rate = 1 / (1 - e * c);
-  return {{c - e, b * s}, {-s * rate, b * c * rate}};
-}
 
 /// ∮ dt/g over such an orbit, for g = r^power; with the eccentric anomaly E, dt = r dE.
 double parameter_of_orbit(double e, double power) {
@@ -68,7 +44,7 @@ struct Worst {
 
 TEST_CASE("Kepler's orbits of any eccentricity: a hundred of them, in a hundred steps each",
           "[time transformed][long]") {
-  const Kepler<2> h;
+  const Kepler h;
   for (const double e : {0.9, 0.99, 0.999}) {
     CAPTURE(e);
     const TimeTransformed k(h, monitors::Distance{1.5}, -0.5);
@@ -97,8 +73,8 @@ TEST_CASE("A monitor function may take the gradient that it writes by reference"
     dgdq = 1.5 * g / (r * r) * q;
     return g;
   };
-  const TimeTransformed by_hand(Kepler<2>{}, cubed, -0.5);
-  const TimeTransformed bundled(Kepler<2>{}, monitors::Distance{1.5}, -0.5);
+  const TimeTransformed by_hand(Kepler{}, cubed, -0.5);
+  const TimeTransformed bundled(Kepler{}, monitors::Distance{1.5}, -0.5);
   Semiexplicit one(by_hand);
   Semiexplicit other(bundled);
   auto z = by_hand.extended(kepler_orbit(0.9, 0), 0.0), x = z;
@@ -108,7 +84,7 @@ TEST_CASE("A monitor function may take the gradient that it writes by reference"
 }
 
 TEST_CASE("A step of fixed size fails where the transformed one is exact", "[time transformed]") {
-  const Kepler<2> h;
+  const Kepler h;
   const double e = 0.99;
   Semiexplicit stepper(h, schemes::low_defect8_s20());
   auto z = kepler_orbit(e, pi);
@@ -119,7 +95,7 @@ TEST_CASE("A step of fixed size fails where the transformed one is exact", "[tim
 }
 
 TEST_CASE("Positions at physical times agree with Kepler's equation", "[time transformed]") {
-  const Kepler<2> h;
+  const Kepler h;
   const double e = 0.9;
   std::vector<double> times;
   for (int i = 0; i <= 200; ++i) times.push_back(1 + 0.1 * i);  // three orbits, begun at t = 1
@@ -147,7 +123,7 @@ TEST_CASE("Positions at physical times agree with Kepler's equation", "[time tra
 }
 
 TEST_CASE("The time is carried to the order of the method", "[time transformed]") {
-  const Kepler<2> h;
+  const Kepler h;
   const TimeTransformed k(h, monitors::Distance{1.2}, -0.5);
   const double e = 0.5, whole = parameter_of_orbit(e, 1.2);
   for (const char* name : {"strang", "blanes_moan4", "blanes_moan6"}) {
@@ -164,8 +140,8 @@ TEST_CASE("The time is carried to the order of the method", "[time transformed]"
 }
 
 TEST_CASE("A size known at run time changes nothing", "[time transformed]") {
-  const TimeTransformed fixed(Kepler<2>{}, monitors::Distance{}, -0.5);
-  const TimeTransformed dynamic(Kepler<Eigen::Dynamic>{}, monitors::Distance{}, -0.5);
+  const TimeTransformed fixed(Kepler{}, monitors::Distance{}, -0.5);
+  const TimeTransformed dynamic(KeplerOf<double, Eigen::Dynamic>{}, monitors::Distance{}, -0.5);
   const auto start = kepler_orbit(0.8, 0.3);
   auto x = fixed.extended(start, 0.0);
   auto y = dynamic.extended({start.q(), start.p()}, 0.0);
@@ -177,8 +153,8 @@ TEST_CASE("A size known at run time changes nothing", "[time transformed]") {
 }
 
 TEST_CASE("An energy that is a little off is taken up", "[time transformed]") {
-  const TimeTransformed exact(Kepler<2>{}, monitors::Distance{}, -0.5),
-      wrong(Kepler<2>{}, monitors::Distance{}, -0.6);
+  const TimeTransformed exact(Kepler{}, monitors::Distance{}, -0.5),
+      wrong(Kepler{}, monitors::Distance{}, -0.6);
   auto x = exact.extended(kepler_orbit(0.8, 0.3), 0.0), y = wrong.extended(kepler_orbit(0.8, 0.3), 0.0);
   CHECK(y.p()[2] == Approx(-0.1));
   Semiexplicit one(exact, schemes::blanes_moan6()), other(wrong, schemes::blanes_moan6());
@@ -252,15 +228,15 @@ TEST_CASE("A relativistic orbit of eccentricity 0.95", "[time transformed]") {
 }
 
 TEST_CASE("What cannot be transformed is refused", "[time transformed]") {
-  const TimeTransformed k(Kepler<2>{}, monitors::Distance{}, -0.5);
+  const TimeTransformed k(Kepler{}, monitors::Distance{}, -0.5);
   CHECK(refuses([&] { k.extended({{0, 0}, {0, 1}}, 0.0); }, "not finite"));
   const auto negative = [](const auto& q, auto&& dgdq) {
     dgdq.setZero();
     return -q[0];
   };
-  const TimeTransformed backwards(Kepler<2>{}, negative, -0.5);
+  const TimeTransformed backwards(Kepler{}, negative, -0.5);
   CHECK(refuses([&] { backwards.extended({{1, 0}, {0, 1}}, 0.0); }, "not positive"));
-  const TimeTransformed dynamic(Kepler<Eigen::Dynamic>{}, monitors::Distance{}, -0.5);
+  const TimeTransformed dynamic(KeplerOf<double, Eigen::Dynamic>{}, monitors::Distance{}, -0.5);
   CHECK(refuses([&] { dynamic.extended(PhasePoint<double, Eigen::Dynamic>(3), 0.0); }, "another size"));
 }
 

@@ -197,8 +197,7 @@ IntegrationReport integrate_saved(const CheckpointRequest& request, const std::s
   const auto save = [&](double t, const auto& z, const IntegrationReport& so_far) {
     if (request.wanted()) checkpoints(t, z, so_far);
   };
-  Progress progress(
-      std::isnan(options.t_end) ? static_cast<double>(options.steps) * options.dt : options.t_end, label);
+  Progress progress(options.t_end.value_or(static_cast<double>(options.steps) * options.dt), label);
   return integrate(stepper, state, options, observers..., progress, save);
 }
 

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdint>
-#include <limits>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
@@ -38,8 +38,8 @@ struct IntegrationOptions {
   Scalar t0 = Scalar(0);  ///< time of the state that is handed in, or of the first one where the run goes on
   /// Where the run ends, exactly: with the fewest equal steps that are no longer than dt.
   /// IntegrationReport::dt says which dt that took. A stepper that ChoosesSteps keeps dt and cuts its last
-  /// two steps. NaN: not given, `steps` says how far.
-  Scalar t_end = std::numeric_limits<Scalar>::quiet_NaN();
+  /// two steps. Not given: `steps` says how far.
+  std::optional<Scalar> t_end{};
   /// Report of an earlier part, which the run goes on from: its steps count among `steps`, and its sums are
   /// added to. See Checkpoints::resume().
   IntegrationReport done{};
@@ -59,8 +59,7 @@ void require_restored(const Observer& observer, std::int64_t steps) {
 /// Whether the run ends at a time that the stepper's own steps are to meet.
 template <class S>
 bool ends_by_clock(const IntegrationOptions<typename S::Scalar>& options) {
-  using std::isnan;
-  return ChoosesSteps<S> && !isnan(options.t_end);
+  return ChoosesSteps<S> && options.t_end;
 }
 
 /// What a stepper that chooses its steps knows of the time; of others nothing.
@@ -77,7 +76,7 @@ template <class S>
 StepReport one_step(S& stepper, typename S::State& state, const typename S::Scalar& dt,
                     const IntegrationOptions<typename S::Scalar>& options) {
   if constexpr (ChoosesSteps<S>)
-    if (ends_by_clock<S>(options)) return stepper.step_until(state, dt, options.t_end);
+    if (ends_by_clock<S>(options)) return stepper.step_until(state, dt, *options.t_end);
   return stepper.step(state, dt);
 }
 
@@ -101,7 +100,7 @@ SEMIEXPLICIT_COLD bool step_in_parts(S& stepper, typename S::State& state,
     StepReport together;
     for (std::int64_t i = 0; i < parts && together.ok(); ++i) {
       if constexpr (ChoosesSteps<S>)
-        if (ends_by_clock<S>(options) && stepper.reached(options.t_end)) break;
+        if (ends_by_clock<S>(options) && stepper.reached(*options.t_end)) break;
       const StepReport one = one_step(stepper, trial, part, options);
       report.evaluations += one.evaluations;
       report.gradients += one.gradients;
@@ -145,18 +144,18 @@ SEMIEXPLICIT_COLD IntegrationOptions<Scalar> with_steps(
     std::type_identity_t<IntegrationOptions<Scalar>> options) {
   using std::abs;
   using std::isfinite;
-  using std::isnan;
-  if (isnan(options.t_end)) return options;
+  if (!options.t_end) return options;
   if (options.steps != 0) throw std::invalid_argument("integrate: give steps or t_end, not both");
-  const Scalar time = options.t_end - options.t0;
+  const Scalar time = *options.t_end - options.t0;
   if (!isfinite(time) || !isfinite(options.dt) || options.dt == Scalar(0))
-    throw std::invalid_argument("integrate: with t_end, dt must be finite and not zero, and t_end finite");
+    throw std::invalid_argument(
+        "integrate: with t_end, dt must be finite and not zero, and t_end and t0 finite");
   if (time == Scalar(0)) return options;
   const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon();
   if (!(time / options.dt > Scalar(0)))
     throw std::invalid_argument("integrate: dt leads away from t_end; give it the sign of t_end - t0");
   if (ChoosesSteps<S>) return options;
-  const Scalar steps = steps_between(options.t0, options.t_end, options.dt);
+  const Scalar steps = steps_between(options.t0, *options.t_end, options.dt);
   if (!(steps < Scalar(9e18)))
     throw std::invalid_argument("integrate: t_end is more than 9e18 steps of dt away; give a longer dt");
   options.steps = static_cast<std::int64_t>(steps);
@@ -205,8 +204,8 @@ SEMIEXPLICIT_COLD void check_clock(const S& stepper, const IntegrationOptions<ty
         "integrate: this stepper did not make the earlier part, or has made another run since, and it keeps "
         "the time and the length of its steps; go on with the one that made it, or begin a new run with "
         "t0 = the time reached");
-  const typename S::Scalar left = options.t_end - stepper.time();
-  if (left != 0 && (left > 0) != (options.dt > 0) && !std::isnan(static_cast<double>(left)))
+  const typename S::Scalar left = options.t_end ? *options.t_end - stepper.time() : options.dt;
+  if (left != 0 && (left > 0) != (options.dt > 0))
     throw std::invalid_argument("integrate: the earlier part went to t = " + in_words(stepper.time(), 17) +
                                 ", and dt leads away from t_end; give a t_end beyond that");
 }
@@ -314,15 +313,14 @@ IntegrationReport integrate_checked(S& stepper, typename S::State& state,
                                     const IntegrationOptions<typename S::Scalar>& asked,
                                     Observers&... observers) {
   using Scalar = typename S::Scalar;
-  using std::isnan;
   const IntegrationOptions<Scalar> options = with_steps<S>(asked);
   const bool by_clock = ends_by_clock<S>(options);
   const auto time_after = [&](std::int64_t n) {
     if constexpr (ChoosesSteps<S>)
       return Scalar(stepper.time());
     else
-      return n == options.steps && !isnan(options.t_end) ? options.t_end
-                                                         : Scalar(options.t0 + Scalar(n) * options.dt);
+      return n == options.steps && options.t_end ? *options.t_end
+                                                 : Scalar(options.t0 + Scalar(n) * options.dt);
   };
   check_options(options, by_clock);
   constexpr int changing_observers = (0 + ... + (ChangesState<Observers> ? 1 : 0));
@@ -381,7 +379,7 @@ IntegrationReport integrate_checked(S& stepper, typename S::State& state,
   [[maybe_unused]] auto whole = kept(), start_of_rest = kept();
   const auto at_end = [&] {
     if constexpr (ChoosesSteps<S>)
-      if (by_clock) return stepper.reached(options.t_end);
+      if (by_clock) return stepper.reached(*options.t_end);
     return report.steps >= options.steps;
   };
   while (!at_end()) {

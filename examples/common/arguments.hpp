@@ -199,14 +199,19 @@ int run_program(CLI::App& app, int argc, char** argv, const Body& body) {
     std::cerr << name << ": " << what << '\n';
     return code;
   };
+  const auto parse_and_run = [&] {
+    try {
+      app.parse(argc, argv);
+    } catch (const CLI::Success& help) {
+      return app.exit(help);
+    }
+    return body();
+  };
   try {
-    app.parse(argc, argv);
-    const int code = body();
+    const int code = parse_and_run();
     std::cout.flush();
     if (std::cout.bad()) return complain("the standard output could not be written, its text is lost", 1);
     return code;
-  } catch (const CLI::Success& help) {
-    return app.exit(help);
   } catch (const CLI::ConfigError& error) {
     return complain("--config: " + std::string(error.what()), 2);
   } catch (const CLI::ExtrasError& error) {

@@ -56,8 +56,8 @@ inline std::string gnuplot_prologue(const std::filesystem::path& png, int width,
 }
 
 /// Leaves the script beside the picture `png`, and draws it. The picture gets its name when it is whole; it
-/// comes through a pipe, since gnuplot does not notice a full disk. Without gnuplot there is a hint and no
-/// picture.
+/// comes through a pipe, since gnuplot does not notice a full disk. In the locale C gnuplot would warn of the
+/// signs of UTF-8. Without gnuplot there is a hint and no picture.
 inline void draw(const std::filesystem::path& png, const std::string& script) {
   const std::filesystem::path file = std::filesystem::path(png).replace_extension("gp");
   semiexplicit::DurableFile::remove(png);  // an older one would belong to other data
@@ -65,7 +65,7 @@ inline void draw(const std::filesystem::path& png, const std::string& script) {
 
   constexpr int none = 127;
   const std::string command = "command -v gnuplot >/dev/null || exit " + std::to_string(none) +
-                              "; exec gnuplot -e \"output = '/dev/stdout'\" " +
+                              "; LC_ALL=C.UTF-8 exec gnuplot -e \"output = '/dev/stdout'\" " +
                               quoted(file.string(), "'\\''");
   std::FILE* const pipe = popen(command.c_str(), "r");
   if (pipe == nullptr) throw std::runtime_error("gnuplot: no pipe can be opened to it");

@@ -11,6 +11,7 @@
 #include <semiexplicit/observers/invariants.hpp>
 #include <semiexplicit/systems/nls_lattice.hpp>
 #include <semiexplicit/systems/product.hpp>
+#include <semiexplicit/time/autonomous.hpp>
 
 #include "catch.hpp"
 
@@ -393,6 +394,59 @@ TEST_CASE("a hard place on the way is not said to be the end of the orbit") {
   REQUIRE_FALSE(cost.cheapest(1e-7));
   CHECK(contains(cost.why(1e-7), "or is too hard there for the calls of the search"));
   CHECK(contains(cost.why(1e-7), "raise options.min_gradients"));
+}
+
+TEST_CASE("where the motion gets harder along the way advice holds to the end, or none is given") {
+  // An oscillator whose frequency rises threefold, all along or late: the start says little of the end.
+  const double T = 1000;
+  const auto rising = [&](bool late) {
+    return Autonomous(from_energy<1>([=](const auto& t, const auto& q, const auto& p) {
+      using std::tanh;
+      const auto w = late ? 2 + tanh((t - 0.7 * T) / 100) : 1 + 2 * t / T;
+      return (p[0] * p[0] + w * w * q[0] * q[0]) / 2;
+    }));
+  };
+  for (const bool late : {false, true}) {
+    const auto driven = rising(late);
+    const auto z0 = driven.extended({1, 0}, 0.0);
+    CAPTURE(late);
+    int met = 0;
+    for (const double calls : {3e4, 3e5}) {
+      const auto cost = cost_of_accuracy(driven, z0, T, {.targets = {1e-4, 1e-6}, .min_gradients = calls});
+      CHECK(cost.changes);
+      for (const double target : {1e-4, 1e-6}) {
+        if (const auto advice = cost.cheapest(target)) {
+          ++met;
+          CHECK(whole_run(driven, z0, T, advice->setting).error < 3 * target);
+        } else {
+          CHECK(cost.reach(target) == Reach::budget);
+        }
+      }
+    }
+    CHECK(met >= 2);
+
+    // Of what is no invariant, too.
+    const auto position = [](const auto& q, const auto&) { return q[0]; };
+    const auto of_position = cost_of_accuracy(driven, z0, T, {.observable = position, .targets = {1e-4}});
+    CHECK(of_position.changes);
+    if (!of_position.cheapest(1e-4))
+      CHECK(contains(of_position.why(1e-4), "calls of a trial ended before"));
+    else
+      CHECK(of_position.window_time >= 0.999 * T);
+  }
+}
+
+TEST_CASE("an observable that is NaN somewhere on the orbit is refused with the time") {
+  const auto pendulum = from_energy<1>([](const auto& q, const auto& p) {
+    using std::cos;
+    return p[0] * p[0] / 2 - cos(q[0]);
+  });
+  const auto partial = [](const auto& q, const auto&) { return std::sqrt(q[0] + 0.5); };
+  const auto cost = cost_of_accuracy(pendulum, PhasePoint<double, 1>(1, 0.2), 50, {.observable = partial});
+  for (const double target : cost.targets) {
+    CHECK(cost.reach(target) == Reach::not_finite);
+    CHECK(contains(cost.why(target), "the observable is NaN or Inf on the orbit, at t = 2."));
+  }
 }
 
 TEST_CASE("the table does not depend on the locale") {

@@ -54,6 +54,7 @@ enum class Reach {
   rounding,     ///< it is below what rounding, noise, or the error of the reference leaves to be seen
   budget,       ///< the gradient calls ended first
   orbit_ends,   ///< no step tried goes beyond CostTable::orbit_end
+  not_finite,   ///< the observable is NaN or Inf on the orbit, at CostTable::observable_end
   orbits_part,  ///< neighbouring orbits part so fast that no run in this precision can give it
   no_step       ///< none of the settings that were tried meets it
 };
@@ -86,19 +87,25 @@ struct CostTable {
   double cycle = 0;  ///< when the motion had come back to where it is hard; 0: it is equally hard everywhere,
                      ///< or not looked for; infinite: it had not
   double parting_rate = 0;  ///< neighbouring orbits part as e^{rate t}; 0: not so fast, or not looked for
-  double horizon = std::numeric_limits<double>::infinity();    ///< when nothing of the orbit is left
-  double orbit_end = std::numeric_limits<double>::infinity();  ///< time that no step tried got beyond
+  double horizon = std::numeric_limits<double>::infinity();         ///< when nothing of the orbit is left
+  double orbit_end = std::numeric_limits<double>::infinity();       ///< time that no step tried got beyond
+  double observable_end = std::numeric_limits<double>::infinity();  ///< first time that it is NaN or Inf at
   std::string exact_flow{};  ///< of a scene: what advised_flow() says at z0; no row has such a stepper
   double unfinished = 0;     ///< the loosest target whose search ended with the calls; 0: none
+  bool changes = false;      ///< how hard the motion is changes along the coarse run, at least twofold
 
   /// Whether the calls ended before the motion had come back to where it is hard: what it does then is not
   /// known.
   bool cycles_unseen() const { return window_time < time && cycle > window_time; }
 
+  /// Whether the calls ended before the end of a run along which the motion gets harder or easier.
+  bool change_unseen() const { return changes && pilot_time < 0.999 * time; }
+
   /// Why a target is out of reach.
   SEMIEXPLICIT_COLD Reach reach(double target) const {
     if (parts_before(target)) return Reach::orbits_part;
     if (cheapest(target)) return Reach::met;
+    if (observable_end <= time) return Reach::not_finite;
     if (orbit_end < time) return Reach::orbit_ends;
     if (target < rounding) return Reach::rounding;
     return target <= unfinished || cycles_unseen() ? Reach::budget : Reach::no_step;
@@ -116,13 +123,19 @@ struct CostTable {
                           : " are lost in rounding, which adds up over the time");
       case Reach::budget:
         return (cycles_unseen() ? "the gradient calls of a trial ended before the motion came back to where "
-                                  "it is hard; raise "
-                                : "the gradient calls ended; raise ") +
+                                  "it is hard, if it does; raise "
+                : change_unseen()
+                    ? "the motion gets harder along the way, and the gradient calls ended before "
+                      "its end; raise "
+                    : "the gradient calls ended; raise ") +
                std::string("options.budget, min_gradients or max_gradients");
       case Reach::orbit_ends:
         return "the orbit ends near t = " + in_words(orbit_end, 3) +
                ", or is too hard there for the calls of the search: no step tried goes beyond; give a "
                "shorter T, or raise options.min_gradients";
+      case Reach::not_finite:
+        return "the observable is NaN or Inf on the orbit, at t = " + in_words(observable_end, 3) +
+               "; give one that is finite all along";
       case Reach::orbits_part:
         return "neighbouring orbits part as e^(" + in_words(parting_rate, 2) +
                " t): after t = " + in_words(horizon, 2) +

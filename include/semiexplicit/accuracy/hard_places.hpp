@@ -21,9 +21,53 @@ class HardPlaces {
     double hardness;
   };
 
-  /// In the order of time.
-  SEMIEXPLICIT_COLD void add(Segment segment) { segments_.push_back(std::move(segment)); }
+  /// In the order of time. Of many, the harder one of every two, four ... is kept.
+  SEMIEXPLICIT_COLD void add(Segment segment) {
+    if (filled_ == 0)
+      segments_.push_back(std::move(segment));
+    else if (segment.hardness > segments_.back().hardness)
+      segments_.back() = std::move(segment);
+    if (++filled_ < together_) return;
+    filled_ = 0;
+    if (segments_.size() < most_segments) return;
+    for (std::size_t i = 0; i < most_segments / 2; ++i) {
+      const bool second = segments_[2 * i + 1].hardness > segments_[2 * i].hardness;
+      segments_[i] = std::move(segments_[2 * i + (second ? 1 : 0)]);
+    }
+    segments_.resize(most_segments / 2);
+    together_ *= 2;
+  }
   const std::vector<Segment>& all() const { return segments_; }
+
+  /// Whether the motion gets harder along the run: some later part of it has stretches, more than a few, that
+  /// are twice as hard as any before. What comes back was as hard before.
+  SEMIEXPLICIT_COLD bool rises() const { return rises(in_groups()); }
+  /// Whether it gets harder or easier so.
+  SEMIEXPLICIT_COLD bool changes() const {
+    std::vector<double> groups = in_groups();
+    if (rises(groups)) return true;
+    std::reverse(groups.begin(), groups.end());
+    return rises(groups);
+  }
+  /// Whether it will have in a run `stretch` times as long, where it goes on as it does: the medians of
+  /// thirds rise or fall.
+  SEMIEXPLICIT_COLD bool will_change(double stretch) const {
+    const std::vector<double> groups = in_groups();
+    const std::size_t n = groups.size() / 3;
+    if (n < 3) return false;
+    double median[3], uncertainty = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto begin = groups.begin() + static_cast<std::ptrdiff_t>(k * n);
+      std::vector<double> third(begin, begin + static_cast<std::ptrdiff_t>(n));
+      std::sort(third.begin(), third.end());
+      if (!(third[n / 4] > 0)) return changes();
+      median[k] = std::log(third[n / 2]);
+      uncertainty += std::log(third[3 * n / 4] / third[n / 4]) / std::sqrt(static_cast<double>(n));
+    }
+    const bool monotonic = (median[1] > median[0]) == (median[2] > median[1]);
+    const double change = std::abs(median[2] - median[0]);
+    return changes() || (monotonic && change > uncertainty && change * 1.5 * stretch > std::log(2.0));
+  }
 
   /// The i-th hardest that is no neighbour of a harder one; there are count() of them.
   const State& hardest(std::size_t i) const { return segments_[hardest_[i]].start; }
@@ -76,10 +120,30 @@ class HardPlaces {
   }
 
  private:
+  /// The hardest of every so many segments, in 30 to 60 groups: the phase of a period is no trend.
+  SEMIEXPLICIT_COLD std::vector<double> in_groups() const {
+    const std::size_t size = std::max<std::size_t>(1, (segments_.size() + 59) / 60);
+    std::vector<double> groups((segments_.size() + size - 1) / size, 0.0);
+    for (std::size_t i = 0; i < segments_.size(); ++i)
+      groups[i / size] = std::max(groups[i / size], segments_[i].hardness);
+    return groups;
+  }
+  SEMIEXPLICIT_COLD static bool rises(const std::vector<double>& groups) {
+    for (const double part : {1 / 3.0, 1 / 2.0, 2 / 3.0, 5 / 6.0}) {
+      const auto later = groups.begin() + static_cast<std::ptrdiff_t>(part * double(groups.size()));
+      if (later == groups.begin()) continue;
+      const double before = *std::max_element(groups.begin(), later);
+      if (std::count_if(later, groups.end(), [&](double x) { return x > 2 * before; }) > 2) return true;
+    }
+    return false;
+  }
+
+  static constexpr std::size_t most_segments = 4096;
   static constexpr double dearest_growth =
       1.3;  ///< bound on what the extrapolation may add to the cost of a run
 
   std::vector<Segment> segments_{};
+  std::size_t together_ = 1, filled_ = 0;  ///< stretches that an entry is the hardest of; in the last one
   std::vector<std::size_t> hardest_{};
   std::size_t tail_count_ = 0;  ///< of the hardest, which the tail's shape is taken from
   double tail_mean_ = 0, tail_square_ = 0, tail_top_ = 0;  ///< of the logarithm of their excess

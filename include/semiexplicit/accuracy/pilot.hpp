@@ -20,7 +20,8 @@ class Pilot {
   using Scalar = typename Any::Scalar;
   using State = typename Any::State;
 
-  explicit Pilot(Problem<Any>& problem) : problem_(problem), energy_(problem, true), table_(problem.table) {
+  explicit Pilot(Problem<Any>& problem)
+      : problem_(problem), energy_(problem, true), whole_(energy_), table_(problem.table) {
     hopeless = hopeless_beside(problem.energy.terms);
     coarse_error_ = coarse_beside(problem.energy.terms);
   }
@@ -30,6 +31,7 @@ class Pilot {
   double rate_time = 0;     ///< how far from z0 on that was seen
   double segment_time = 0;  ///< length of a stretch
   double hopeless = 1;      ///< an error that a trial is given up at
+  double walk = 1;  ///< how far the energy ranges over the run, in the range within its hardest stretch
 
   /// Looks for the cheapest step that works at all. False: there is none, or the calls ended.
   SEMIEXPLICIT_COLD bool find_step() {
@@ -65,31 +67,36 @@ class Pilot {
     return rate > 0;
   }
 
-  /// The run proper, to the time `length` or until `calls` are spent. A segment that fails, or whose energy
-  /// goes astray, is done again with a smaller step. False where no step gets through a segment.
-  SEMIEXPLICIT_COLD bool follow(double length, double least_segment, double calls) {
-    const double affordable = calls / (watches_neighbour() ? 2 : 1) / rate;
+  /// The run proper: as far as `calls` go, with a neighbour where orbits that part matter. Then on to the end
+  /// alone, where the whole run takes no more than `most` calls, or gets harder or easier along the way.
+  /// False where no step gets through a stretch.
+  SEMIEXPLICIT_COLD bool follow(double least_segment, double calls, double most) {
+    const double T = table_.time, whole = rate * T;
+    const bool of_energy = problem_.options.observable.is_energy();
+    watches_neighbour_ = !of_energy;
+    const double affordable = calls / (watches_neighbour_ ? 2 : 1) / rate;
     // What a short run leaves over makes it more faithful.
-    setting_.dt /= std::clamp(affordable / table_.time, 1.0, 6.0);
-    length = std::min(length, affordable);
+    setting_.dt /= std::clamp(affordable / T, 1.0, 6.0);
+    first_dt_ = setting_.dt;
+    const double length = std::min(T, affordable);
     segment_time = std::max({length / 2000, 4 * setting_.dt, least_segment});
-    const double begin = table_.spent_gradients;
+    calls_if_stuck_ = 8 * calls;
     State z = problem_.z0;
     neighbour_ = beside(z);
-    bool stuck = false;
-    // To find out whether anything goes on takes more calls than it is worth otherwise.
-    while (table_.pilot_time < length && !cut_ && segment_time / setting_.dt < 1e9 &&
-           table_.spent_gradients - begin < (stuck ? 8 : 2) * calls) {
-      const State start = z, neighbour = neighbour_;
-      stuck = !segment(z);
-      if (stuck) {
-        z = start, neighbour_ = neighbour;
-        setting_.dt /= 1.5;
-      } else {
-        problem_.meet(z);
-        note_parting(z);
-      }
-    }
+    whole_.start(z);
+    bool stuck = follow_to(length, calls, z);
+    const auto beyond_calls = [&](double limit, double allowed) {
+      if (stuck || cut_ || table_.pilot_time >= T || whole > limit) return;
+      stuck = follow_to(T, allowed, z) && of_energy;
+      cut_ = cut_ && of_energy;
+    };
+    const auto changing = [&] { return places.will_change(std::max(1.0, T / table_.pilot_time)); };
+    watches_neighbour_ = false;
+    beyond_calls(most, whole);
+    if (table_.pilot_time < T && changing())
+      beyond_calls(problem_.options.max_gradients / 3, 1.5 * whole);  // dearer where it is harder
+    if (places.changes()) rate *= first_dt_ / setting_.dt;            // what the hardest takes
+    table_.changes = of_energy || table_.pilot_time >= T ? places.changes() : changing();
     if (stuck) {
       if (cut_)
         table_.unfinished = 1e300;
@@ -98,6 +105,7 @@ class Pilot {
       return false;
     }
     if (places.all().empty()) places.add({problem_.z0, 0});
+    walk = std::max(1.0, 1.5 * whole_.range() / largest_range_);  // of a higher order it may be somewhat more
     places.rank();
     problem_.judge_growth_of_terms(table_.pilot_time);
     judge_parting();
@@ -112,7 +120,31 @@ class Pilot {
                             std::sqrt(table_.time / table_.time_scale);
     return std::max(0.003 * hopeless_beside(terms), 10 * (rounding + problem_.energy.noise));
   }
-  bool watches_neighbour() const { return !problem_.options.observable.is_energy(); }
+
+  /// On from z to the time `length`, or until the calls are spent. A stretch that fails, or whose energy goes
+  /// astray, is done again with a smaller step. True: no step tried got through the last one.
+  SEMIEXPLICIT_COLD bool follow_to(double length, double calls, State& z) {
+    const double begin = table_.spent_gradients;
+    double last = begin;
+    bool stuck = false;
+    // To find out whether anything goes on takes more calls than it is worth otherwise.
+    while (table_.pilot_time < length && !cut_ && segment_time / setting_.dt < 1e9 &&
+           (stuck ? table_.spent_gradients - last < calls_if_stuck_
+                  : table_.spent_gradients - begin < 2 * calls)) {
+      const State start = z, neighbour = neighbour_;
+      const Range<Any> whole = whole_;
+      stuck = !segment(z);
+      if (stuck) {
+        z = start, neighbour_ = neighbour, whole_ = whole;
+        setting_.dt /= 1.5;
+      } else {
+        problem_.meet(z);
+        note_parting(z);
+        last = table_.spent_gradients;
+      }
+    }
+    return stuck;
+  }
 
   /// One stretch from z on.
   SEMIEXPLICIT_COLD bool segment(State& z) {
@@ -127,16 +159,19 @@ class Pilot {
         return false;
       }
       energy_.add(z);
+      whole_.add(z);
       if (!(energy_.range() <= 3 * coarse_error_) &&
           !(energy_.range() <= 3 * coarse_beside(problem_.terms_of_energy(z))))
         return false;
       farthest_ = std::max(farthest_, table_.pilot_time + static_cast<double>(n + 1) * setting_.dt);
-      if (watches_neighbour() && !beside_it.step(neighbour_, setting_.dt, probe, false)) {
+      if (watches_neighbour_ && !beside_it.step(neighbour_, setting_.dt, probe, false)) {
         cut_ = probe.cut;
         return false;
       }
     }
-    places.add({start, energy_.range()});
+    // As with the first step.
+    places.add({start, energy_.range() * std::pow(first_dt_ / setting_.dt, 4)});
+    largest_range_ = std::max(largest_range_, energy_.range());
     table_.pilot_time += static_cast<double>(steps) * setting_.dt;
     return true;
   }
@@ -154,7 +189,7 @@ class Pilot {
   }
 
   SEMIEXPLICIT_COLD void note_parting(const State& z) {
-    if (!watches_neighbour()) return;
+    if (!watches_neighbour_) return;
     const auto between = (neighbour_.vector() - z.vector()).eval();
     const double apart = static_cast<double>(norm(between));
     if (apart_ == 0) apart_ = static_cast<double>(norm(beside(problem_.z0).vector() - problem_.z0.vector()));
@@ -172,14 +207,15 @@ class Pilot {
   /// e^{rate t}.
   SEMIEXPLICIT_COLD void judge_parting() {
     if (parting_.size() < 8) return;
+    const double watched = parting_.back().first;
     const auto at = [&](double part) {
       for (const auto& [t, log] : parting_)
-        if (t >= part * table_.pilot_time) return log;
+        if (t >= part * watched) return log;
       return parting_.back().second;
     };
     const double early = at(0.25), middle = at(0.5), last = at(1);
     if (!(last - early > 6 && last - middle > 2)) return;
-    table_.parting_rate = (last - early) / (0.75 * table_.pilot_time);
+    table_.parting_rate = (last - early) / (0.75 * watched);
     const double epsilon = static_cast<double>(Eigen::NumTraits<Scalar>::epsilon());
     table_.horizon = std::log(1 / epsilon) / table_.parting_rate;
   }
@@ -187,10 +223,13 @@ class Pilot {
   static constexpr double beside_by = 1e-6;
 
   Problem<Any>& problem_;
-  Range<Any> energy_;
+  Range<Any> energy_, whole_;  ///< of a stretch, and of the run
   CostTable& table_;
   Setting setting_{.scheme = "low_defect4_s7", .rule = StoppingRule::product(1e-8)};
-  double best_step_ = 0, coarse_error_ = 0.003, farthest_ = 0;
+  double best_step_ = 0, first_dt_ = 0, coarse_error_ = 0.003, farthest_ = 0;
+  double calls_if_stuck_ = 0;
+  bool watches_neighbour_ = false;
+  double largest_range_ = 1e-300;  ///< of the energy, within a stretch
   bool cut_ = false;
   State neighbour_{};
   double apart_ = 0, parted_ = 0, farthest_out_ = 0;

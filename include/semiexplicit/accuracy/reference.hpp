@@ -81,6 +81,7 @@ class Reference {
     double tried;     ///< time from the start that the rate of calls is known from
     double trial;     ///< how long settings are to be tried
     double tightest;  ///< target
+    bool changes;     ///< how hard the motion is changes along the way: nothing comes back
   };
 
   /// Two runs whose steps differ by a factor 1.5, over and over until they agree to what the tightest target
@@ -102,6 +103,10 @@ class Reference {
           fraction /= 1.5;
           continue;
         }
+        // Of a finer run the observable may be finite there, but it has to be seen.
+        double& observable_end = problem.table.observable_end;
+        if (length() < observable_end && std::isfinite(observable_end)) return false;
+        observable_end = std::numeric_limits<double>::infinity();
         const double unit = find_unit(problem);
         apart_.assign(times_.size(), 0);
         for (std::size_t i = 0; i < times_.size(); ++i)
@@ -186,7 +191,7 @@ class Reference {
     first_scale_ = run.scale();
     for (std::size_t n = 1, stride = 1; way_.empty() || problem.table.spent_gradients - begin < calls; ++n) {
       if (t >= length) {
-        find_cycle();
+        find_cycle(wish.changes);
         if (!std::isinf(cycle_) || t >= wish.end) break;
         length = wish.end;  // on, for what comes then
       }
@@ -198,26 +203,31 @@ class Reference {
       if (n % stride != 0) continue;
       if (t <= wish.tried) first_scale_ = std::min(first_scale_, run.scale());
       way_.push_back({t, run.scale(), problem.measured(z)});
+      if (!all_finite(way_.back().value)) {
+        problem.table.observable_end = std::min(problem.table.observable_end, t);
+        return false;
+      }
       if (way_.size() < most_points) continue;
       for (std::size_t i = 0; i < most_points / 2; ++i) way_[i] = way_[2 * i + 1];
       way_.resize(most_points / 2);
       stride *= 2;
     }
     goes_to_end_ = t >= wish.end;
-    find_cycle();
+    find_cycle(wish.changes);
     return true;
   }
 
   /// The second way out of what is hard, or into it, from a start there or elsewhere; the last where the run
-  /// ends before.
-  SEMIEXPLICIT_COLD void find_cycle() {
+  /// ends before, or where nothing comes back.
+  SEMIEXPLICIT_COLD void find_cycle(bool nothing_returns) {
     cycle_ = 0;
     std::vector<double> scales;
     for (const Point& point : way_) scales.push_back(point.scale);
     std::sort(scales.begin(), scales.end());
     const double least = scales[scales.size() / 20], most = scales[scales.size() - 1 - scales.size() / 10];
     hardness_ = std::max(1.0, first_scale_ / least);
-    if (!(most > 3 * least)) return;
+    if (nothing_returns) cycle_ = goes_to_end_ ? way_.back().t : std::numeric_limits<double>::infinity();
+    if (nothing_returns || !(most > 3 * least)) return;
     const double level = std::sqrt(least * most);
     bool hard = way_.front().scale < level;
     int changes = 0;

@@ -45,10 +45,22 @@ class Search {
       return;
     }
     plan();
-    if (!pilot_.follow(table_.time, std::min(table_.time, trial_time_) / window_count, pilot_share * budget_))
+    const double pilot_began = table_.spent_gradients;
+    if (!pilot_.follow(std::min(table_.time, trial_time_) / window_count, pilot_share * budget_,
+                       whole_share * budget_))
       return;
+    if (table_.invariant && table_.change_unseen() && pilot_.places.rises()) {
+      table_.unfinished = 1e300;
+      return;
+    }
+    // What the pilot took to see all of the run is not left for the search.
+    search_limit_ -= std::min(2.0, (table_.spent_gradients - pilot_began) / budget_);
+    if (table_.changes) plan();
     if (!table_.invariant && !make_reference()) return;
     choose_windows();
+    if (table_.changes && table_.invariant)  // stretches that are longer than planned are worth it
+      table_.budget = budget_ = std::min(budget_ * std::clamp(table_.window_time / trial_time_, 1.0, 4.0),
+                                         options().max_gradients / 3);
     const double begin = table_.spent_gradients;
     std::vector<double> targets = problem_.options.targets;
     std::sort(targets.begin(), targets.end(), std::greater<>());
@@ -56,7 +68,7 @@ class Search {
     for (const double target : targets) {
       searched_part_ += 1 / static_cast<double>(targets.size());
       problem_.limit =
-          std::min(problem_.options.max_gradients, begin + search_limit * budget_ * searched_part_);
+          std::min(problem_.options.max_gradients, begin + search_limit_ * budget_ * searched_part_);
       // What rounding forbids is not looked for, but how near one comes.
       const double reachable = std::max(target, 4 * table_.rounding);
       if (reachable != last) search(reachable, target);
@@ -100,12 +112,13 @@ class Search {
     const double end = std::min(table_.time, table_.horizon / 2);
     const double length =
         std::min(end, std::max(8 * trial_time_, 2 * confirm_share * budget_ / run_rate(*loosest)));
-    if (!reference_.make(problem_, {.calls = reference_share * budget_,
+    if (!reference_.make(problem_, {.calls = reference_share * budget_ * (table_.changes ? 4 : 1),
                                     .length = length,
                                     .end = end,
                                     .tried = pilot_.rate_time,
                                     .trial = trial_time_,
-                                    .tightest = *tightest})) {
+                                    .tightest = *tightest,
+                                    .changes = table_.changes})) {
       if (!(table_.orbit_end < table_.time)) table_.unfinished = 1e300;
       return false;
     }
@@ -158,7 +171,7 @@ class Search {
     table_.window_time = 0;
     for (const auto& window : windows_) table_.window_time += window.length;
     table_.windows = static_cast<int>(windows_.size());
-    table_.growth = pilot_.places.growth(4, table_.time / table_.pilot_time);
+    table_.growth = table_.changes ? pilot_.walk : pilot_.places.growth(4, table_.time / table_.pilot_time);
   }
 
   /// What a choice is confirmed on: other hard stretches, and the run itself as far as the calls go.
@@ -193,7 +206,8 @@ class Search {
     const bool explicit_ = candidate.setting.method == Setting::Method::midpoint;
     const bool energy = options().observable.is_energy();
     const double hard =
-        probe.range * probe.spread * pilot_.places.growth(candidate.order, T / table_.pilot_time);
+        probe.range * probe.spread *
+        (table_.changes ? pilot_.walk : pilot_.places.growth(candidate.order, T / table_.pilot_time));
     // A symplectic method keeps the energy within bounds. The trials of another are too short to tell its
     // drift.
     const double grown = !energy || (explicit_ && probe.confirmed) ? at_the_end(probe, explicit_) : 0;
@@ -408,7 +422,7 @@ class Search {
 
   /// Whether there is something to advise, but no calls are left to look for better.
   bool affordable() const {
-    return !std::isfinite(best_rate_) || problem_.left() > 0.7 * search_limit * budget_;
+    return !std::isfinite(best_rate_) || problem_.left() > 0.7 * search_limit_ * budget_;
   }
 
   /// Whether it is the projection that keeps the cheapest projected step for a target from being larger: it
@@ -511,9 +525,8 @@ class Search {
 
   static constexpr double pilot_share = 0.3, trial_share = 0.45, confirm_share = 0.25,
                           reference_share = 0.4;  ///< of the budget
+  static constexpr double whole_share = 3;        ///< that seeing the whole run is worth
   static constexpr double trials_a_target = 12, window_count = 8;
-  static constexpr double search_limit =
-      5;  ///< budgets after which even a target without a setting is given up
 
   Problem<Any>& problem_;
   CostTable& table_;
@@ -521,6 +534,7 @@ class Search {
   Pilot<Any> pilot_;
   Reference<Any> reference_{};
   std::vector<Window<State>> windows_{};
+  double search_limit_ = 5.3;  ///< budgets after which even a target without a setting is given up
   double budget_ = 0, trial_time_ = 0, best_rate_ = 0, searched_part_ = 0;
   bool exhausted_ = false;  ///< the search for a target has met the limit
   std::map<std::string, double> seconds_per_call_{};

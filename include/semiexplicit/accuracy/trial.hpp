@@ -102,26 +102,26 @@ template <class Any>
 class Range {
  public:
   using Value = typename Problem<Any>::Value;
-  Range(const Problem<Any>& problem, bool of_energy) : problem_(problem), of_energy_(of_energy) {}
+  Range(const Problem<Any>& problem, bool of_energy) : problem_(&problem), of_energy_(of_energy) {}
 
   void start(const typename Any::State& z) {
-    problem_.measure(z, low_, of_energy_);
+    problem_->measure(z, low_, of_energy_);
     high_ = low_;
   }
   /// NaN makes the range NaN for good.
   void add(const typename Any::State& z) {
-    problem_.measure(z, now_, of_energy_);
+    problem_->measure(z, now_, of_energy_);
     for (Eigen::Index i = 0; i < now_.size(); ++i) {
       if (!(now_[i] >= low_[i]) && low_[i] == low_[i]) low_[i] = now_[i];
       if (!(now_[i] <= high_[i]) && high_[i] == high_[i]) high_[i] = now_[i];
     }
   }
   double range() const {
-    return static_cast<double>(norm(high_ - low_)) / (of_energy_ ? problem_.energy : problem_.judged).unit;
+    return static_cast<double>(norm(high_ - low_)) / (of_energy_ ? problem_->energy : problem_->judged).unit;
   }
 
  private:
-  const Problem<Any>& problem_;
+  const Problem<Any>* problem_;
   bool of_energy_;
   Value low_{}, high_{}, now_{};
 };

@@ -167,7 +167,8 @@ SEMIEXPLICIT_COLD IntegrationOptions<Scalar> with_steps(
 
 /// Throws std::invalid_argument for options that make no sense.
 template <class Scalar>
-SEMIEXPLICIT_COLD void check_options(const IntegrationOptions<Scalar>& options, bool by_clock) {
+SEMIEXPLICIT_COLD void check_options(const IntegrationOptions<Scalar>& options, bool by_clock,
+                                     bool equal_steps) {
   if (!(options.subdivide >= 0 && options.subdivide <= 30))
     throw std::invalid_argument(
         "integrate: subdivide is not between 0 and 30; 10 makes a thousandth of a step");
@@ -189,6 +190,16 @@ SEMIEXPLICIT_COLD void check_options(const IntegrationOptions<Scalar>& options, 
     throw std::invalid_argument("integrate: the earlier part took steps of " + in_words(options.done.dt, 17) +
                                 ", and dt is " + in_words(static_cast<double>(options.dt), 17) +
                                 " now; give the same dt, or begin a new run with t0 = the time reached");
+  if (!equal_steps || options.done.steps == 0 || options.done.dt == 0) return;
+  const double t0 = static_cast<double>(options.t0),
+               reached = t0 + static_cast<double>(options.done.steps) * options.done.dt,
+               rounding = 4 * static_cast<double>(Eigen::NumTraits<Scalar>::epsilon()) *
+                          (std::abs(t0) + std::abs(reached));
+  if (std::abs(options.done.t - reached) > std::abs(options.done.dt) / 2 + rounding)
+    throw std::invalid_argument(
+        "integrate: the earlier part, `done`, came to t = " + in_words(options.done.t, 17) +
+        " and from t0 = " + in_words(t0, 17) + " it would have come to " + in_words(reached, 17) +
+        "; give the t0 that it began with, or no `done`");
 }
 
 /// Throws std::invalid_argument unless a stepper that chooses its steps is where the earlier part of a run
@@ -322,7 +333,7 @@ IntegrationReport integrate_checked(S& stepper, typename S::State& state,
       return n == options.steps && options.t_end ? *options.t_end
                                                  : Scalar(options.t0 + Scalar(n) * options.dt);
   };
-  check_options(options, by_clock);
+  check_options(options, by_clock, !ChoosesSteps<S>);
   constexpr int changing_observers = (0 + ... + (ChangesState<Observers> ? 1 : 0));
   if (changing_observers > 0 && options.subdivide > 0)
     throw std::invalid_argument(

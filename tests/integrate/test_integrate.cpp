@@ -300,6 +300,13 @@ TEST_CASE("A run ends at t_end exactly, with the fewest equal steps no longer th
   rest.done = part;
   CHECK(integrate(stepper, z, rest).t == 1);
   CHECK(z.vector() == by_steps.vector());
+
+  // Of the same start.
+  z = z0;
+  const auto early = run({.dt = 0.1, .t0 = 5, .t_end = 6}, z);
+  CHECK(refuses([&] { run({.dt = 0.1, .t_end = 7, .done = early}, z); }, "give the t0 that it began with"));
+  CHECK(refuses([&] { run({.dt = 0.1, .t0 = 6, .t_end = 7, .done = early}, z); }, "began with"));
+  CHECK(run({.dt = 0.1, .t0 = 5, .t_end = 7, .done = early}, z).steps == 20);
 }
 
 }  // namespace test_integrate

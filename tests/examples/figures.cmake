@@ -24,6 +24,13 @@ prints(orbits "turns by J2 against the rotation" "${j2} --inclination 150deg"
 # The centre's spin, a million times the Sun's: Lense and Thirring.
 prints(orbits "turns by the spin of the centre" "--effects kinetic,attraction,spin_orbit --gs \"1e36 m^5/s^3\" --time \"10 year\" --inclination 60deg"
   "perihelion advance: -119.37[0-9]* [^\n]*arc[^\n]*; spin to first order: -119.37[0-9]*[^\n]*\n.*node: 79.58")
+# How far the formulas of first order are off: 0.0006, 0.026 and 0.014 there.
+prints(orbits "says how far relativity to first order is off" "--preset hulse_taylor --effects kinetic,attraction,1pn --time \"0.05 year\""
+  "perihelion advance: 4.2269 [^\n]*; 1PN to first order: 4.2263, terms of second order: about 0.000[4-9]\n")
+prints(orbits "says how far it is off for a long ellipse" "--preset hulse_taylor --effects kinetic,attraction,1pn --e 0.9 --dt 10 --time \"0.02 year\""
+  "perihelion advance: 13.79[89][0-9] [^\n]*: 13.7722, terms of second order: about 0.0[2-4]\n")
+prints(orbits "says how far J2 to first order is off" "--preset gps --e 0.1 --inclination 90deg --dt 2min --time 20day"
+  "perihelion advance: -12.61[45][0-9] [^\n]*: -12.6000, terms of second order: about 0.0[1-2]\n")
 
 # What means nothing is not printed.
 prints(orbits "does not measure what the step hides" "--dt \"4 day\""

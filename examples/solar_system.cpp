@@ -47,6 +47,7 @@ int audit(const Request& request) {
 int run(Request& request, const System& system) {
   Settings& settings = request.settings;
   const std::int64_t steps = settings.fit_steps();
+  request.checkpoint.refuse_outputs({request.file(".csv"), request.file(".png")});
   settings.make_output_folder();
   std::vector<std::string> columns{"t"};
   for (const std::string& name : system.names) columns.insert(columns.end(), {"e_" + name, "i_" + name});

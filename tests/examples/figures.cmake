@@ -43,6 +43,9 @@ prints(orbits "does not call an open orbit closed" "--preset arenstorf --time 3 
 prints(orbits "finds no node in the equator" "--preset gps --time 2day --inclination 180deg" "node: not measured, an orbit in the equator has none")
 prints(black_hole "does not measure half an orbit" "--time 100" "not measured, the run has no whole orbit; give more --time")
 prints(black_hole "does not measure a circle" "--e 0 --time 300" "not measured, r stays the same: a circle")
+prints(black_hole "does not count turns over the poles" "--preset kerr --l 0 --carter 15 --time 500"
+  " 90.00 degrees off the equator\n.*turns from apoapsis to apoapsis: not measured, the orbit goes over a pole")
+prints(black_hole "counts turns past the poles" "--preset kerr --l 0.1 --carter 15" " 88.52 degrees off the equator\n.*to apoapsis: 1.56[0-9]*, mean")
 prints(charges "does not measure less than a turn" "--time 1e-7s" "gyrofrequency: not measured, the run has no whole turn; give more --time")
 prints(charges "does not measure turns that a step hides" "--dt 2e-7s" "gyrofrequency: not measured, it turns by up to [0-9]+ degrees in a step; give a --dt")
 prints(charges "does not measure what does not turn" "--pitch 0" "gyrofrequency: not measured, nothing moves across the field")

@@ -52,6 +52,7 @@ prints(charges "does not measure what does not turn" "--pitch 0" "gyrofrequency:
 prints(charges "does not compare with a formula for something else" "--preset bottle --effects kinetic,magnetic_bottle,electric --time 4e-5s"
   "bounce period, s: [0-9.e-]+; no closed form, other effects")
 prints(charges "does not measure a drift that has hardly begun" "--preset dipole --time 1s" "drift period[^\n]*not measured, the drift is not yet large")
+prints(charges "says how uncertain a short drift is" "--preset dipole --time 10s" "drift period[^\n]*: -7[4-9] ± [2-9]; adiabatic: -78")
 prints(charges "do not bounce in the equator" "--preset dipole --pitch 90deg --time 20s" "bounce period, s: not measured, the charge stays")
 prints(lattice "counts sites of next to no mass" "--preset anderson --mass 1e-200" "participation number at the end: 8.4204")
 prints(lattice "does not compare a start with the end of an exchange" "--preset dnls --sites 2 --time 0.2" "no closed form for that")

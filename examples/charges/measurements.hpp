@@ -59,12 +59,6 @@ class Bouncing {
   std::int64_t passages_ = 0, samples_ = 0, fewest_ = std::int64_t{1} << 62;
 };
 
-/// print_comparison() without a reference.
-inline void print_figure(std::ostream& out, const std::string& what, double measured, const std::string& why,
-                         double uncertain = 0) {
-  out << what << ": " << with_uncertainty(measured, uncertain) << "; no closed form, " << why << '\n';
-}
-
 /// The velocity at the start, from the energy and the angle to the field.
 struct Velocity {
   explicit Velocity(const Choice& c)

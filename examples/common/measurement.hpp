@@ -153,4 +153,10 @@ inline void print_comparison(std::ostream& out, const std::string& what, double 
                    expected == 0 ? std::abs(measured) : std::abs(measured / expected - 1));
 }
 
+/// print_comparison() without a reference.
+inline void print_figure(std::ostream& out, const std::string& what, double measured, const std::string& why,
+                         double uncertain = 0) {
+  out << what << ": " << with_uncertainty(measured, uncertain) << "; no closed form, " << why << '\n';
+}
+
 }  // namespace examples

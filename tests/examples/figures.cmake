@@ -61,6 +61,18 @@ prints(fast_charges "gyrates with the gamma of its rigidity" "--rigidity \"3e6 V
 prints(fast_charges "does not measure a focus of what starts at 0" "--preset quadrupole --x 0" "x at the end[^\n]*not measured.*\ny at the end")
 prints(fast_charges "finds Larmor's turn behind the axis" "--preset solenoid --b0 \"1 T\"" "but for half turns: 5.46.*Larmor.*5.46.*difference [0-9.]+e-0[3-9]")
 prints(fast_charges "does not measure a wiggle with a drift" "--preset undulator --z 1" "wiggle: not measured, it starts where A is not 0")
+foreach(arguments_and_reason IN ITEMS "undulator --gamma 3|the slope K/.* is 0.69, and is to be below 0.1" "undulator --y 1cm|k.y. is [0-9.]+, and"
+    "quadrupole --time 1e-8|the slope is 0?.?[0-9.]+, and" "solenoid --x 0.2|the distance from the axis, [^\n]* is 6.7, and"
+    "solenoid --x 0.02 --b0 1T|the slope eB[^\n]* is 0.55, and")
+  string(REGEX MATCH "^([^|]*)\\|(.*)$" all "${arguments_and_reason}")
+  set(arguments "${CMAKE_MATCH_1}")
+  set(reason "${CMAKE_MATCH_2}")
+  check(fast_charges "compares with no formula that does not hold, ${arguments}" "--preset ${arguments} --no-plot" LACKS "difference"
+    PRINTS "(wiggle, m|x at the end, of that at the start|but for half turns): [0-9.e-]+. no closed form, ${reason}")
+endforeach()
+# The slope is small there, the speed not that of light.
+prints(fast_charges "does not compare the slippage of what is slow" "--preset undulator --b0 0.01T --gamma 2"
+  "wiggle, m: [^\n]*difference 3.0e-04.\nslippage[^\n]*no closed form, .1 . K")
 prints(fast_charges "does not measure a gyration along the field" "--pitch 0" "gyrofrequency: not measured, it moves along the field")
 prints(fast_charges "does not measure a region without a field" "--preset cosmic_ray --moment 0" "region: not measured, there is no field")
 prints(fast_charges "does not measure a turn from the axis" "--preset solenoid --x 0" "turn of the plane: not measured, it starts on the axis")

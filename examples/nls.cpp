@@ -108,6 +108,10 @@ int main(int argc, char** argv) {
     for (const Method& m : methods) listening.push_back(m.name);
     if (!request.chosen) refuse_idle_options(app, listening);
     const std::int64_t steps = settings.fit_steps();
+    const std::string name = compare ? "nls_comparison" : "nls";
+    const std::filesystem::path csv = settings.output / (name + ".csv"),
+                                png = settings.output / (name + ".png");
+    checkpoint.refuse_outputs({csv, png});
     settings.make_output_folder();
 
     const Rows rows =
@@ -118,9 +122,6 @@ int main(int argc, char** argv) {
 
     print_table(std::cout, runs, settings.dt);
     request.compare_with(runs.back());
-    const std::string name = compare ? "nls_comparison" : "nls";
-    const std::filesystem::path csv = settings.output / (name + ".csv"),
-                                png = settings.output / (name + ".png");
     write_series(csv, runs);
     checkpoint.finish();
     std::cout << "data: " << csv.string() << '\n';

@@ -44,9 +44,18 @@ int audit(const Request& request) {
   return 0;
 }
 
+/// Why a run ended, and what its user may do.
+std::string why(Status status) {
+  if (status != Status::close_encounter) return describe(status);
+  return "two bodies come so close that their attraction is not small beside that of the Sun: in truth, "
+         "which these "
+         "lists do not resolve, or as the step is too long; give a shorter --dt";
+}
+
 int run(Request& request, const System& system) {
   Settings& settings = request.settings;
   const std::int64_t steps = settings.fit_steps();
+  request.checkpoint.refuse_outputs({request.file(".csv"), request.file(".png")});
   settings.make_output_folder();
   std::vector<std::string> columns{"t"};
   for (const std::string& name : system.names) columns.insert(columns.end(), {"e_" + name, "i_" + name});
@@ -71,11 +80,15 @@ int run(Request& request, const System& system) {
                        {.observe = row, .memory = memory}, "solar_system", stride(steps, settings.samples),
                        request.checkpoint);
   std::cout << formatted("%g years, %.0f steps of %.6g days: ", report.t, double(report.steps),
-                         settings.dt * days_a_year)
-            << formatted("energy error %.1e (at the end %.1e), ", kept["energy"].worst, kept["energy"].final)
-            << formatted("angular momentum about %s %.1e\n", system.oblate ? "the Sun's axis" : "z",
-                         kept["angular_momentum"].worst)
-            << formatted("seconds: %.2f, %.3g years a second\n", report.seconds, report.t / report.seconds);
+                         settings.dt * days_a_year);
+  if (report.ok())
+    std::cout << formatted("energy error %.1e (at the end %.1e), ", kept["energy"].worst,
+                           kept["energy"].final)
+              << formatted("angular momentum about %s %.1e\n", system.oblate ? "the Sun's axis" : "z",
+                           kept["angular_momentum"].worst)
+              << formatted("seconds: %.2f, %.3g years a second\n", report.seconds, report.t / report.seconds);
+  else
+    std::cout << "FAILED, errors mean nothing\n";
   if (report.ok()) request.cost.compare_with_energy(kept["energy"].worst);
   writer.commit();
   request.checkpoint.finish();
@@ -85,7 +98,7 @@ int run(Request& request, const System& system) {
                                       "Eccentricities about the Sun: " + joined(request.effects),
                                       "eccentricity", system.names.size(), 2));
   if (!report.ok())
-    std::cerr << formatted("solar_system: at t = %g: ", report.t) << describe(report.status) << '\n';
+    std::cerr << formatted("solar_system: at t = %g: ", report.t) << why(report.status) << '\n';
   return report.ok() ? 0 : 1;
 }
 

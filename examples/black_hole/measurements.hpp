@@ -33,12 +33,14 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
     double nearest = std::numeric_limits<double>::infinity(), farthest = 0, highest = 0;
     double last_r_momentum = 0, last_phi = 0, first = 0, latest = 0, turn = 0;
     std::int64_t rows = 0, apoapsides = 0;
+    bool over_a_pole = false;
     void visit_memory(CheckpointMemory& visit) {
       for (double* number : {&energy, &momentum, &nearest, &farthest, &highest, &last_r_momentum, &last_phi,
                              &first, &latest, &turn})
         visit(*number);
       visit(rows);
       visit(apoapsides);
+      visit(over_a_pole);
     }
   };
   using std::numbers::pi;
@@ -64,7 +66,9 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
     s.last_phi = q[3];
     s.nearest = std::min(s.nearest, q[1]);
     s.farthest = std::max(s.farthest, q[1]);
-    s.highest = std::max(s.highest, std::abs(q[2] - pi / 2));
+    // Over a pole theta goes on, and phi stays where it was.
+    if (q[2] <= 0 || q[2] >= pi) s.over_a_pole = true;
+    s.highest = s.over_a_pole ? pi / 2 : std::max(s.highest, std::asin(std::abs(std::cos(q[2]))));
   };
   const auto report = [=](std::ostream& out, const Run&) {
     const Seen& s = *seen;
@@ -78,6 +82,9 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
     const std::string what = "turns from apoapsis to apoapsis";
     if (s.nearest <= hole.mass + std::sqrt(hole.mass * hole.mass - hole.spin * hole.spin))
       return print_none(out, what, "the body has fallen through the horizon");
+    if (s.over_a_pole)
+      return print_none(
+          out, what, "the orbit goes over a pole, where phi does not count the half turns; give another --l");
     if (s.farthest - s.nearest < 1e-6 * s.farthest)
       return print_none(
           out, what,

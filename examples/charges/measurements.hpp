@@ -59,12 +59,6 @@ class Bouncing {
   std::int64_t passages_ = 0, samples_ = 0, fewest_ = std::int64_t{1} << 62;
 };
 
-/// print_comparison() without a reference.
-inline void print_figure(std::ostream& out, const std::string& what, double measured,
-                         const std::string& why) {
-  out << what << ": " << formatted("%.8g", measured) << "; no closed form, " << why << '\n';
-}
-
 /// The velocity at the start, from the energy and the angle to the field.
 struct Velocity {
   explicit Velocity(const Choice& c)
@@ -155,26 +149,30 @@ inline Measurement<3> bounce_and_drift(const Choice& c) {
           },
           [=](std::ostream& out, const Run&) {
             const auto figure = [&](const std::string& what, const std::string& why, double measured,
-                                    double estimate) {
+                                    double estimate, double uncertain = 0) {
               if (!why.empty())
                 print_none(out, what, why);
               else if (!no_estimate.empty())
-                print_figure(out, what, measured, no_estimate);
+                print_figure(out, what, measured, no_estimate, uncertain);
               else
-                print_comparison(out, what, measured, "adiabatic", estimate);
+                print_comparison(out, what, measured, "adiabatic", estimate, uncertain);
             };
             const std::string coarse = too_coarse(drifting->largest());
             figure("bounce period, s",
                    bouncing->highest() < 1e-6 * l ? "the charge stays in the equator; give another --pitch"
                                                   : bouncing->missing(),
                    bouncing->period(), bounce);
-            // In less the gyration, which is part of the angle, tells.
-            const bool far = std::abs(drifting->turned()) > 10 * gyroradius;
+            // At both ends the gyration is part of the angle, and the drift is faster here and slower there
+            // on a bounce, twice to and fro.
+            const double share =
+                (2 * gyroradius + std::abs(drifting->rate()) * bounce / (2 * std::numbers::pi)) /
+                std::abs(drifting->turned());
+            const double period = 2 * std::numbers::pi / drifting->rate();
             figure("drift period, s (westward: negative)",
                    !coarse.empty() ? coarse
-                   : far           ? ""
+                   : share < 0.1   ? ""
                                    : "the drift is not yet large beside the gyroradius; give more --time",
-                   2 * std::numbers::pi / drifting->rate(), 2 * std::numbers::pi / rate);
+                   period, 2 * std::numbers::pi / rate, share * std::abs(period));
           },
           [=](CheckpointMemory& visit) {
             bouncing->visit_memory(visit);

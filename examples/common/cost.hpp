@@ -99,6 +99,10 @@ struct CostRequest {
       std::cout << cost;
       write(cost, settings, file, title);
     } else {
+      if (angle.direction)
+        std::cout << "errors are those of the direction over the whole time, in radians: "
+                  << formatted("%g ", accuracy) << unit << " of the " << angle.figure
+                  << formatted(" are %.2e; a third of that is aimed at, to be safe\n", angle.target);
       choose(cost, target, method, settings);
     }
     return curve;
@@ -116,16 +120,25 @@ struct CostRequest {
   static constexpr double safety = 3;
 
   /// Takes the cheapest setting for a target, and throws std::runtime_error, saying why, where there is none.
-  const CostRow& choose(const CostTable& cost, double target) {
+  /// The target is what the accuracy is in the table, or `safely` times less.
+  const CostRow& choose(const CostTable& cost, double target, double safely = 1) {
     chosen = cost.cheapest(target);
     if (chosen) return *chosen;
-    const auto best = cost.best();
-    throw std::runtime_error(
-        "--accuracy " + formatted("%g", accuracy) + (unit.empty() ? "" : " " + unit) + " is out of reach" +
-        (best ? ": the best found is " + formatted("%.1e", best->error) + " by " + best->setting.name() +
-                    " with dt = " + formatted("%.3g", best->setting.dt)
-              : std::string("; no setting works")) +
-        "; " + cost.why(target));
+    const std::string unit_behind = unit.empty() ? "" : " " + unit;
+    const auto as_asked = [&](double error) {  // in its unit, and as cautious
+      return formatted("%.2e", error * (accuracy / target)) + unit_behind +
+             (safely > 1 ? formatted(" (%g times the estimate)", safely) : "");
+    };
+    std::string why = "--accuracy " + formatted("%g", accuracy) + unit_behind + " is out of reach";
+    if (const auto best = cost.best(); !best)
+      why += "; no setting works";
+    else if (best->error > target)  // else it has another reason, which comes next
+      why += ": the best found is " + as_asked(best->error) + " by " + best->setting.name() +
+             " with dt = " + formatted("%.3g", best->setting.dt);
+    throw std::runtime_error(why + "; " +
+                             (safely > 1 && cost.reach(target) == Reach::rounding
+                                  ? "errors below " + as_asked(cost.rounding) + " are lost in rounding"
+                                  : cost.why(target)));
   }
   /// In what the cheapest is the cheapest, and of how many.
   std::string among(const CostTable& cost) const {
@@ -223,7 +236,7 @@ struct CostRequest {
   double longest_dt_ = std::numeric_limits<double>::infinity();
 
   void choose(const CostTable& cost, double target, Method& method, Settings& settings) {
-    const Setting& setting = choose(cost, target).setting;
+    const Setting& setting = choose(cost, target, unit.empty() ? 1 : safety).setting;
     method.name = setting.method == Setting::Method::semiexplicit ? "semiexplicit"
                   : setting.method == Setting::Method::midpoint   ? "midpoint"
                   : setting.method == Setting::Method::splitting  ? "splitting"

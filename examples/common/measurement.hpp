@@ -138,12 +138,25 @@ class Turning {
   double start_ = 0, now_ = 0, last_ = 0, turned_ = 0, radii_ = 0, largest_ = 0;
 };
 
+/// "77.8 ± 0.7", no more digits than that means; eight of them where nothing is uncertain.
+inline std::string with_uncertainty(double value, double uncertain) {
+  if (!(uncertain > 0)) return formatted("%.8g", value);
+  const int decimals = std::clamp(-static_cast<int>(std::floor(std::log10(uncertain))), 0, 15);
+  return formatted("%.*f", decimals, value) + formatted(" ± %.1g", uncertain);
+}
+
 /// A line "what: measured; reference: expected (difference)", which is absolute where 0 is expected.
 inline void print_comparison(std::ostream& out, const std::string& what, double measured,
-                             const std::string& reference, double expected) {
-  out << what << ": " << formatted("%.8g", measured) << "; " << reference << ": "
+                             const std::string& reference, double expected, double uncertain = 0) {
+  out << what << ": " << with_uncertainty(measured, uncertain) << "; " << reference << ": "
       << formatted(expected == 0 ? "%.8g (difference %.1e)\n" : "%.8g (relative difference %.1e)\n", expected,
                    expected == 0 ? std::abs(measured) : std::abs(measured / expected - 1));
+}
+
+/// print_comparison() without a reference.
+inline void print_figure(std::ostream& out, const std::string& what, double measured, const std::string& why,
+                         double uncertain = 0) {
+  out << what << ": " << with_uncertainty(measured, uncertain) << "; no closed form, " << why << '\n';
 }
 
 }  // namespace examples

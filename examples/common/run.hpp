@@ -7,7 +7,9 @@
 #include <iostream>
 #include <map>
 #include <sstream>
+#include <stdexcept>
 #include <string>
+#include <system_error>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -19,6 +21,16 @@
 #include "method.hpp"
 
 namespace examples {
+
+/// Where a name leads behind links, also where there is nothing yet.
+inline std::filesystem::path behind_links(std::filesystem::path path) {
+  std::error_code failure;
+  for (int links = 0; links < 40 && std::filesystem::is_symlink(path, failure); ++links)
+    path = path.parent_path() / std::filesystem::read_symlink(path, failure);
+  const std::filesystem::path whole = std::filesystem::absolute(path, failure),
+                              plain = std::filesystem::weakly_canonical(whole, failure);
+  return plain.empty() ? whole : plain;
+}
 
 /// The options --checkpoint, save the run there and go on from there, and --checkpoint-every.
 struct CheckpointRequest {
@@ -54,6 +66,19 @@ struct CheckpointRequest {
   }
 
   bool wanted() const { return !file.empty(); }
+  /// Throws std::invalid_argument where the file is one that the run writes as well, a picture with its
+  /// script: it would be lost when the checkpoint is removed.
+  void refuse_outputs(const std::vector<std::filesystem::path>& outputs) const {
+    std::vector<std::filesystem::path> all = outputs;
+    for (const auto& output : outputs)
+      if (output.extension() == ".png") all.push_back(std::filesystem::path(output).replace_extension("gp"));
+    std::error_code none;
+    for (const auto& output : all)
+      if (wanted() &&
+          (behind_links(file) == behind_links(output) || std::filesystem::equivalent(file, output, none)))
+        throw std::invalid_argument("--checkpoint: '" + file.string() + "' is where " + output.string() +
+                                    " goes, a result of the run; give another name");
+  }
   /// The run is done and its files are there.
   void finish() const {
     if (wanted()) DurableFile::remove(file);

@@ -248,11 +248,11 @@ int run_scene_program(const SceneProgram<Dof>& program, int argc, char** argv, c
     }
     settle_method(scene, method);
     const std::int64_t steps = settings.fit_steps();
-    settings.make_output_folder();
-
     const std::filesystem::path csv = settings.output / (program.name + ".csv"),
                                 path_csv = settings.output / (program.name + "_trajectory.csv"),
                                 png = settings.output / (program.name + ".png");
+    checkpoint.refuse_outputs({csv, path_csv, png});
+    settings.make_output_folder();
     const View<Dof> view = program.view(choice);
     ViewCsv<Dof> path(path_csv, view);
     auto some_of_path = every(stride(steps, settings.samples), path);

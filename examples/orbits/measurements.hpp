@@ -70,32 +70,54 @@ class Passages {
   int passages_ = 0;
 };
 
-/// What turns an orbit, in radians a radian of the mean motion, to first order. Oblateness: Vallado,
-/// section 9.4; relativity: Damour and Deruelle, Ann. Inst. H. Poincaré 43 (1985) 107, at this order without
-/// the mass ratio; spin: Lense, Thirring.
-struct FirstOrder {
-  explicit FirstOrder(const Choice& c) {
+/// What turns an orbit, in radians a unit of time: its node, the periapsis from there, and the periapsis
+/// along the orbit.
+struct TurnRates {
+  double node = 0, from_node = 0, along = 0;
+};
+
+/// That to first order. Oblateness: Vallado, section 9.4; relativity: Damour and Deruelle, Ann. Inst. H.
+/// Poincaré 43 (1985) 107, at this order without the mass ratio; spin: Lense, Thirring.
+class FirstOrder {
+ public:
+  explicit FirstOrder(const Choice& c) : gm_(c["gm"]) {
     const double a = c["a"], e = c["e"], tilt = c["inclination"], p = a * (1 - e * e);
-    const auto take = [&](const char* name, double size, double of_node, double of_periapsis) {
+    const double relativity = 3 * gm_ / (c["c"] * c["c"]);
+    const auto take = [&](const char* name, double& coefficient, double value, double power,
+                          double of_square) {
       terms += (terms.empty() ? "" : " and ") + std::string(name);
-      largest = std::max(largest, std::abs(size));
-      node += size * of_node;
-      from_node += size * of_periapsis;
+      coefficient = value;
+      const double size = std::abs(value / std::pow(p, power));
+      largest = std::max(largest, size);
+      second = std::max(second, of_square * size * size);
     };
-    const double relativity = 3 * c["gm"] / (c["c"] * c["c"] * p);
-    if (c.on("1pn")) take("1PN", relativity, 0, 1);
-    if (c.on("j2"))
-      take("J2", 1.5 * c["j2"] * std::pow(c["radius"] / p, 2), -std::cos(tilt),
-           2 - 2.5 * std::pow(std::sin(tilt), 2));
-    if (c.on("spin_orbit"))
-      take("spin", 2 * c["gs"] / (c["c"] * c["c"] * std::sqrt(c["gm"] * p * p * p)), 1, -3 * std::cos(tilt));
-    along = from_node + std::cos(tilt) * node;
-    // Of the size of the square of the largest term; 2PN is one itself.
-    second_order = std::pow(c.on("2pn") ? std::max(largest, relativity) : largest, 2);
+    // Of relativity and spin the terms of second order are measured to be two to four squares, of J2 up to
+    // one.
+    if (c.on("1pn")) take("1PN", relativity_, relativity, 1, 3);
+    if (c.on("j2")) take("J2", j2_, 1.5 * c["j2"] * std::pow(c["radius"], 2), 2, 1);
+    if (c.on("spin_orbit")) take("spin", spin_, 2 * c["gs"] / (c["c"] * c["c"] * std::sqrt(gm_)), 1.5, 3);
+    if (c.on("2pn")) second = std::max(second, 3 * std::pow(relativity / p, 2));  // of that order itself
+    at_start = rates(a, e, std::cos(tilt));
   }
-  std::string terms;
-  double node = 0, from_node = 0, along = 0, largest = 0, second_order = 0;
+
+  /// Of an orbit in a plane whose tilt has this cosine.
+  TurnRates rates(double a, double e, double cosine) const {
+    const double p = a * (1 - e * e), motion = std::sqrt(gm_ / (a * a * a));
+    const double oblate = j2_ / (p * p) * motion, spin = spin_ / (p * std::sqrt(p)) * motion;
+    const double node = spin - oblate * cosine;
+    const double from_node =
+        relativity_ / p * motion + oblate * (2.5 * cosine * cosine - 0.5) - 3 * spin * cosine;
+    return {node, from_node, from_node + cosine * node};
+  }
   bool holds() const { return largest < 0.01; }
+
+  std::string terms{};
+  TurnRates at_start{};
+  double largest = 0;  ///< of the terms, in radians a radian of the mean motion
+  double second = 0;   ///< those of second order for mean elements, likewise
+
+ private:
+  double gm_, relativity_ = 0, j2_ = 0, spin_ = 0;
 };
 
 /// How the periapsis and the node of an orbit turn, in `unit`: a radian a unit of time is `factor` of these.
@@ -108,15 +130,18 @@ inline Measurement<3> turning_orbit(const Choice& c, const std::string& unit, do
     Eigen::Vector3d last = Eigen::Vector3d::Zero();
     double step = 0;     // the largest angle from one step to the next
     double upright = 1;  // the smallest sine of the inclination
+    TurnRates swing{};   // from the start: how far the rates of first order go, which are for mean elements
     void visit_memory(CheckpointMemory& visit) {
       for (Passages* passages : {&along, &from_node, &node}) passages->visit_memory(visit);
       visit(last);
       visit(step);
       visit(upright);
+      for (double* number : {&swing.node, &swing.from_node, &swing.along}) visit(*number);
     }
   };
   const auto seen = std::make_shared<Seen>();
   const double gm = c["gm"], e = c["e"];
+  const FirstOrder expected(c);
   const auto observe = [=](double t, const In<double, 3>& q, const In<double, 3>& p) {
     const Eigen::Vector3d x = q, v = p, momentum = x.cross(v), axis(0, 0, 1), node = axis.cross(momentum);
     const Eigen::Vector3d laplace = v.cross(momentum) / gm - x.normalized();  // it points to the periapsis
@@ -128,6 +153,10 @@ inline Measurement<3> turning_orbit(const Choice& c, const std::string& unit, do
     if (!seen->last.isZero())
       seen->step = std::max(seen->step, std::atan2(seen->last.cross(x).norm(), seen->last.dot(x)));
     seen->last = x;
+    const TurnRates now = expected.rates(1 / (2 / x.norm() - v.squaredNorm() / gm), laplace.norm(),
+                                         momentum.z() / momentum.norm());
+    for (double TurnRates::*rate : {&TurnRates::node, &TurnRates::from_node, &TurnRates::along})
+      seen->swing.*rate = std::max(seen->swing.*rate, std::abs(now.*rate - expected.at_start.*rate));
   };
   const bool with_node = c.on("j2") || c.on("spin_orbit");
   const auto figures = [=] {
@@ -151,12 +180,11 @@ inline Measurement<3> turning_orbit(const Choice& c, const std::string& unit, do
       return print_none(out, first,
                         formatted("a step goes through %.0f degrees of the orbit; ", seen->step * 180 / pi) +
                             formatted("give a --dt %.0f times smaller", std::ceil(seen->step * 12 / pi)));
-    const FirstOrder expected(c);
     const double motion = std::sqrt(gm / std::pow(c["a"], 3)) * factor;  // per radian of the mean motion
     // An error of the energy goes along with a turn of the periapsis, as measured up to five times as large a
     // radian.
     const double by_energy = 6 * run.quantities.front().worst * motion;
-    const auto figure = [&](const std::string& what, const Passages& passages, double closed_form) {
+    const auto figure = [&](const std::string& what, const Passages& passages, double TurnRates::*rate) {
       const auto by_companion = run.figure_errors.find(what);
       const bool measured = by_companion != run.figure_errors.end();
       // A straight line between steps leaves of what swings once an orbit the square of the step, over the
@@ -180,9 +208,10 @@ inline Measurement<3> turning_orbit(const Choice& c, const std::string& unit, do
           << (measured ? "" : " (± by the energy error)");
       if (expected.holds()) {
         out << "; " << (expected.terms.empty() ? "Kepler" : expected.terms + " to first order") << ": "
-            << decimals(closed_form * motion);
-        if (expected.second_order > 0)
-          out << formatted(", terms of second order: about %.0g", expected.second_order * motion);
+            << decimals(expected.at_start.*rate * factor);
+        if (expected.second > 0)
+          out << formatted(", terms of second order: about %.0g",
+                           seen->swing.*rate * factor + expected.second * motion);
       } else {
         out << "; too strong a field for a formula of first order";
       }
@@ -194,17 +223,17 @@ inline Measurement<3> turning_orbit(const Choice& c, const std::string& unit, do
         print_none(out, "perihelion advance",
                    "the orbit is too near to a circle, for what turns it, to have one; give a larger --e");
       else if ((c.on("j2") || c.on("spin_orbit")) && has_node) {
-        figure("perihelion advance", seen->from_node, expected.from_node);
-        figure("perihelion and node, along the orbit", seen->along, expected.along);
+        figure("perihelion advance", seen->from_node, &TurnRates::from_node);
+        figure("perihelion and node, along the orbit", seen->along, &TurnRates::along);
       } else {
-        figure("perihelion advance", seen->along, expected.along);
+        figure("perihelion advance", seen->along, &TurnRates::along);
       }
     }
     if (!has_node && about_the_node)
       print_none(out, "node",
                  "an orbit in the equator has none; give an --inclination between 0 and 180 degrees");
     else if (has_node && (about_the_node || c.on("j2") || c.on("spin_orbit")))
-      figure("node", seen->node, expected.node);
+      figure("node", seen->node, &TurnRates::node);
   };
   return {observe, report, memory_of(seen), figures};
 }

@@ -140,7 +140,7 @@ inline bool answer(CostRequest& request, const System& system, Judge judge, std:
                              : "largest relative energy error, expected");
     return true;
   }
-  const Setting& setting = request.choose(cost, target).setting;
+  const Setting& setting = request.choose(cost, target, CostRequest::safety).setting;
   list = setting.scheme;
   settings.dt = setting.dt;
   settings.fit_steps();

@@ -64,7 +64,8 @@ struct System {
     nbody::Bodies<double>::Vectors r{{0, 0, 0}}, v = r;
     for (const Planet& planet : planets()) {
       if (!on(planet.name)) continue;
-      if (names.empty()) period = std::pow(planet.a, 1.5);
+      longest_period = std::pow(planet.a, 1.5);
+      if (names.empty()) period = longest_period;
       names.push_back(planet.name);
       gm.push_back(gm_sun / planet.suns);
       const auto z = state_of(
@@ -89,7 +90,7 @@ struct System {
   std::vector<std::string> names;  ///< of the planets, body 1 and on
   nbody::Bodies<double> bodies;
   State start;
-  double period = 0;  ///< of the innermost, in years
+  double period = 0, longest_period = 0;  ///< of the innermost and of the outermost, in years
   bool pair_relativity = false, full_relativity = false, oblate = false;
 };
 

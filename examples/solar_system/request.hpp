@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <stdexcept>
 #include <string>
@@ -10,6 +11,7 @@
 
 #include "../common/arguments.hpp"
 #include "../common/cost.hpp"
+#include "../common/output.hpp"
 #include "../common/run.hpp"
 #include "motion.hpp"
 #include "planets.hpp"
@@ -102,6 +104,14 @@ struct Request {
     if (system.names.front() != "mercury")
       throw std::invalid_argument("--audit: Mercury's perihelion needs mercury among the --effects");
     if (effects.size() < 2) throw std::invalid_argument("--audit: name an effect beside mercury");
+    // The perihelion swings with each planet, and in 5.7 years as five of its turns are nearly two of Venus.
+    const double needed = std::ceil(std::max(20.0, 2 * system.longest_period));
+    if (settings.time < needed)
+      throw std::invalid_argument(
+          formatted("--audit: %g years are too short: ", settings.time) +
+          "the perihelion swings with the planets, and a line through it means something over "
+          "20 years, and two turns of the outermost planet; give a --time of " +
+          formatted("%g years or more", needed));
     if (cost.accuracy > 0 && cost.unit.empty())
       throw std::invalid_argument(
           "--accuracy: with --audit it is that of the perihelion; give an angle, as \"0.001 arcsec\"");

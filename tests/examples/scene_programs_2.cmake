@@ -22,7 +22,7 @@ check(charges "says why it measures nothing" "--preset bottle --b0 1G --no-plot"
   PRINTS "turning point and bounce period: not measured, the run has no whole bounce")
 check(charges "reads small units" "--b \"1e8 nT\" --energy 1e-3MeV --no-plot" FILE out/charges.csv PRINTS "eB/m: 9578833.2 ")
 check(charges "bounces and drifts about the Earth" "--preset dipole --no-plot" FILE out/charges.csv
-  PRINTS "bounce period, s: 2.3[0-9]+; .*e-03.\n.*drift period, s .westward: negative.: -77.[0-9]+; adiabatic: -78.[0-9]+")
+  PRINTS "bounce period, s: 2.3[0-9]+; .*e-03.\n.*drift period, s .westward: negative.: -77.[0-9] ± 0.[0-9]; adiabatic: -78.[0-9]+")
 check(charges "moves without kinetic in a field" "--preset bottle --effects magnetic_bottle,coulomb --time 1e-6s --no-plot"
   FILE out/charges.csv PRINTS "effects: magnetic_bottle, coulomb\ncoupled by magnetic_bottle: not separable")
 check(charges "doubles nothing without a magnetic field" "--effects kinetic,electric --no-plot"

@@ -236,6 +236,32 @@ TEST_CASE("By the clock, after steps, and away when the run is done", "[checkpoi
   CHECK(fours.resume(z).steps == 8);
 }
 
+TEST_CASE("A checkpoint neither replaces nor removes a file of another kind", "[checkpoint]") {
+  const Folder folder;
+  const fs::path file = folder.path / "run.csv";
+  const auto is_refused = [](const auto& call) {
+    try {
+      call();
+    } catch (const std::runtime_error& error) {
+      return says(error.what(), "a file of another kind is there; give another name");
+    }
+    return false;
+  };
+  Semiexplicit stepper(systems::Product<double>{});
+  const IntegrationOptions<double> options{.dt = 0.1, .steps = 4};
+  for (const bool saved_before : {false, true}) {
+    CAPTURE(saved_before);
+    Checkpoints checkpoints(file, {.every = 2}, stepper, options);
+    PhasePoint<double, 1> z(-3, 0);
+    if (saved_before) integrate(stepper, z, options, checkpoints);
+    write_durably(file, "t,q\n0,1\n");
+    CHECK(is_refused([&] { integrate(stepper, z, options, checkpoints); }));
+    CHECK(is_refused([&] { checkpoints.remove(); }));
+    CHECK(contents(file) == "t,q\n0,1\n");
+    fs::remove(file);
+  }
+}
+
 TEST_CASE("integrate() goes on from an earlier part: times, counts, observers", "[checkpoint]") {
   GaussLegendre stepper(systems::Product<double>{}, {.stages = 1});
   PhasePoint<double, 1> z(-3, 0);

@@ -295,4 +295,15 @@ TEST_CASE("elements make a state and a state makes the elements") {
   CHECK(refuses([] { nbody::Bodies<double>({1, 0}); }, "GM of body 1"));
 }
 
+TEST_CASE("Bodies of another number than the type says are refused", "[nbody]") {
+  for (const std::vector<double>& masses : {std::vector{1.0, 1e-3}, std::vector{1.0, 1e-3, 1e-3, 1e-3}}) {
+    const effects::nbody::Bodies<double> bodies(masses);
+    const effects::nbody::Kinetic<double, 6> kinetic{bodies};
+    const effects::nbody::Attraction<double, 6> attraction{bodies};
+    const std::string said = "degrees of freedom, and the type of the scene has 6";
+    CHECK(refuses([&] { Scene(kinetic, attraction); }, said));
+    CHECK(refuses([&] { RuntimeScene<double, 6>{kinetic, attraction}; }, said));
+  }
+}
+
 }  // namespace test_nbody

@@ -75,12 +75,7 @@ class AnyEffect {
   template <class E>
   struct Model final : Interface {
     explicit Model(E wrapped) : effect(std::move(wrapped)) {}
-    Eigen::Index dof() const override {
-      if constexpr (Dof == Eigen::Dynamic)
-        return effect.dof();
-      else
-        return Dof;
-    }
+    Eigen::Index dof() const override { return detail::effect_dof(effect); }
     Scalar energy(const Read& q, const Read& p) const override { return detail::effect_energy(effect, q, p); }
     void add_gradient(const Read& q, const Read& p, Write& dHdq, Write& dHdp) const override {
       detail::add_effect(effect, q, p, dHdq, dHdp);

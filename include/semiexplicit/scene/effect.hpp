@@ -131,6 +131,16 @@ std::string effect_name(const E& effect) {
     return effect.name;
 }
 
+/// How many degrees of freedom an effect is made for. One of fixed size may know better than its type, as of
+/// how many bodies it holds.
+template <class E>
+Eigen::Index effect_dof(const E& effect) {
+  if constexpr (requires { effect.dof(); })
+    return effect.dof();
+  else
+    return E::Acts::Dof;
+}
+
 /// One line on an effect, or nothing.
 template <class E>
 std::string effect_about(const E& effect) {

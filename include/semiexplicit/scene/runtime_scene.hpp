@@ -43,7 +43,8 @@ class RuntimeScene {
       if (it->dof() != dof())
         throw std::invalid_argument("RuntimeScene: the effect " + it->name() + " has " +
                                     std::to_string(it->dof()) + " degrees of freedom, and " +
-                                    effects_[0].name() + " has " + std::to_string(dof()));
+                                    (Dof == Eigen::Dynamic ? effects_[0].name() : "the type of the scene") +
+                                    " has " + std::to_string(dof()));
       if (std::any_of(effects_.begin(), it, [&](const Any& other) { return other.name() == it->name(); }))
         throw std::invalid_argument("RuntimeScene: two effects are called " + it->name() +
                                     "; give one a member name() of its own");
@@ -55,7 +56,7 @@ class RuntimeScene {
   template <class... Effects>
   explicit RuntimeScene(const Scene<Effects...>& scene) : RuntimeScene(erased(scene)) {}
 
-  Eigen::Index dof() const { return effects_[0].dof(); }
+  Eigen::Index dof() const { return Dof == Eigen::Dynamic ? effects_[0].dof() : Dof; }
   const std::vector<Any>& effects() const { return effects_; }
 
   std::vector<std::string> names() const {

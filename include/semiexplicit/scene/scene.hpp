@@ -42,18 +42,18 @@ class Scene {
   static constexpr bool is_symplectic() { return symplectic; }
   using SeparableGradientOf = Scene;
 
-  /// Throws std::invalid_argument where effects of dynamic size have different sizes, or none.
+  /// Throws std::invalid_argument where effects have different sizes, or none.
   explicit Scene(Effects... effects) : effects_(std::move(effects)...) {
     if (dof() < 1)
       throw std::invalid_argument("Scene: the effect " + detail::effect_name(std::get<0>(effects_)) +
                                   " has no degree of freedom; give its size (sites, circulations)");
     for_each([&](const auto& effect) {
-      if constexpr (Dof == Eigen::Dynamic)
-        if (effect.dof() != dof())
-          throw std::invalid_argument("Scene: the effect " + detail::effect_name(effect) + " has " +
-                                      std::to_string(effect.dof()) + " degrees of freedom, and " +
-                                      detail::effect_name(std::get<0>(effects_)) + " has " +
-                                      std::to_string(dof()));
+      if (detail::effect_dof(effect) != dof())
+        throw std::invalid_argument(
+            "Scene: the effect " + detail::effect_name(effect) + " has " +
+            std::to_string(detail::effect_dof(effect)) + " degrees of freedom, and " +
+            (Dof == Eigen::Dynamic ? detail::effect_name(std::get<0>(effects_)) : "the type of the scene") +
+            " has " + std::to_string(dof()));
     });
   }
 

@@ -132,7 +132,7 @@ Scalar steps_between(const Scalar& t0, const Scalar& t_end, const Scalar& dt) {
   using std::abs;
   using std::ceil;
   const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon(), quotient = (t_end - t0) / dt;
-  const Scalar slack = (8 * epsilon * quotient) + 2 * epsilon * (abs(t0) + abs(t_end)) / abs(dt);
+  const Scalar slack = (8 * epsilon * quotient) + epsilon / 2 * (abs(t0) + abs(t_end)) / abs(dt);
   const Scalar steps = ceil(quotient - (slack < Scalar(0.5) ? slack : Scalar(0.5)));
   return steps < Scalar(1) ? Scalar(1) : steps;
 }

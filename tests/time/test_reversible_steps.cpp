@@ -617,4 +617,45 @@ TEST_CASE("Vortices and the vector field serve as monitors of reversible steps",
   CHECK(report.gradients >= 100 * (one.gradients + 1));  // its own calls are counted
 }
 
+TEST_CASE("A run that comes to the next number behind leaves the steps that follow as they are",
+          "[reversible steps]") {
+  const auto run_to = [](std::initializer_list<double> times) {
+    ReversibleSteps stepper{Semiexplicit(Kepler()), free_fall};
+    Point z = kepler_orbit(0.9, pi);
+    double t0 = 0;
+    for (const double t : times) {
+      integrate(stepper, z, {.dt = 0.05, .t0 = t0, .t_end = t});
+      t0 = t;
+    }
+    return Kepler().energy(z.q(), z.p()) / -0.5 - 1;
+  };
+  double worst = 0, worst_without = 0;
+  for (double t = 0.3; t < 6; t += 0.1) {
+    worst = std::max(worst, std::abs(run_to({t, std::nextafter(t, 10.0), 20.0})));
+    worst_without = std::max(worst_without, std::abs(run_to({t, 20.0})));
+  }
+  CHECK(worst < 1.1 * worst_without);
+}
+
+TEST_CASE("A run by steps has come to the time that it reports", "[reversible steps]") {
+  for (int n = 1; n < 40; ++n) {
+    ReversibleSteps stepper{Semiexplicit(Kepler()), free_fall};
+    Point z = kepler_orbit(0.9, pi);
+    const auto first = integrate(stepper, z, {.dt = 0.05, .steps = n});
+    CHECK(stepper.reached(first.t));
+    CHECK(integrate(stepper, z, {.dt = 0.05, .t_end = first.t, .done = first}).steps == n);
+  }
+}
+
+TEST_CASE("Reversible steps that were moved from say so, whatever their monitor keeps",
+          "[reversible steps]") {
+  const KeplerOf<double, Eigen::Dynamic> h;
+  ReversibleSteps from(GaussLegendre(h, {.stages = 2}), monitors::FieldSize(h));
+  PhasePoint<double, Eigen::Dynamic> z(2);
+  z.vector() = kepler_orbit(0.5, 1).vector();
+  ReversibleSteps to(std::move(from));
+  CHECK(from.step(z, 0.1).status == Status::invalid_stepper);
+  CHECK(to.step(z, 0.1).ok());
+}
+
 }  // namespace test_reversible_steps

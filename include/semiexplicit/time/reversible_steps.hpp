@@ -96,8 +96,8 @@ class ReversibleSteps {
   /// The same, but not beyond t_end: what is left of less than two steps is taken in two halves, of less than
   /// one at once.
   StepReport step_until(State& z, const Scalar& dt, const Scalar& t_end) {
+    if (reached(t_end)) return {};
     const Scalar left = left_to(t_end);
-    if (left == Scalar(0)) return {};
     if ((left > Scalar(0)) != (dt > Scalar(0))) return {.status = Status::invalid_step};
     bool last = false;
     const StepReport report = advance(z, dt, [&](const Scalar& time) {
@@ -122,8 +122,15 @@ class ReversibleSteps {
 
   /// Time of the state that it left last; the sum of its steps where there was no begin().
   Scalar time() const { return clock_.time; }
-  /// Whether it has come to t. Steps below the rounding of t reach a time() of t earlier.
-  bool reached(const Scalar& t) const { return left_to(t) == Scalar(0); }
+  /// Whether it has come to t, but for what t is rounded by. Steps below that rounding have a time() of t
+  /// earlier.
+  bool reached(const Scalar& t) const {
+    using std::abs;
+    const Scalar left = left_to(t);
+    if (left == Scalar(0)) return true;
+    return t == clock_.time &&
+           (1000 * abs(left) < abs(clock_.taken) || (left > Scalar(0)) != (clock_.taken > Scalar(0)));
+  }
   /// How long its last step was.
   Scalar taken() const { return clock_.taken; }
 
@@ -190,7 +197,7 @@ class ReversibleSteps {
   /// A step of dt in s, whose time `limit` may shorten.
   template <class Limit>
   StepReport advance(State& z, const Scalar& dt, const Limit& limit) {
-    StepReport report{.status = detail::status_at_start(dt, true, fits(z))};
+    StepReport report{.status = detail::status_at_start(dt, is_whole(), fits(z))};
     if (!report.ok()) return report;
     // A start counts from the step on that succeeds.
     Clock clock = clock_;
@@ -221,10 +228,14 @@ class ReversibleSteps {
       report.status = Status::invalid_monitor;
       return report;
     }
-    clock.slope = (density - (time == whole ? rho : Scalar(ds / time))) / ds;
-    clock.density = density;
-    clock.swing = next_swing(clock.swing, dt * clock.slope / density);
     using std::abs;
+    using std::sqrt;
+    // The slope of a step that is cut to next to nothing would be the rounding of the densities.
+    if (abs(ds) > sqrt(Eigen::NumTraits<Scalar>::epsilon()) * abs(dt)) {
+      clock.slope = (density - (time == whole ? rho : Scalar(ds / time))) / ds;
+      clock.swing = next_swing(clock.swing, dt * clock.slope / density);
+    }
+    clock.density = density;
     if (abs(clock.swing) > Scalar(most_swing)) {
       clock.density = clock.swing = Scalar(0);
       if (clock.since < least_between) {
@@ -295,6 +306,14 @@ class ReversibleSteps {
       return z.dof() == Eigen::Index(stepper_.dof());
     else
       return z.dof() > 0;
+  }
+
+  /// Whether it was not moved from.
+  bool is_whole() const {
+    if constexpr (requires { stepper_.dof(); })
+      return last_.dof() == Eigen::Index(stepper_.dof());
+    else
+      return true;
   }
 
   static bool usable(const Scalar& density) {

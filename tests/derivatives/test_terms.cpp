@@ -188,6 +188,11 @@ TEST_CASE("Parameters come from arrays of any kind", "[terms]") {
                      [&](auto i) { return at(plain, (i + 1) % n) * q[i] * p[(i + 1) % n] * at(column, i); }) +
                  sum_over_pairs(n, [&](auto i, auto j) { return at(coupling.col(j), i) * q[i] * p[j]; });
         }) <= 1e-15);
+  // A column and a row of a matrix of parameters.
+  CHECK(error_of(n, [=](const auto& q, const auto& p) {
+          return sum_over(
+              n, [&](auto i) { return at(coupling, i, 0) * q[i] * q[i] + at(coupling, 2, i) * p[i] * p[i]; });
+        }) <= 1e-15);
   // Plain arrays have one number at a time.
   CHECK(error_of(n, [=](const auto& q, const auto& p) {
           return sum_over(n, [&](auto i) { return pointer[i] * q[i] * q[i] + column[i] * p[i] + i * q[i]; }) +

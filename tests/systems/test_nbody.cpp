@@ -306,4 +306,9 @@ TEST_CASE("Bodies of another number than the type says are refused", "[nbody]") 
   }
 }
 
+TEST_CASE("A body that falls along a line has no elements", "[nbody]") {
+  const Vector<double, 3> q(1, 0, 0), v(-0.1, 0, 0);
+  CHECK(refuses([&] { orbits::elements_of<double>(q, v, 1.0); }, "falls along a line"));
+}
+
 }  // namespace test_nbody

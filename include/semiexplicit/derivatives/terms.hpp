@@ -365,5 +365,13 @@ SEMIEXPLICIT_INTO_TERM auto at(const Matrix& matrix, const detail::autodiff::Lan
   return detail::autodiff::LanePack<S>::of(
       [&](int k) { return static_cast<S>(at(matrix, row.of_lane(k), column.of_lane(k))); });
 }
+template <class Matrix, class S, std::integral J>
+SEMIEXPLICIT_INTO_TERM auto at(const Matrix& matrix, const detail::autodiff::LaneIndex<S>& i, J j) {
+  return at(matrix.col(static_cast<Eigen::Index>(j)), i);
+}
+template <class Matrix, std::integral I, class S>
+SEMIEXPLICIT_INTO_TERM auto at(const Matrix& matrix, I i, const detail::autodiff::LaneIndex<S>& j) {
+  return at(matrix.row(static_cast<Eigen::Index>(i)), j);
+}
 
 }  // namespace semiexplicit

@@ -54,13 +54,16 @@ PhasePoint<Scalar, 3> state_of(const Elements<Scalar>& orbit, const Scalar& gm) 
 }
 
 /// The elements of the orbit through a position with a velocity. An angle that a circle or an orbit in the
-/// plane has not is counted from the first axis. Throws std::invalid_argument where the orbit is not bound.
+/// plane has not is counted from the first axis. Throws std::invalid_argument where the orbit is not bound,
+/// or a line.
 template <class Scalar>
 Elements<Scalar> elements_of(const Vector<Scalar, 3>& q, const Vector<Scalar, 3>& v, const Scalar& gm) {
   using std::atan2, std::cos, std::sin, std::sqrt;
   const Scalar r = q.norm(), per_a = 2 / r - v.dot(v) / gm;
   if (!(per_a > 0)) throw std::invalid_argument("elements_of: the orbit is not bound");
   const Vector<Scalar, 3> momentum = q.cross(v);
+  if (!(momentum.norm() > 0))
+    throw std::invalid_argument("elements_of: the body falls along a line, which is in no plane");
   const Scalar flat = sqrt(momentum[0] * momentum[0] + momentum[1] * momentum[1]);
   Elements<Scalar> orbit{.a = 1 / per_a};
   const Scalar ec = 1 - r * per_a, es = q.dot(v) / sqrt(gm * orbit.a);

@@ -134,10 +134,11 @@ class CheckpointFile {
  private:
   /// A run may have put its results there since, or somebody their own.
   Descriptor lock_checkpoint() const {
+    const Destination to(path_);
     Descriptor lock = lock_existing(path_);
-    if (!std::filesystem::is_regular_file(path_)) return lock;
+    if (to.direct) return lock;
     std::string head(CheckpointFrame::magic.size(), '\0');
-    std::ifstream in(path_, std::ios::binary);
+    std::ifstream in(to.path, std::ios::binary);
     in.read(head.data(), static_cast<std::streamsize>(head.size()));
     head.resize(static_cast<std::size_t>(in.gcount()));
     if (!head.empty() && head != CheckpointFrame::magic)

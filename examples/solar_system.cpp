@@ -48,8 +48,7 @@ int audit(const Request& request) {
 std::string why(Status status) {
   if (status != Status::close_encounter) return describe(status);
   return "two bodies come so close that their attraction is not small beside that of the Sun: in truth, "
-         "which these "
-         "lists do not resolve, or as the step is too long; give a shorter --dt";
+         "which these lists do not resolve, or as the step is too long; give a shorter --dt";
 }
 
 int run(Request& request, const System& system) {

@@ -92,9 +92,9 @@ class FirstOrder {
       second = std::max(second, of_square * size * size);
     };
     // Of relativity and spin the terms of second order are measured to be two to four squares, of J2 up to
-    // one.
+    // one, and more where the periapsis of a nearly circular orbit is hardly determined.
     if (c.on("1pn")) take("1PN", relativity_, relativity, 1, 3);
-    if (c.on("j2")) take("J2", j2_, 1.5 * c["j2"] * std::pow(c["radius"], 2), 2, 1);
+    if (c.on("j2")) take("J2", j2_, 1.5 * c["j2"] * std::pow(c["radius"], 2), 2, 1 + 0.1 / e);
     if (c.on("spin_orbit")) take("spin", spin_, 2 * c["gs"] / (c["c"] * c["c"] * std::sqrt(gm_)), 1.5, 3);
     if (c.on("2pn")) second = std::max(second, 3 * std::pow(relativity / p, 2));  // of that order itself
     at_start = rates(a, e, std::cos(tilt));

@@ -259,6 +259,13 @@ TEST_CASE("A checkpoint neither replaces nor removes a file of another kind", "[
     CHECK(is_refused([&] { checkpoints.remove(); }));
     CHECK(contents(file) == "t,q\n0,1\n");
     fs::remove(file);
+    if (saved_before) {  // over the checkpoint itself
+      integrate(stepper, z, options, checkpoints);
+      std::ofstream(file) << "a result";
+      CHECK(is_refused([&] { integrate(stepper, z, options, checkpoints); }));
+      CHECK(is_refused([&] { checkpoints.remove(); }));
+      CHECK(contents(file) == "a result");
+    }
   }
 }
 

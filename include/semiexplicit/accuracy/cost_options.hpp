@@ -20,7 +20,7 @@ struct CostOptionsOf {
                               1e-10};  ///< errors to find the cheapest setting for; see CostTable
   bool absolute = false;               ///< errors are in the observable's own unit, instead of relative
   /// Gradient calls to spend, as a fraction of those of the runs to the targets, added up. A guide, which
-  /// hard problems overrun by a factor of two or so: CostTable::spent_gradients says what it came to.
+  /// hard problems overrun by up to six or so: CostTable::spent_gradients says what it came to.
   double budget = 0.1;
   /// But no less: where the run is shorter, advice costs a larger part of it. Ten times as many for an
   /// observable that is no invariant, whose errors add up over more of the run than those of the energy.

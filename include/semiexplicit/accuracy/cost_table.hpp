@@ -92,14 +92,14 @@ struct CostTable {
   double observable_end = std::numeric_limits<double>::infinity();  ///< first time that it is NaN or Inf at
   std::string exact_flow{};  ///< of a scene: what advised_flow() says at z0; no row has such a stepper
   double unfinished = 0;     ///< the loosest target whose search ended with the calls; 0: none
-  bool changes = false;      ///< how hard the motion is changes along the coarse run, at least twofold
+  bool changes = false;      ///< how hard the motion is does, along the coarse run, at least twofold
 
   /// Whether the calls ended before the motion had come back to where it is hard: what it does then is not
   /// known.
   bool cycles_unseen() const { return window_time < time && cycle > window_time; }
 
   /// Whether the calls ended before the end of a run along which the motion gets harder or easier.
-  bool change_unseen() const { return changes && pilot_time < 0.999 * time; }
+  bool end_unseen() const { return changes && pilot_time < 0.999 * time; }
 
   /// Why a target is out of reach.
   SEMIEXPLICIT_COLD Reach reach(double target) const {
@@ -124,10 +124,9 @@ struct CostTable {
       case Reach::budget:
         return (cycles_unseen() ? "the gradient calls of a trial ended before the motion came back to where "
                                   "it is hard, if it does; raise "
-                : change_unseen()
-                    ? "the motion gets harder along the way, and the gradient calls ended before "
-                      "its end; raise "
-                    : "the gradient calls ended; raise ") +
+                : end_unseen()  ? "the motion gets harder along the way, and the gradient calls ended before "
+                                  "its end; raise "
+                                : "the gradient calls ended; raise ") +
                std::string("options.budget, min_gradients or max_gradients");
       case Reach::orbit_ends:
         return "the orbit ends near t = " + in_words(orbit_end, 3) +

@@ -49,9 +49,19 @@ class HardPlaces {
     std::reverse(groups.begin(), groups.end());
     return rises(groups);
   }
-  /// Whether it will have in a run `stretch` times as long, where it goes on as it does: the medians of
-  /// thirds rise or fall.
-  SEMIEXPLICIT_COLD bool will_change(double stretch) const {
+  /// How much harder the hardest segment behind a part of the run is than those before.
+  SEMIEXPLICIT_COLD double harder_behind(double part) const {
+    double before = 1e-300, behind = 0;
+    for (std::size_t i = 0; i < segments_.size(); ++i) {
+      const bool is_before = static_cast<double>(i + 1) <= part * static_cast<double>(segments_.size());
+      double& side = is_before || i == 0 ? before : behind;
+      side = std::max(side, segments_[i].hardness);
+    }
+    return behind / before;
+  }
+  /// Whether it will have become twice as hard in a run `stretch` times as long, where it goes on as it does:
+  /// the medians of thirds rise.
+  SEMIEXPLICIT_COLD bool will_rise(double stretch) const {
     const std::vector<double> groups = in_groups();
     const std::size_t n = groups.size() / 3;
     if (n < 3) return false;
@@ -60,13 +70,13 @@ class HardPlaces {
       const auto begin = groups.begin() + static_cast<std::ptrdiff_t>(k * n);
       std::vector<double> third(begin, begin + static_cast<std::ptrdiff_t>(n));
       std::sort(third.begin(), third.end());
-      if (!(third[n / 4] > 0)) return changes();
+      if (!(third[n / 4] > 0)) return rises();
       median[k] = std::log(third[n / 2]);
       uncertainty += std::log(third[3 * n / 4] / third[n / 4]) / std::sqrt(static_cast<double>(n));
     }
-    const bool monotonic = (median[1] > median[0]) == (median[2] > median[1]);
-    const double change = std::abs(median[2] - median[0]);
-    return changes() || (monotonic && change > uncertainty && change * 1.5 * stretch > std::log(2.0));
+    const double rise = median[2] - median[0];
+    return rises() || (median[1] > median[0] && median[2] > median[1] && rise > uncertainty &&
+                       rise * 1.5 * stretch > std::log(2.0));
   }
 
   /// The i-th hardest that is no neighbour of a harder one; there are count() of them.

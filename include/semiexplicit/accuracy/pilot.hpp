@@ -68,7 +68,7 @@ class Pilot {
   }
 
   /// The run proper: as far as `calls` go, with a neighbour where orbits that part matter. Then on to the end
-  /// alone, where the whole run takes no more than `most` calls, or gets harder or easier along the way.
+  /// alone, where the whole run takes no more than `most` calls, or gets harder along the way.
   /// False where no step gets through a stretch.
   SEMIEXPLICIT_COLD bool follow(double least_segment, double calls, double most) {
     const double T = table_.time, whole = rate * T;
@@ -90,13 +90,14 @@ class Pilot {
       stuck = follow_to(T, allowed, z) && of_energy;
       cut_ = cut_ && of_energy;
     };
-    const auto changing = [&] { return places.will_change(std::max(1.0, T / table_.pilot_time)); };
+    const auto rising = [&] { return places.will_rise(std::max(1.0, T / table_.pilot_time)); };
     watches_neighbour_ = false;
-    beyond_calls(most, whole);
-    if (table_.pilot_time < T && changing())
-      beyond_calls(problem_.options.max_gradients / 3, 1.5 * whole);  // dearer where it is harder
-    if (places.changes()) rate *= first_dt_ / setting_.dt;            // what the hardest takes
-    table_.changes = of_energy || table_.pilot_time >= T ? places.changes() : changing();
+    beyond_calls(std::min(most, problem_.options.max_gradients / 6), whole);
+    if (table_.pilot_time < T && rising())
+      beyond_calls(problem_.options.max_gradients / 6, 1.5 * whole);  // dearer where it is harder
+    if (places.rises()) rate *= first_dt_ / setting_.dt;              // what the hardest takes
+    // From a hard start the errors of what is no invariant are extrapolated safely.
+    table_.changes = of_energy ? places.changes() : table_.pilot_time >= T ? places.rises() : rising();
     if (stuck) {
       if (cut_)
         table_.unfinished = 1e300;

@@ -81,7 +81,7 @@ class Reference {
     double tried;     ///< time from the start that the rate of calls is known from
     double trial;     ///< how long settings are to be tried
     double tightest;  ///< target
-    bool changes;     ///< how hard the motion is changes along the way: nothing comes back
+    bool whole;       ///< the motion gets harder along the way: nothing comes back
   };
 
   /// Two runs whose steps differ by a factor 1.5, over and over until they agree to what the tightest target
@@ -191,7 +191,7 @@ class Reference {
     first_scale_ = run.scale();
     for (std::size_t n = 1, stride = 1; way_.empty() || problem.table.spent_gradients - begin < calls; ++n) {
       if (t >= length) {
-        find_cycle(wish.changes);
+        find_cycle(wish.whole);
         if (!std::isinf(cycle_) || t >= wish.end) break;
         length = wish.end;  // on, for what comes then
       }
@@ -213,7 +213,7 @@ class Reference {
       stride *= 2;
     }
     goes_to_end_ = t >= wish.end;
-    find_cycle(wish.changes);
+    find_cycle(wish.whole);
     return true;
   }
 

@@ -49,7 +49,7 @@ class Search {
     if (!pilot_.follow(std::min(table_.time, trial_time_) / window_count, pilot_share * budget_,
                        whole_share * budget_))
       return;
-    if (table_.invariant && table_.change_unseen() && pilot_.places.rises()) {
+    if (table_.invariant && table_.end_unseen() && pilot_.places.rises()) {
       table_.unfinished = 1e300;
       return;
     }
@@ -106,21 +106,31 @@ class Search {
   /// False: there is nothing to compare with. An observable that turns out to be constant becomes an
   /// invariant.
   SEMIEXPLICIT_COLD bool make_reference() {
-    const auto [tightest, loosest] = std::minmax_element(options().targets.begin(), options().targets.end());
+    const auto extremes = std::minmax_element(options().targets.begin(), options().targets.end());
+    const double tightest = *extremes.first, loosest = *extremes.second;
     // Beyond what a choice is confirmed on nothing is compared. Within some time after which nothing is left
     // of the orbit, the whole of it has to be seen.
     const double end = std::min(table_.time, table_.horizon / 2);
     const double length =
-        std::min(end, std::max(8 * trial_time_, 2 * confirm_share * budget_ / run_rate(*loosest)));
-    if (!reference_.make(problem_, {.calls = reference_share * budget_ * (table_.changes ? 4 : 1),
-                                    .length = length,
-                                    .end = end,
-                                    .tried = pilot_.rate_time,
-                                    .trial = trial_time_,
-                                    .tightest = *tightest,
-                                    .changes = table_.changes})) {
-      if (!(table_.orbit_end < table_.time)) table_.unfinished = 1e300;
-      return false;
+        std::min(end, std::max(8 * trial_time_, 2 * confirm_share * budget_ / run_rate(loosest)));
+    const auto make = [&] {
+      const bool made =
+          reference_.make(problem_, {.calls = reference_share * budget_ * (table_.changes ? 4 : 1),
+                                     .length = length,
+                                     .end = end,
+                                     .tried = pilot_.rate_time,
+                                     .trial = trial_time_,
+                                     .tightest = tightest,
+                                     .whole = table_.changes});
+      if (!made && !(table_.orbit_end < table_.time)) table_.unfinished = 1e300;
+      return made;
+    };
+    if (!make()) return false;
+    // What the coarse run found harder than all that the reference saw, but for the last of it.
+    if (!table_.changes &&
+        pilot_.places.harder_behind(0.8 * reference_.length() / table_.pilot_time) > much_harder) {
+      table_.changes = true;
+      if (!make()) return false;
     }
     pilot_.rate *= reference_.hardness();
     plan();
@@ -525,6 +535,7 @@ class Search {
 
   static constexpr double pilot_share = 0.3, trial_share = 0.45, confirm_share = 0.25,
                           reference_share = 0.4;  ///< of the budget
+  static constexpr double much_harder = 4;        ///< than what comes back is, from time to time
   static constexpr double whole_share = 3;        ///< that seeing the whole run is worth
   static constexpr double trials_a_target = 12, window_count = 8;
 

@@ -117,7 +117,8 @@ class CheckpointFile {
   /// Takes the place of what is there, whole. Throws std::runtime_error where that is a file of another kind.
   void write(std::string_view contents) {
     DurableFile file(path_);
-    if (!lock_.is(path_)) lock_ = lock_checkpoint();
+    if (!lock_.is(path_)) lock_ = lock_existing(path_);
+    refuse_other_kind();
     file.write(CheckpointFrame::pack(contents));
     file.commit();
     lock_ = file.release();
@@ -126,25 +127,24 @@ class CheckpointFile {
   /// Does nothing where there is none. Throws std::runtime_error where another run has it open, or it is a
   /// file of another kind.
   void remove() {
-    if (!lock_.is(path_)) lock_ = lock_checkpoint();
+    const Destination named(path_);
+    if (!lock_.is(path_)) lock_ = lock_existing(path_);
+    refuse_other_kind();
     DurableFile::remove(path_);
     lock_ = {};
   }
 
  private:
-  /// A run may have put its results there since, or somebody their own.
-  Descriptor lock_checkpoint() const {
-    const Destination to(path_);
-    Descriptor lock = lock_existing(path_);
-    if (to.direct) return lock;
+  /// Results may have been put there since, in place of the checkpoint or over it.
+  void refuse_other_kind() const {
+    if (!std::filesystem::is_regular_file(path_)) return;
     std::string head(CheckpointFrame::magic.size(), '\0');
-    std::ifstream in(to.path, std::ios::binary);
+    std::ifstream in(path_, std::ios::binary);
     in.read(head.data(), static_cast<std::streamsize>(head.size()));
     head.resize(static_cast<std::size_t>(in.gcount()));
     if (!head.empty() && head != CheckpointFrame::magic)
       throw std::runtime_error("checkpoint " + path_.string() +
                                ": a file of another kind is there; give another name, or move it away");
-    return lock;
   }
 
   std::filesystem::path path_;

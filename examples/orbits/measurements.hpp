@@ -92,11 +92,12 @@ class FirstOrder {
       second = std::max(second, of_square * size * size);
     };
     // Of relativity and spin the terms of second order are measured to be two to four squares, of J2 up to
-    // one, and more where the periapsis of a nearly circular orbit is hardly determined.
+    // one, and more where the orbit is nearly circular.
     if (c.on("1pn")) take("1PN", relativity_, relativity, 1, 3);
-    if (c.on("j2")) take("J2", j2_, 1.5 * c["j2"] * std::pow(c["radius"], 2), 2, 1 + 0.1 / e);
+    if (c.on("j2")) take("J2", j2_, 1.5 * c["j2"] * std::pow(c["radius"], 2), 2, 1);
     if (c.on("spin_orbit")) take("spin", spin_, 2 * c["gs"] / (c["c"] * c["c"] * std::sqrt(gm_)), 1.5, 3);
     if (c.on("2pn")) second = std::max(second, 3 * std::pow(relativity / p, 2));  // of that order itself
+    if (c.on("j2")) at_periapsis = 1 + 0.1 / e;
     at_start = rates(a, e, std::cos(tilt));
   }
 
@@ -113,8 +114,9 @@ class FirstOrder {
 
   std::string terms{};
   TurnRates at_start{};
-  double largest = 0;  ///< of the terms, in radians a radian of the mean motion
-  double second = 0;   ///< those of second order for mean elements, likewise
+  double largest = 0;       ///< of the terms, in radians a radian of the mean motion
+  double second = 0;        ///< those of second order for mean elements, likewise
+  double at_periapsis = 1;  ///< how many times that for a periapsis that is hardly determined
 
  private:
   double gm_, relativity_ = 0, j2_ = 0, spin_ = 0;
@@ -210,8 +212,10 @@ inline Measurement<3> turning_orbit(const Choice& c, const std::string& unit, do
         out << "; " << (expected.terms.empty() ? "Kepler" : expected.terms + " to first order") << ": "
             << decimals(expected.at_start.*rate * factor);
         if (expected.second > 0)
-          out << formatted(", terms of second order: about %.0g",
-                           seen->swing.*rate * factor + expected.second * motion);
+          out << formatted(
+              ", terms of second order: about %.0g",
+              seen->swing.*rate * factor +
+                  expected.second * motion * (rate == &TurnRates::node ? 1 : expected.at_periapsis));
       } else {
         out << "; too strong a field for a formula of first order";
       }

@@ -92,7 +92,7 @@ struct CostTable {
   double observable_end = std::numeric_limits<double>::infinity();  ///< first time that it is NaN or Inf at
   std::string exact_flow{};  ///< of a scene: what advised_flow() says at z0; no row has such a stepper
   double unfinished = 0;     ///< the loosest target whose search ended with the calls; 0: none
-  bool changes = false;      ///< how hard the motion is does, along the coarse run, at least twofold
+  bool changes = false;      ///< the motion gets harder, or easier, at least twofold along the coarse run
 
   /// Whether the calls ended before the motion had come back to where it is hard: what it does then is not
   /// known.

@@ -64,19 +64,19 @@ class HardPlaces {
   SEMIEXPLICIT_COLD bool will_rise(double stretch) const {
     const std::vector<double> groups = in_groups();
     const std::size_t n = groups.size() / 3;
-    if (n < 3) return false;
+    if (n < 3) return false;  // too little was seen
     double median[3], uncertainty = 0;
     for (std::size_t k = 0; k < 3; ++k) {
       const auto begin = groups.begin() + static_cast<std::ptrdiff_t>(k * n);
       std::vector<double> third(begin, begin + static_cast<std::ptrdiff_t>(n));
       std::sort(third.begin(), third.end());
-      if (!(third[n / 4] > 0)) return rises();
+      if (!(third[n / 4] > 0)) return rises(groups);
       median[k] = std::log(third[n / 2]);
       uncertainty += std::log(third[3 * n / 4] / third[n / 4]) / std::sqrt(static_cast<double>(n));
     }
     const double rise = median[2] - median[0];
-    return rises() || (median[1] > median[0] && median[2] > median[1] && rise > uncertainty &&
-                       rise * 1.5 * stretch > std::log(2.0));
+    return rises(groups) || (median[1] > median[0] && median[2] > median[1] && rise > uncertainty &&
+                             rise * 1.5 * stretch > std::log(2.0));
   }
 
   /// The i-th hardest that is no neighbour of a harder one; there are count() of them.

@@ -181,7 +181,12 @@ class Search {
     table_.window_time = 0;
     for (const auto& window : windows_) table_.window_time += window.length;
     table_.windows = static_cast<int>(windows_.size());
-    table_.growth = table_.changes ? pilot_.walk : pilot_.places.growth(4, table_.time / table_.pilot_time);
+    table_.growth = growth(4);
+  }
+
+  /// How much larger than in the hardest stretch that was tried the error of a method of that order gets.
+  SEMIEXPLICIT_COLD double growth(int order) const {
+    return table_.changes ? pilot_.walk : pilot_.places.growth(order, table_.time / table_.pilot_time);
   }
 
   /// What a choice is confirmed on: other hard stretches, and the run itself as far as the calls go.
@@ -215,9 +220,7 @@ class Search {
     const double T = table_.time;
     const bool explicit_ = candidate.setting.method == Setting::Method::midpoint;
     const bool energy = options().observable.is_energy();
-    const double hard =
-        probe.range * probe.spread *
-        (table_.changes ? pilot_.walk : pilot_.places.growth(candidate.order, T / table_.pilot_time));
+    const double hard = probe.range * probe.spread * growth(candidate.order);
     // A symplectic method keeps the energy within bounds. The trials of another are too short to tell its
     // drift.
     const double grown = !energy || (explicit_ && probe.confirmed) ? at_the_end(probe, explicit_) : 0;

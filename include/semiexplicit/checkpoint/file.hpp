@@ -127,7 +127,6 @@ class CheckpointFile {
   /// Does nothing where there is none. Throws std::runtime_error where another run has it open, or it is a
   /// file of another kind.
   void remove() {
-    const Destination named(path_);
     if (!lock_.is(path_)) lock_ = lock_existing(path_);
     refuse_other_kind();
     DurableFile::remove(path_);
@@ -137,9 +136,10 @@ class CheckpointFile {
  private:
   /// Results may have been put there since, in place of the checkpoint or over it.
   void refuse_other_kind() const {
-    if (!std::filesystem::is_regular_file(path_)) return;
+    const Destination to(path_);
+    if (to.direct) return;
     std::string head(CheckpointFrame::magic.size(), '\0');
-    std::ifstream in(path_, std::ios::binary);
+    std::ifstream in(to.path, std::ios::binary);
     in.read(head.data(), static_cast<std::streamsize>(head.size()));
     head.resize(static_cast<std::size_t>(in.gcount()));
     if (!head.empty() && head != CheckpointFrame::magic)

@@ -56,7 +56,7 @@ class ExplicitMap {
     });
     report = {.status = Status::not_finite, .evaluations = 1, .gradients = gradients};
     const auto finite = [this](const Vec& u, const Vec& v) {
-      return on_all_ranks<Scalar>(hamiltonian, all_finite(u) && detail::all_finite(v));
+      return on_all_ranks<Scalar>(hamiltonian, all_finite(u) && all_finite(v));
     };
     if (!finite(a, b)) {
       if (!finite(zeta.a.vector(), zeta.b.vector())) report.status = Status::invalid_state;

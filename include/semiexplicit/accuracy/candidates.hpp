@@ -16,7 +16,8 @@ namespace semiexplicit::detail {
 struct Candidate {
   Setting setting{};
   int order = 2;
-  double kicks = 1;  ///< gradient calls a step, usually
+  double kicks = 1;     ///< gradient calls a step, usually
+  double surprise = 1;  ///< how much larger the error of a whole run was than parts of it told
   std::map<double, Probe, std::greater<>> trials{};
 
   bool projects() const { return setting.method == Setting::Method::semiexplicit; }

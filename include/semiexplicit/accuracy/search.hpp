@@ -67,8 +67,9 @@ class Search {
     double last = 0;
     for (const double target : targets) {
       searched_part_ += 1 / static_cast<double>(targets.size());
-      problem_.limit =
-          std::min(problem_.options.max_gradients, begin + search_limit_ * budget_ * searched_part_);
+      problem_.limit = std::min(problem_.options.max_gradients,
+                                begin + search_limit_ * budget_ * searched_part_ + spent_on_whole_runs_);
+      if (tries_whole()) allow(whole_runs * run_rate(target) * table_.time);
       // What rounding forbids is not looked for, but how near one comes.
       const double reachable = std::max(target, 4 * table_.rounding);
       if (reachable != last) search(reachable, target);
@@ -186,12 +187,37 @@ class Search {
 
   /// How much larger than in the hardest stretch that was tried the error of a method of that order gets.
   SEMIEXPLICIT_COLD double growth(int order) const {
+    if (tries_whole()) return 1;
     return table_.changes ? pilot_.walk : pilot_.places.growth(order, table_.time / table_.pilot_time);
+  }
+
+  /// Whether an invariant is tried on the whole run.
+  bool tries_whole() const { return windows_.size() == 1 && windows_.front().length >= table_.time; }
+  /// Whether a choice for it is worth confirming so.
+  bool confirms_whole(double rate) const {
+    return table_.invariant &&
+           rate * table_.time <= (surprised_ ? 10 : 1) * std::max(budget_, 10 * options().min_gradients);
+  }
+  /// Lets the search take at least so many calls more, where the bound on them does.
+  void allow(double calls) {
+    problem_.limit =
+        std::min(options().max_gradients, std::max(problem_.limit, table_.spent_gradients + calls));
+  }
+  /// From now on it is: what parts of the run told was wrong, and is forgotten.
+  SEMIEXPLICIT_COLD void try_whole() {
+    windows_ = {{problem_.z0, table_.time, true}};
+    table_.windows = 1;
+    table_.window_time = table_.time;
+    table_.growth = 1;
+    for (Family& family : families_)
+      for (Candidate& candidate : family)
+        std::erase_if(candidate.trials, [&](const auto& trial) { return trial.second.length < table_.time; });
   }
 
   /// What a choice is confirmed on: other hard stretches, and the run itself as far as the calls go.
   SEMIEXPLICIT_COLD std::vector<Window<State>> confirming_windows(double rate) const {
-    const double length = std::min(table_.time, confirm_share * budget_ / rate);
+    const double length =
+        confirms_whole(rate) ? table_.time : std::min(table_.time, confirm_share * budget_ / rate);
     std::vector<Window<State>> list{{problem_.z0, length, true}};
     for (std::size_t i = 5; i < 30 && i < pilot_.places.count() && length < table_.time; ++i)
       list.push_back({pilot_.places.hardest(i), pilot_.segment_time, false});
@@ -210,6 +236,8 @@ class Search {
     return result;
   }
 
+  bool of_whole_run(const Probe& probe) const { return probe.length >= 0.999 * table_.time; }
+
   /// The parts of the estimate of the error over the whole time.
   struct Estimate {
     double step, drift, rounding;
@@ -220,21 +248,24 @@ class Search {
     const double T = table_.time;
     const bool explicit_ = candidate.setting.method == Setting::Method::midpoint;
     const bool energy = options().observable.is_energy();
-    const double hard = probe.range * probe.spread * growth(candidate.order);
+    const bool whole = of_whole_run(probe);
+    const double hard =
+        probe.range * (whole ? 1 : probe.spread * growth(candidate.order) * candidate.surprise);
     // A symplectic method keeps the energy within bounds. The trials of another are too short to tell its
     // drift.
     const double grown = !energy || (explicit_ && probe.confirmed) ? at_the_end(probe, explicit_) : 0;
     // The energy that drifts takes the frequencies along.
-    const double drift = table_.invariant ? probe.drift * T
+    const double drift = table_.invariant ? (whole ? 0 : probe.drift * T)
                          : explicit_      ? 0.1 * probe.drift * T * T / (2 * table_.time_scale)
                                           : 0;
     return {std::max(hard, grown), drift, table_.invariant ? problem_.rounding(dt) : table_.reference_error,
-            grown > std::max(hard, 1.2 * std::max(probe.early, probe.late))};
+            whole ? !energy && probe.late > 1.4 * probe.early
+                  : grown > std::max(hard, 1.2 * std::max(probe.early, probe.late))};
   }
   /// What an error that was seen to grow from z0 on, or not, comes to at T.
   SEMIEXPLICIT_COLD double at_the_end(const Probe& probe, bool explicit_) const {
     const double seen = std::max(probe.early, probe.late), T = table_.time;
-    if (probe.length >= 0.999 * T) return seen;
+    if (of_whole_run(probe)) return seen;
     // A few passages of a hard place may all be lucky.
     const double cycles = table_.cycle > 0 ? std::floor(probe.length / table_.cycle) : 1e9;
     const double spread = 1 + 2 / std::max(1.0, cycles * cycles);
@@ -245,9 +276,11 @@ class Search {
       return spread * beyond(seen, probe.length, squared ? 2 : 1);
     return spread * seen + std::max(0.0, probe.late - probe.early) * 2 / probe.length * (T - probe.length);
   }
-  /// No smaller than with any shorter step that was tried: an error that dips at one step is luck.
+  /// No smaller than with any shorter step that was tried: an error that dips at one step is luck, but where
+  /// it is that of the run itself.
   double error(const Candidate& candidate, const Probe& probe, double dt) const {
     double worst = estimate(candidate, probe, dt).sum();
+    if (of_whole_run(probe)) return worst;
     for (const auto& [step, seen] : candidate.trials)
       if (step < dt && seen.works()) worst = std::max(worst, estimate(candidate, seen, step).sum());
     return worst;
@@ -263,7 +296,9 @@ class Search {
     if (exhausted_) return nullptr;
     const Probe seen = tried(candidate.with_step(dt), false);
     if (seen.cut) return nullptr;
-    return &(candidate.trials[dt] = seen);
+    Probe& noted = candidate.trials[dt] = seen;
+    noted.confirmed = tries_whole();
+    return &noted;
   }
 
   /// The smallest step of a candidate known not to be accurate enough, and the largest below it that is.
@@ -418,7 +453,7 @@ class Search {
       walk([](std::size_t i) { return i + 1; });
       walk([](std::size_t i) { return i - 1; });  // below zero it wraps round, beyond the size
     }
-    confirm(target);
+    confirm(target, wanted);
     double least = std::numeric_limits<double>::infinity();
     bool rounded = false;
     for_each_trial([&](const Candidate& candidate, double step, const Probe& seen) {
@@ -453,8 +488,10 @@ class Search {
   }
 
   /// Tries what would be advised on more of the run, and looks further where it fails there.
-  SEMIEXPLICIT_COLD void confirm(double target) {
+  SEMIEXPLICIT_COLD void confirm(double target, double wanted) {
+    double whole_run = 0;  // what it takes, where it is worth that
     for (int attempt = 0; attempt < 6; ++attempt) {
+      bool dearer = false;
       Candidate* chosen = nullptr;
       double dt = 0, least = std::numeric_limits<double>::infinity();
       for_each_trial([&](Candidate& candidate, double step, const Probe& seen) {
@@ -465,13 +502,30 @@ class Search {
       });
       if (chosen == nullptr || chosen->trials[dt].confirmed) return;
       Probe& seen = chosen->trials[dt];
+      whole_run = confirms_whole(seen.rate) ? 1.2 * seen.rate * table_.time : 0;
+      const double before = table_.spent_gradients;
+      problem_.limit = std::min(options().max_gradients, problem_.limit + whole_run);
       const Probe again = tried(chosen->with_step(dt), true, seen.rate);
+      if (whole_run > 0) spent_on_whole_runs_ += table_.spent_gradients - before;
       if (again.cut) return;
-      const bool dearer = again.rate > 1.1 * seen.rate;
-      take(seen, again);
+      if (whole_run > 0) {
+        if (!(again.works() && again.range <= much_worse * target)) break;
+        const double surprise = std::max(1.0, again.range / estimate(*chosen, seen, dt).step);
+        chosen->surprise *= surprise;
+        surprised_ = surprised_ || surprise > 2;
+        seen = again;
+        seen.confirmed = true;
+      } else {
+        dearer = again.rate > 1.1 * seen.rate;
+        take(seen, again);
+      }
       if (dearer || !(seen.works() && error(*chosen, seen, dt) <= target))
         solve(*chosen, target, std::numeric_limits<double>::infinity());
     }
+    if (tries_whole() || whole_run == 0) return;
+    try_whole();
+    allow(whole_runs * run_rate(target) * table_.time);
+    search(target, wanted);
   }
 
   /// Adds what was seen on more of the run.
@@ -539,7 +593,9 @@ class Search {
   static constexpr double pilot_share = 0.3, trial_share = 0.45, confirm_share = 0.25,
                           reference_share = 0.4;  ///< of the budget
   static constexpr double much_harder = 4;        ///< than what comes back is, from time to time
+  static constexpr double much_worse = 10;        ///< than parts of the run told: they are of no use
   static constexpr double whole_share = 3;        ///< that seeing the whole run is worth
+  static constexpr double whole_runs = 8;         ///< that a target takes where each trial is one
   static constexpr double trials_a_target = 12, window_count = 8;
 
   Problem<Any>& problem_;
@@ -549,7 +605,8 @@ class Search {
   Reference<Any> reference_{};
   std::vector<Window<State>> windows_{};
   double search_limit_ = 5.3;  ///< budgets after which even a target without a setting is given up
-  double budget_ = 0, trial_time_ = 0, best_rate_ = 0, searched_part_ = 0;
+  double budget_ = 0, trial_time_ = 0, best_rate_ = 0, searched_part_ = 0, spent_on_whole_runs_ = 0;
+  bool surprised_ = false;  ///< the error of a whole run was more than twice what parts of it told
   bool exhausted_ = false;  ///< the search for a target has met the limit
   std::map<std::string, double> seconds_per_call_{};
 };

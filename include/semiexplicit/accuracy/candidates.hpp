@@ -17,7 +17,7 @@ struct Candidate {
   Setting setting{};
   int order = 2;
   double kicks = 1;     ///< gradient calls a step, usually
-  double surprise = 1;  ///< how much larger the error of a whole run was than parts of it told
+  double surprise = 0;  ///< the error of a whole run, in what parts of it told; 0: not known
   std::map<double, Probe, std::greater<>> trials{};
 
   bool projects() const { return setting.method == Setting::Method::semiexplicit; }

@@ -69,6 +69,7 @@ class Search {
       searched_part_ += 1 / static_cast<double>(targets.size());
       problem_.limit = std::min(problem_.options.max_gradients,
                                 begin + search_limit_ * budget_ * searched_part_ + spent_on_whole_runs_);
+      searches_ = 0;
       if (tries_whole()) allow(whole_runs * run_rate(target) * table_.time);
       // What rounding forbids is not looked for, but how near one comes.
       const double reachable = std::max(target, 4 * table_.rounding);
@@ -236,6 +237,12 @@ class Search {
     return result;
   }
 
+  /// The error of the whole run, in what parts of it tell. Too much is believed only where a choice is tried
+  /// on all of it.
+  double surprise(const Candidate& candidate, const Probe& probe) const {
+    const double known = candidate.surprise > 0 ? candidate.surprise : surprise_;
+    return confirms_whole(probe.rate) ? known : std::max(1.0, known);
+  }
   bool of_whole_run(const Probe& probe) const { return probe.length >= 0.999 * table_.time; }
 
   /// The parts of the estimate of the error over the whole time.
@@ -250,7 +257,7 @@ class Search {
     const bool energy = options().observable.is_energy();
     const bool whole = of_whole_run(probe);
     const double hard =
-        probe.range * (whole ? 1 : probe.spread * growth(candidate.order) * candidate.surprise);
+        probe.range * (whole ? 1 : probe.spread * growth(candidate.order) * surprise(candidate, probe));
     // A symplectic method keeps the energy within bounds. The trials of another are too short to tell its
     // drift.
     const double grown = !energy || (explicit_ && probe.confirmed) ? at_the_end(probe, explicit_) : 0;
@@ -510,15 +517,18 @@ class Search {
       if (again.cut) return;
       if (whole_run > 0) {
         if (!(again.works() && again.range <= much_worse * target)) break;
-        const double surprise = std::max(1.0, again.range / estimate(*chosen, seen, dt).step);
-        chosen->surprise *= surprise;
-        surprised_ = surprised_ || surprise > 2;
+        const double now = again.range / estimate(*chosen, seen, dt).step;
+        surprise_ = chosen->surprise = std::max(1e-3, now * surprise(*chosen, seen));
+        surprised_ = surprised_ || now > 2;
         seen = again;
         seen.confirmed = true;
       } else {
         dearer = again.rate > 1.1 * seen.rate;
         take(seen, again);
       }
+      // Parts of the run told far too much: larger steps will do.
+      if (whole_run > 0 && !tries_whole() && seen.range < target / 4 && ++searches_ < 4)
+        return search(target, wanted);
       if (dearer || !(seen.works() && error(*chosen, seen, dt) <= target))
         solve(*chosen, target, std::numeric_limits<double>::infinity());
     }
@@ -606,6 +616,8 @@ class Search {
   std::vector<Window<State>> windows_{};
   double search_limit_ = 5.3;  ///< budgets after which even a target without a setting is given up
   double budget_ = 0, trial_time_ = 0, best_rate_ = 0, searched_part_ = 0, spent_on_whole_runs_ = 0;
+  double surprise_ = 1;     ///< the last of all candidates
+  int searches_ = 0;        ///< again, for a target
   bool surprised_ = false;  ///< the error of a whole run was more than twice what parts of it told
   bool exhausted_ = false;  ///< the search for a target has met the limit
   std::map<std::string, double> seconds_per_call_{};

@@ -160,8 +160,12 @@ SEMIEXPLICIT_COLD IntegrationOptions<Scalar> with_steps(
     throw std::invalid_argument("integrate: t_end is more than 9e18 steps of dt away; give a longer dt");
   options.steps = static_cast<std::int64_t>(steps);
   // A dt that divides the time stays as it is, bit for bit: a longer t_end then goes on with the same steps.
+  // What was gone on with so far divides it but for the rounding of both times.
   const Scalar even = time / Scalar(options.steps);
-  if (abs(even - options.dt) > 4 * epsilon * abs(options.dt)) options.dt = even;
+  const Scalar of_times = options.done.steps > 0 && options.done.dt == static_cast<double>(options.dt)
+                              ? epsilon / 2 * (abs(options.t0) + abs(*options.t_end)) / Scalar(options.steps)
+                              : Scalar(0);
+  if (abs(even - options.dt) > 4 * epsilon * abs(options.dt) + of_times) options.dt = even;
   return options;
 }
 

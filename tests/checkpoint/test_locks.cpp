@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <semiexplicit/checkpoint.hpp>
@@ -145,10 +146,14 @@ TEST_CASE("A checkpoint behind a link, and one that is no file", "[checkpoint]")
   CHECK(says(complaint([&] { Run(folder.path / "no" / "file").resume(); }), "check that the folder exists"));
   if (fs::exists("/dev/null")) {
     Run device("/dev/null");
-    CHECK(refuses([&] { device.resume(); }, "cannot be read"));
+    CHECK(refuses([&] { device.resume(); }, "is a pipe or a device; give the name of a file"));
     device.checkpoints.remove();
     CHECK(fs::is_character_file("/dev/null"));
   }
+  const fs::path pipe = folder.path / "pipe";
+  REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+  Run waiting(pipe);
+  CHECK(refuses([&] { waiting.resume(); }, "is a pipe or a device"));
 }
 
 }  // namespace test_locks

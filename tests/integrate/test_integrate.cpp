@@ -309,4 +309,24 @@ TEST_CASE("A run ends at t_end exactly, with the fewest equal steps no longer th
   CHECK(run({.dt = 0.1, .t0 = 5, .t_end = 7, .done = early}, z).steps == 20);
 }
 
+TEST_CASE("A run from any t0 goes on with the dt of its report to a later t_end") {
+  for (const double t0 : {0.0, 1000.1, -3.7, 1e6 + 0.3, 12345.678}) {
+    for (const double dt : {0.1, 0.037, -0.3}) {
+      for (int n = 5; n < 40; ++n) {
+        CAPTURE(t0, dt, n);
+        Semiexplicit stepper{systems::Product<double>(), schemes::strang<double>()};
+        PhasePoint<double, 1> z(-3, 0);
+        const auto part = integrate(stepper, z, {.dt = dt, .t0 = t0, .t_end = t0 + n * 0.77 * dt});
+        const auto all = integrate(stepper, z,
+                                   {.dt = part.dt,
+                                    .t0 = t0,
+                                    .t_end = t0 + 3 * static_cast<double>(part.steps) * part.dt,
+                                    .done = part});
+        CHECK(all.steps == 3 * part.steps);
+        CHECK(all.dt == part.dt);
+      }
+    }
+  }
+}
+
 }  // namespace test_integrate

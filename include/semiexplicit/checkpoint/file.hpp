@@ -100,6 +100,10 @@ class CheckpointFile {
   /// where it cannot be written, or another run that is alive has it open.
   template <class Restore>
   bool read(const Restore& restore) {
+    std::error_code failure;
+    if (std::filesystem::is_other(path_, failure))  // opening a pipe would wait for its other end
+      throw std::invalid_argument("checkpoint " + path_.string() +
+                                  ": is a pipe or a device; give the name of a file");
     DurableFile{path_};  // what cannot be written is to be said before the run
     Descriptor lock;
     if (!lock_.is(path_)) lock = lock_existing(path_);

@@ -320,9 +320,9 @@ TEST_CASE("A run from any t0 goes on with the dt of its report to a later t_end"
         const auto all = integrate(stepper, z,
                                    {.dt = part.dt,
                                     .t0 = t0,
-                                    .t_end = t0 + 3 * static_cast<double>(part.steps) * part.dt,
+                                    .t_end = t0 + static_cast<double>(part.steps + 7) * part.dt,
                                     .done = part});
-        CHECK(all.steps == 3 * part.steps);
+        CHECK(all.steps == part.steps + 7);
         CHECK(all.dt == part.dt);
       }
     }

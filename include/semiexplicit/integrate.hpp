@@ -244,6 +244,18 @@ consteval bool lets_state_change() {
   return lets;
 }
 
+/// Compiles unless a checkpoint would lack what an observer behind it sees of the same step.
+template <class... Observers>
+consteval bool saves_all() {
+  bool saved = false, all = true;
+  const auto next = [&](bool saves, bool is_kept) {
+    all = all && !(saved && is_kept);
+    saved = saved || saves;
+  };
+  (next(SavesOthers<Observers>, Checkpointable<std::remove_cv_t<Observers>>), ...);
+  return all;
+}
+
 /// The observer that may change the state; of others there is none.
 template <class First, class... Others>
 auto& changing(First& first, Others&... others) {
@@ -327,6 +339,9 @@ template <class S, class... Observers>
 IntegrationReport integrate_checked(S& stepper, typename S::State& state,
                                     const IntegrationOptions<typename S::Scalar>& asked,
                                     Observers&... observers) {
+  static_assert(saves_all<Observers...>(),
+                "an observer that a checkpoint can keep stands behind Checkpoints, and a run that is resumed "
+                "would lack what it saw of the last step: give Checkpoints as the last one");
   using Scalar = typename S::Scalar;
   const IntegrationOptions<Scalar> options = with_steps<S>(asked);
   const bool by_clock = ends_by_clock<S>(options);

@@ -12,6 +12,8 @@
 // case saved_without_options: lists its options, or a run could be resumed with others: write
 // case solver_without_options: does not list its options, so it could be resumed with others: write
 // case reversible_steps_changed_by_events: events that change the state need a stepper of equal steps, and this one chooses its steps
+// case reversible_steps_twice: this stepper chooses the times of its steps already: give ReversibleSteps its inner stepper
+// case observer_behind_checkpoints: an observer that a checkpoint can keep stands behind Checkpoints
 // case changed_by_events_within_every: events that change the state are an argument of integrate() itself
 // case changed_by_events_within_each: events that change the state are an argument of integrate() itself
 // case changed_by_events_within_estimate: events that change the state are an argument of integrate() itself
@@ -25,6 +27,7 @@
 #include <semiexplicit/observers/error_estimate.hpp>
 #include <semiexplicit/observers/events.hpp>
 #include <semiexplicit/observers/every.hpp>
+#include <semiexplicit/observers/invariants.hpp>
 #include <semiexplicit/schemes/named.hpp>
 #include <semiexplicit/steppers/semiexplicit.hpp>
 #include <semiexplicit/systems/product.hpp>
@@ -121,6 +124,14 @@ int main() {
   ReversibleSteps stepper(Semiexplicit(H, scheme), [](const auto&, const auto&) { return 1.0; });
   auto watch = events(H, on_event(first, change));
   integrate(stepper, z, options, watch);
+#elif defined(reversible_steps_twice)
+  const auto pace = [](const auto&, const auto&) { return 1.0; };
+  ReversibleSteps stepper(ReversibleSteps(Semiexplicit(H, scheme), pace), pace);
+#elif defined(observer_behind_checkpoints)
+  Semiexplicit stepper(H, scheme);
+  Invariants invariants(H);
+  Checkpoints checkpoints("file", {}, stepper, options, invariants);
+  integrate(stepper, z, options, checkpoints, right, invariants);
 #elif defined(changed_by_events)
   Semiexplicit stepper(H, scheme);
   auto watch = events(H, on_event(first, change));

@@ -108,7 +108,8 @@ void restore_all_or_nothing(CheckpointMemory& from, const Visit& visit, const Re
 ///     csv.commit();
 ///     checkpoints.remove();
 ///
-/// Comes last among the observers, for it saves what those before it have seen. The file is written whole and
+/// Comes behind all observers that it can keep, for it saves what those before it have seen; the compiler
+/// refuses others. The file is written whole and
 /// flushed to the disk before it takes the place of the one before; where that fails, std::runtime_error is
 /// thrown and the old one stays. From resume(), or the first save, on it is locked as long as this object
 /// lives, and a run of another process on it is refused. Refers to the stepper and the observers, which must
@@ -121,6 +122,7 @@ class Checkpoints {
   static_assert(detail::is_checkpointable<S>() && (detail::is_checkpointable<Observers>() && ...));
   using Scalar = typename S::Scalar;
   using State = typename S::State;
+  static constexpr bool saves_others = true;
 
   /// Throws std::invalid_argument where every is negative or seconds are not positive.
   Checkpoints(std::filesystem::path path, CheckpointOptions options, S& stepper,

@@ -28,7 +28,8 @@ struct OdeintSystem {};
 /// The `system` of odeint's functions is stepper.system(); the right-hand side is that of the H which the
 /// stepper was made of, and anything else in that place does not compile. The state x is a PhasePoint, or 2d
 /// numbers with positions first (std::vector, std::array, an Eigen column), or the pair of q and p that
-/// odeint's own symplectic steppers take. (Pihajoki and Tao, which move two copies, have no place here.)
+/// odeint's own symplectic steppers take. (Pihajoki and Tao, which move two copies, have no place here, and
+/// no stepper that ChoosesSteps, whose dt is no time.)
 ///
 /// A step that fails throws IntegrationError and leaves x as it was; a state of another size than H throws
 /// std::invalid_argument. odeint copies the stepper it is given, unless it gets std::ref(stepper). The step
@@ -39,6 +40,10 @@ struct OdeintSystem {};
 template <Stepper S>
 requires std::same_as<typename S::State, PhasePoint<typename S::Scalar, S::Dof>>
 class OdeintStepper {
+  static_assert(!ChoosesSteps<S>,
+                "odeint's dt is a time, and this stepper chooses the times of its steps: "
+                "take its inner stepper, or integrate()");
+
  public:
   using state_type = typename S::State;
   using deriv_type = state_type;

@@ -12,8 +12,9 @@ namespace semiexplicit::detail {
 /// A number as large as ∇H, as a function of (q, p): by its value at some state a checkpoint tells one
 /// Hamiltonian from another. Each half g of the gradient gives ‖g‖ + w·g/2 with weights w of length one at
 /// most and of either sign: other signs are another number, and it lies between ‖g‖/2 and 3‖g‖/2, so that
-/// nothing cancels. Their geometric mean shows a change of either, however much larger the other one is in
-/// its units.
+/// nothing cancels. A product of powers of both shows a change of either, however much larger the other one
+/// is in its units; the exponents are irrational, for a parameter scales the halves by rational powers, as a
+/// mass does one up and one down.
 template <class H>
 class GradientSize {
  public:
@@ -21,7 +22,7 @@ class GradientSize {
 
   template <class Q, class P>
   auto operator()(const Q& q, const P& p) const {
-    using std::sqrt;
+    using std::pow;
     using Scalar = typename H::Scalar;
     PhasePoint<Scalar, H::Dof> at(q.size()), gradient = at;
     at.q() = q;
@@ -30,7 +31,8 @@ class GradientSize {
     std::uint64_t random = 1;
     const Scalar by_q = with_signs(gradient.q(), random), by_p = with_signs(gradient.p(), random);
     if (by_q == Scalar(0) || by_p == Scalar(0)) return Scalar(by_q + by_p);
-    return Scalar(sqrt(by_q) * sqrt(by_p));
+    const Scalar golden(0.61803398874989485);
+    return Scalar(pow(by_q, golden) * pow(by_p, 1 - golden));
   }
 
  private:

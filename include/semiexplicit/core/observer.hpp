@@ -35,6 +35,13 @@ concept ChangesState = requires {
   requires bool(std::remove_cvref_t<O>::changes_state);
 };
 
+/// An observer that saves what those before it have seen, as Checkpoints: `static constexpr bool saves_others
+/// = true;`. No observer that a checkpoint can keep may stand behind it.
+template <class O>
+concept SavesOthers = requires {
+  requires bool(std::remove_cvref_t<O>::saves_others);
+};
+
 namespace detail {
 
 /// Compiles for an observer of such a run; of anything else the compiler says what is missing.

@@ -61,6 +61,10 @@ namespace semiexplicit {
 template <Stepper S, class G>
 requires ValueMonitor<G, typename S::Scalar, S::State::Dof>
 class ReversibleSteps {
+  static_assert(!ChoosesSteps<S>,
+                "this stepper chooses the times of its steps already: give ReversibleSteps "
+                "its inner stepper, and one monitor for both");
+
  public:
   using Scalar = typename S::Scalar;
   using State = typename S::State;

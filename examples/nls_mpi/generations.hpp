@@ -58,7 +58,9 @@ class Generations {
       throw std::runtime_error("the checkpoints " + folder_.string() +
                                "/rank*: no step is there of all ranks, though all had saved one; bring the "
                                "missing files back, or remove the others to begin anew");
-    before_ = last_ = step;
+    last_ = step;
+    const auto kept = here.lower_bound(step);  // the save before that one goes with the next
+    before_ = kept == here.begin() ? step : *std::prev(kept);
     return step == 0 ? IntegrationReport{} : open_(step).resume(z);
   }
 

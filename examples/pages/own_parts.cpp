@@ -69,6 +69,8 @@ class ImplicitMidpoint {
     return report;
   }
 
+  const H& hamiltonian() const { return hamiltonian_; }
+
   template <class List>
   void describe(List& list) const {
     list("degrees of freedom", static_cast<int>(H::Dof));

@@ -169,6 +169,21 @@ SEMIEXPLICIT_COLD IntegrationOptions<Scalar> with_steps(
   return options;
 }
 
+/// Throws std::invalid_argument, in the name of `who`, unless the earlier part of a run of equal steps began
+/// at t0.
+template <class Scalar>
+SEMIEXPLICIT_COLD void require_start(const std::string& who, const IntegrationReport& done,
+                                     const Scalar& t0) {
+  if (done.steps == 0 || done.dt == 0) return;
+  const double start = static_cast<double>(t0), reached = start + static_cast<double>(done.steps) * done.dt,
+               rounding = 4 * static_cast<double>(Eigen::NumTraits<Scalar>::epsilon()) *
+                          (std::abs(start) + std::abs(reached));
+  if (std::abs(done.t - reached) > std::abs(done.dt) / 2 + rounding)
+    throw std::invalid_argument(who + ": the earlier part, `done`, came to t = " + in_words(done.t, 17) +
+                                " and from t0 = " + in_words(start, 17) + " it would have come to " +
+                                in_words(reached, 17) + "; give the t0 that it began with, or no `done`");
+}
+
 /// Throws std::invalid_argument for options that make no sense.
 template <class Scalar>
 SEMIEXPLICIT_COLD void check_options(const IntegrationOptions<Scalar>& options, bool by_clock,
@@ -194,16 +209,7 @@ SEMIEXPLICIT_COLD void check_options(const IntegrationOptions<Scalar>& options, 
     throw std::invalid_argument("integrate: the earlier part took steps of " + in_words(options.done.dt, 17) +
                                 ", and dt is " + in_words(static_cast<double>(options.dt), 17) +
                                 " now; give the same dt, or begin a new run with t0 = the time reached");
-  if (!equal_steps || options.done.steps == 0 || options.done.dt == 0) return;
-  const double t0 = static_cast<double>(options.t0),
-               reached = t0 + static_cast<double>(options.done.steps) * options.done.dt,
-               rounding = 4 * static_cast<double>(Eigen::NumTraits<Scalar>::epsilon()) *
-                          (std::abs(t0) + std::abs(reached));
-  if (std::abs(options.done.t - reached) > std::abs(options.done.dt) / 2 + rounding)
-    throw std::invalid_argument(
-        "integrate: the earlier part, `done`, came to t = " + in_words(options.done.t, 17) +
-        " and from t0 = " + in_words(t0, 17) + " it would have come to " + in_words(reached, 17) +
-        "; give the t0 that it began with, or no `done`");
+  if (equal_steps) require_start("integrate", options.done, options.t0);
 }
 
 /// Throws std::invalid_argument unless a stepper that chooses its steps is where the earlier part of a run

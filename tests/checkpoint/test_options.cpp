@@ -214,6 +214,21 @@ TEST_CASE("Another Hamiltonian of the same kind is refused", "[checkpoint]") {
   CHECK(saved.resumed(stretched(1)) == accepted);
   CHECK(says(saved.resumed(stretched(1 + 1e-9)), "another Hamiltonian"));
   CHECK(says(saved.resumed(stretched(-1)), "another Hamiltonian"));
+
+  // A mass, which makes the forces larger and the velocities smaller by the same factor.
+  const auto of_mass = [](double m) {
+    return Semiexplicit(
+        make_hamiltonian<double, 1>([](const auto&, const auto&) { return 0.0; },
+                                    [m](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+                                      dHdq[0] = m * q[0];
+                                      dHdp[0] = p[0] / m;
+                                    }),
+        schemes::strang<double>());
+  };
+  const Saved light(of_mass(1));
+  CHECK(light.resumed(of_mass(1)) == accepted);
+  CHECK(says(light.resumed(of_mass(2)), "another Hamiltonian"));
+  CHECK(says(light.resumed(of_mass(1 + 1e-9)), "another Hamiltonian"));
 }
 
 TEST_CASE("A Hamiltonian that differs in a sign, or in the smaller half of its gradient, is refused",

@@ -260,6 +260,9 @@ TEST_CASE("An ensemble that was moved from has no members and says so") {
     CHECK(says_so([&] { from.run({.dt = 0.02, .steps = 3}); }));
     CHECK(says_so([&] { from.run({.dt = 0.02, .steps = 6, .done = 3}); }));
     CHECK(to.size() == 5);
+    CHECK(
+        says(complaint<std::invalid_argument>([&] { to.run({.dt = 0.02, .steps = 6, .t0 = 5, .done = 3}); }),
+             "give the t0 that it began with"));
     CHECK(to.run({.dt = 0.02, .steps = 6, .done = 3}).steps == 30);
 
     from = to;

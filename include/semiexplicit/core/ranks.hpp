@@ -54,6 +54,16 @@ typename V::Scalar norm_over_ranks([[maybe_unused]] const Where& where, const Ei
   }
 }
 
+/// How many numbers a whole column has, of which each rank has its block.
+template <class Where, class V>
+typename V::Scalar size_over_ranks([[maybe_unused]] const Where& where, const Eigen::MatrixBase<V>& v) {
+  const typename V::Scalar own(static_cast<double>(v.size()));
+  if constexpr (SumsOverRanks<Where, typename V::Scalar>)
+    return where.sum_over_ranks(own);
+  else
+    return own;
+}
+
 /// Whether something holds on all ranks.
 template <class Scalar, class Where>
 bool on_all_ranks([[maybe_unused]] const Where& where, bool here) {

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <concepts>
 
+#include <Eigen/Core>
 #include <semiexplicit/core/report.hpp>
 
 namespace semiexplicit {
@@ -41,7 +42,10 @@ concept HasStep = requires(S& stepper, typename S::State& state, const typename 
 /// Pihajoki and Tao an ExtendedPoint. It names its Scalar and its State, and has `StepReport step(State&
 /// state, const Scalar& dt)`, which leaves the state as it was unless the report is ok(). A stepper whose
 /// runs are to be saved has a `name`, lists its options and shows what it carries from step to step; see
-/// Checkpointable.
+/// Checkpointable. Two members are optional. `const H& hamiltonian() const`: of a driven H, or one of
+/// transformed time, monitors and error estimates leave the time out only where they know of it.
+/// `Eigen::Index dof() const`, where its size is known at run time: what keeps states of its own can be saved
+/// then.
 template <class S>
 concept Stepper = detail::NamesScalarAndState<S> && detail::HasStep<S>;
 
@@ -89,6 +93,16 @@ consteval bool is_stepper_of() {
   } else {
     return false;
   }
+}
+
+/// Compiles for a stepper whose states can be made before it has seen one, as a run that is resumed needs.
+template <class S>
+consteval bool is_of_known_size() {
+  static_assert(
+      S::State::Dof != Eigen::Dynamic || requires(const S& s) { s.dof(); },
+      "this stepper, of a size known at run time, does not say how large its states are, so that "
+      "no run can be resumed: write `Eigen::Index dof() const` in it");
+  return true;
 }
 
 /// The numbers that a stepper computes with; double where it does not say.

@@ -280,6 +280,7 @@ class Ensemble {
                                     detail::in_words(one.dt, 17) + ", and dt is " +
                                     detail::in_words(options.dt, 17) +
                                     " now; give the same dt, or begin a new run with t0 = the time reached");
+      detail::require_start("Ensemble", one, options.t0);
     }
   }
 

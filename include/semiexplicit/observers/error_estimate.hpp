@@ -115,6 +115,7 @@ class ErrorEstimate {
   /// The companion, and what its observers remember; see CheckpointMemory.
   template <class Visitor>
   void visit_memory(Visitor&& visit) requires HasMemory<S> {
+    static_assert(detail::is_of_known_size<S>());
     stepper_.visit_memory(visit);
     visit(companion_.vector());
     visit(last_.vector());
@@ -206,7 +207,8 @@ class ErrorEstimate {
 /// An observer and no stepper, so that the run stays what it is, bit for bit, and takes any stepper of
 /// phase points: one that chooses its steps as well, around which the companion halves each (give it
 /// `stepper.stepper()`). Costs twice the gradient calls of the run. Errors that both have in common, a wrong
-/// H or a start that is off, it cannot see.
+/// H or a start that is off, it cannot see. With a TimeTransformed both are compared at the same s, and the
+/// time is left out: the error at the same time is another.
 ///
 /// Source: E. Hairer, S. Nørsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed., section II.4
 /// (Richardson).

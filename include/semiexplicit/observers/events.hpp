@@ -521,11 +521,13 @@ class Events {
 ///     integrate(stepper, z, {.dt = 0.01, .t_end = 10}, watch);
 ///
 /// Each s(q, p) is to be a number everywhere (NaN throws std::invalid_argument), continuous, and the steps so
-/// small that it changes its sign once in each: of an angle take sin(q), not q modulo 2π. It crosses 0 with a
+/// small that it changes its sign once in each: of an angle take sin(q), not q modulo 2π. (A step as long as
+/// the time between two crossings may have one at either end, and neither is seen then.) It crosses 0 with a
 /// slope. The orbit is on one side of a surface, also where a state lies on it: on the side to which s goes
 /// from there, seen as soon as s has moved by more than its rounding. A crossing is a change of that side: a
 /// start on a surface is none, nor is a state that only touches it. Of an extended Hamiltonian s has the
-/// extended q and p, so that the time is the last q.
+/// extended q and p, so that the time is the last q. Actions that change the state get what the stepper
+/// moves, of a TimeTransformed the extended point at s; others the phase point at its time.
 ///
 /// Where no action changes the state, events are found to rounding on the interpolation of the run
 /// (DenseOutput, `nodes` states), whose steps stay as they are and must resolve the motion:

@@ -44,7 +44,7 @@ struct NewtonKrylov {
           shifted(f),
           trial(f),
           step(f),
-          basis(size, std::clamp<Eigen::Index>(options.directions, 1, size) + 1),
+          basis(size, std::max(options.directions, 1) + 1),
           triangle(basis.cols(), basis.cols()),
           rotated(basis.cols()),
           cosine(basis.cols()),
@@ -101,12 +101,13 @@ struct NewtonKrylov {
     // Of the length at which rounding and curvature spoil a difference alike.
     const Scalar shift =
         sqrt(Eigen::NumTraits<Scalar>::epsilon()) * (residual.state_size() + norm_over_ranks(residual, m));
-    const Eigen::Index most = work.basis.cols() - 1;
+    // The whole state has no more directions than numbers; one rank's block may have fewer.
+    const Scalar most = std::min(Scalar(double(work.basis.cols() - 1)), size_over_ranks(residual, m));
     work.basis.col(0) = work.f / -size_f;
     work.rotated.setZero();
     work.rotated[0] = size_f;
     Eigen::Index k = 0;
-    while (on_all_ranks<Scalar>(residual, k < most) && !convergence.exhausted()) {
+    while (Scalar(double(k)) < most && !convergence.exhausted()) {
       work.trial = m + shift * work.basis.col(k);
       residual(work.trial, work.shifted);
       convergence.count();

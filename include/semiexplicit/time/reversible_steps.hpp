@@ -171,6 +171,7 @@ class ReversibleSteps {
   /// Time, density, and what the stepper itself carries; see CheckpointMemory.
   template <class Visitor>
   void visit_memory(Visitor&& visit) requires HasMemory<S> {
+    static_assert(detail::is_of_known_size<S>());
     stepper_.visit_memory(visit);
     visit(clock_.time);
     visit(clock_.carry);

@@ -32,6 +32,10 @@ kill_one "$folder/saved" "$launcher"
 # As if it had been killed between the saves of the two: one rank lacks the latest.
 latest=$(find saved -name 'rank0of2-*' | sed -E 's/.*step([0-9]+).*/\1/' | sort -n | tail -1)
 rm -f "saved/rank1of2-step$latest.checkpoint"
+# And as if the save before had not been taken away yet.
+for rank in 0 1; do
+  for file in saved/rank${rank}of2-*; do cp "$file" "saved/rank${rank}of2-step1.checkpoint"; done
+done
 # A start that is refused leaves all files: one where a rank lacks its own, one that finds a damaged file.
 refuses() { # refuses WHY
   ls saved >before.txt

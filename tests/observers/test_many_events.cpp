@@ -3,10 +3,13 @@
 #include "catch.hpp"
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <utility>
 
+#include <semiexplicit/derivatives.hpp>
 #include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/time.hpp>
 
 #include "refusal.hpp"
 #include "with_events.hpp"
@@ -97,6 +100,41 @@ TEST_CASE("A section in float counts the kicks on its surface, however little of
     section.finish();
     CHECK(watch.count() == 3);  // at t = 1.4, 4.9 and 7.7
     CHECK(seen == 3);
+  }
+}
+
+TEST_CASE("Steps from the surface to the surface miss no crossing: a kicked rotor whose step is its period") {
+  const double pi = std::acos(-1.0);
+  const Autonomous free(from_energy<1>(
+      [](const auto& t, const auto& q, const auto& p) { return p[0] * p[0] / 2 + 0 * q[0] + 0 * t; }));
+  using Extended = PhasePoint<double, 2>;
+  constexpr int steps = 500;
+  for (const double period : {1.0, 0.7, 0.3, 2.992, -0.7}) {
+    for (const double t0 : {0.0, 4000.0, 1e6}) {
+      CAPTURE(period, t0);
+      const auto surface = [=](const auto& q, const auto&) { return std::sin(pi * (q[1] - t0) / period); };
+      const auto run = [&](auto& watch) {
+        Semiexplicit stepper(free, schemes::strang<double>());
+        auto z = free.extended({0.5, 0.3}, t0);
+        integrate(stepper, z, {.dt = period, .steps = steps, .t0 = t0}, watch);
+      };
+      // Whether the one at the very end is seen is rounding's.
+      const auto is_about = [](std::int64_t count, int expected) {
+        CHECK(count >= expected - 1);
+        CHECK(count <= expected);
+      };
+      auto kicks =
+          events(free, on_event(surface, [](double, Extended& z) { z.p()[0] += 0.9 * std::sin(z.q()[0]); }));
+      run(kicks);
+      is_about(kicks.count(), steps);
+      auto told = events(free, on_event(surface, [](double, const auto&) {}),
+                         on_event(
+                             surface, [](double, const auto&) {}, CrossingDirection::rising));
+      run(told);
+      told.finish();
+      is_about(told.count(0), steps);
+      is_about(told.count(1), steps / 2);
+    }
   }
 }
 

@@ -364,6 +364,7 @@ class Events {
     const Scalar level = rests_[k] ? level_[k] : from;
     const Leaving gone =
         on ? leaving(level, noise, near, most, at) : Leaving{detail::side_of(from), near, from};
+    if (on) enlarge(k, gone.s);
     rests_[k] = gone.side == 0;
     level_[k] = level;
     if (rests_[k]) return false;
@@ -394,8 +395,15 @@ class Events {
     enlarge(k, to);
     // On the surface it is not decided yet: an orbit that only touches it comes back to the side where it
     // was.
-    if (after == 0 || after == sides_[k]) return {};
     const Scalar from = value(kind, start);
+    if (after == 0 || after == sides_[k]) {
+      // From the surface to the surface: the signs at the ends are rounding.
+      using std::abs;
+      const Scalar small = scale_[k] / 1000;
+      if (abs(from) > small || abs(to) > small || !is_near(k, from, near, at)) return {};
+      const int side = leaving(from, rounding(kind, start), near, h, at).side;
+      return side == -sides_[k] ? Crossing{side, Scalar(0)} : Crossing{};
+    }
     if (at_once && from == Scalar(0)) return {after, Scalar(0)};
     const bool beyond = detail::side_of(from) != sides_[k];
     if (beyond || (!at_once && is_near(k, from, near, at))) {
@@ -521,8 +529,7 @@ class Events {
 ///     integrate(stepper, z, {.dt = 0.01, .t_end = 10}, watch);
 ///
 /// Each s(q, p) is to be a number everywhere (NaN throws std::invalid_argument), continuous, and the steps so
-/// small that it changes its sign once in each: of an angle take sin(q), not q modulo 2π. (A step as long as
-/// the time between two crossings may have one at either end, and neither is seen then.) It crosses 0 with a
+/// small that it changes its sign once in each: of an angle take sin(q), not q modulo 2π. It crosses 0 with a
 /// slope. The orbit is on one side of a surface, also where a state lies on it: on the side to which s goes
 /// from there, seen as soon as s has moved by more than its rounding. A crossing is a change of that side: a
 /// start on a surface is none, nor is a state that only touches it. Of an extended Hamiltonian s has the

@@ -254,7 +254,7 @@ consteval bool lets_state_change() {
 template <class... Observers>
 consteval bool saves_all() {
   bool saved = false, all = true;
-  const auto next = [&](bool saves, bool is_kept) {
+  [[maybe_unused]] const auto next = [&](bool saves, bool is_kept) {
     all = all && !(saved && is_kept);
     saved = saved || saves;
   };

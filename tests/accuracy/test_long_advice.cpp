@@ -189,4 +189,30 @@ TEST_CASE("a slow instability that parts of the run do not show is seen in the w
   }
 }
 
+TEST_CASE("rounding does not make a regular motion in float part from its neighbours") {
+  const auto pendulum = [](auto scalar) {
+    using T = decltype(scalar);
+    return make_hamiltonian<T, 1>(
+        [](const auto& q, const auto& p) { return p[0] * p[0] / 2 - std::cos(q[0]); },
+        [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) { dHdq[0] = std::sin(q[0]), dHdp = p; });
+  };
+  constexpr double T = 1000;
+  for (const double q0 : {1.5, 2.5}) {
+    CAPTURE(q0);
+    const auto H = pendulum(0.0F);
+    PhasePoint<float, 1> z(static_cast<float>(q0), 0);
+    const auto cost =
+        cost_of_accuracy(H, z, T, {.observable = observables::Coordinate{0}, .targets = {1e-2, 1e-3}});
+    INFO(cost.why(1e-2));
+    CHECK(cost.parting_rate == 0);
+    const auto advice = cost.cheapest(1e-2);
+    REQUIRE(advice);
+    cost.run(z, *advice);
+    GaussLegendre exact(pendulum(0.0), {.stages = 6});
+    PhasePoint<double, 1> end(q0, 0);
+    integrate(exact, end, {.dt = 0.2, .t_end = T});
+    CHECK(std::abs(static_cast<double>(z.q()[0]) - end.q()[0]) <= 3 * 1e-2 * q0);
+  }
+}
+
 }  // namespace test_long_advice

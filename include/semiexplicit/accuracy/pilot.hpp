@@ -177,6 +177,10 @@ class Pilot {
     return true;
   }
 
+  /// Far enough that rounding does not part the neighbours.
+  static double beside_by() {
+    return std::max(1e-6, std::sqrt(static_cast<double>(Eigen::NumTraits<Scalar>::epsilon())));
+  }
   /// A state near z.
   State beside(const State& z) const {
     State near = z;
@@ -184,7 +188,7 @@ class Pilot {
     for (Eigen::Index i = 0; i < z.vector().size(); ++i) {
       const Scalar size =
           std::max(Scalar(norm(z.vector())) / Scalar(double(z.vector().size())), Scalar(1e-300));
-      near.vector()[i] += Scalar(beside_by * scattered(random)) * size;
+      near.vector()[i] += Scalar(beside_by() * scattered(random)) * size;
     }
     return near;
   }
@@ -220,8 +224,6 @@ class Pilot {
     const double epsilon = static_cast<double>(Eigen::NumTraits<Scalar>::epsilon());
     table_.horizon = std::log(1 / epsilon) / table_.parting_rate;
   }
-
-  static constexpr double beside_by = 1e-6;
 
   Problem<Any>& problem_;
   Range<Any> energy_, whole_;  ///< of a stretch, and of the run

@@ -147,8 +147,8 @@ struct CostTable {
   }
 
   /// The cheapest setting whose error is expected to stay below `target`, or nothing where none was found:
-  /// `best()` says how near one comes. Where two trials of a scheme lie far apart the step between them is
-  /// interpolated.
+  /// `best()` says how near one comes. For a target that is not among `targets`, where two trials of a scheme
+  /// lie far apart, the step between them is interpolated, and no run has confirmed it.
   SEMIEXPLICIT_COLD std::optional<CostRow> cheapest(double target) const {
     if (!(target > 0))
       throw std::invalid_argument("CostTable::cheapest: target is not a positive error; give one");
@@ -158,6 +158,9 @@ struct CostTable {
       if (row.works() && row.error <= target && (!found || row.cost(by) < found->cost(by))) found = row;
     };
     for (const CostRow& row : rows) offer(row);
+    // What was searched for and tried on more of the run needs no interpolation.
+    if (found && found->confirmed && std::find(targets.begin(), targets.end(), target) != targets.end())
+      return found;
     for (std::size_t i = 1; i < rows.size(); ++i)
       if (rows[i - 1].setting.name() == rows[i].setting.name() && rows[i - 1].works() && rows[i].works() &&
           rows[i - 1].error > target && rows[i].error < target / 2.5 &&

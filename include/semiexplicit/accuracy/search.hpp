@@ -70,12 +70,16 @@ class Search {
       problem_.limit = std::min(problem_.options.max_gradients,
                                 begin + search_limit_ * budget_ * searched_part_ + spent_on_whole_runs_);
       searches_ = 0;
-      if (tries_whole()) allow(whole_runs * run_rate(target) * table_.time);
+      if (tries_whole()) allow_whole_runs(target);
       // What rounding forbids is not looked for, but how near one comes.
       const double reachable = std::max(target, 4 * table_.rounding);
       if (reachable != last) search(reachable, target);
       last = reachable;
     }
+    // What a later target tried may be cheaper for an earlier one: it has to be confirmed, too.
+    settled_ = true;
+    searches_ = 4;
+    for (const double target : targets) confirm(std::max(target, 4 * table_.rounding), target);
     problem_.limit = problem_.options.max_gradients;
     finish_rows();
   }
@@ -204,6 +208,9 @@ class Search {
     problem_.limit =
         std::min(options().max_gradients, std::max(problem_.limit, table_.spent_gradients + calls));
   }
+  void allow_whole_runs(double target) {
+    allow(std::max(whole_runs * run_rate(target) * table_.time, 10 * options().min_gradients));
+  }
   /// From now on it is: what parts of the run told was wrong, and is forgotten.
   SEMIEXPLICIT_COLD void try_whole() {
     windows_ = {{problem_.z0, table_.time, true}};
@@ -241,7 +248,7 @@ class Search {
   /// on all of it.
   double surprise(const Candidate& candidate, const Probe& probe) const {
     const double known = candidate.surprise > 0 ? candidate.surprise : surprise_;
-    return confirms_whole(probe.rate) ? known : std::max(1.0, known);
+    return confirms_whole(probe.rate) && !settled_ ? known : std::max(1.0, known);
   }
   bool of_whole_run(const Probe& probe) const { return probe.length >= 0.999 * table_.time; }
 
@@ -534,7 +541,7 @@ class Search {
     }
     if (tries_whole() || whole_run == 0) return;
     try_whole();
-    allow(whole_runs * run_rate(target) * table_.time);
+    allow_whole_runs(target);
     search(target, wanted);
   }
 
@@ -618,6 +625,7 @@ class Search {
   double budget_ = 0, trial_time_ = 0, best_rate_ = 0, searched_part_ = 0, spent_on_whole_runs_ = 0;
   double surprise_ = 1;     ///< the last of all candidates
   int searches_ = 0;        ///< again, for a target
+  bool settled_ = false;    ///< every target has been searched for
   bool surprised_ = false;  ///< the error of a whole run was more than twice what parts of it told
   bool exhausted_ = false;  ///< the search for a target has met the limit
   std::map<std::string, double> seconds_per_call_{};

@@ -4,8 +4,10 @@
 #include <cmath>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include <semiexplicit/accuracy.hpp>
+#include <semiexplicit/derivatives.hpp>
 
 #include "catch.hpp"
 
@@ -213,6 +215,42 @@ TEST_CASE("rounding does not make a regular motion in float part from its neighb
     integrate(exact, end, {.dt = 0.2, .t_end = T});
     CHECK(std::abs(static_cast<double>(z.q()[0]) - end.q()[0]) <= 3 * 1e-2 * q0);
   }
+}
+
+TEST_CASE("every target of a list is met where runs are short enough to be made as a whole") {
+  const auto check = [](const auto& H, const auto& z0, double T, const std::vector<double>& targets) {
+    CAPTURE(T, targets.size());
+    const double start = H.energy(z0.q(), z0.p());
+    const auto cost = cost_of_accuracy(H, z0, T, {.targets = targets});
+    for (const double target : targets) {
+      CAPTURE(target);
+      const auto advice = cost.cheapest(target);
+      REQUIRE(advice);
+      CHECK_FALSE(advice->interpolated);
+      auto z = z0;
+      double worst = 0;
+      cost.run(z, *advice, [&](double, const auto& now) {
+        worst = std::max(worst, std::abs(H.energy(now.q(), now.p()) / start - 1));
+      });
+      CHECK(worst <= 1.1 * target);
+    }
+  };
+  const auto steep = from_energy<1>([](const auto& q, const auto& p) {
+    using std::exp;
+    return exp(q[0]) - q[0] + exp(p[0]) - p[0];
+  });
+  const auto pendulums = from_energy<2>([](const auto& q, const auto& p) {
+    using std::cos;
+    const auto c = cos(q[0] - q[1]);
+    return (p[0] * p[0] + 2 * p[1] * p[1] - 2 * p[0] * p[1] * c) / (2 * (2 - c * c)) - 2 * cos(q[0]) -
+           cos(q[1]);
+  });
+  const std::vector<double> all{1e-4, 1e-6, 1e-8, 1e-10};
+  check(steep, PhasePoint<double, 1>(3, 0), 30, all);
+  check(steep, PhasePoint<double, 1>(3, 0), 300, all);
+  check(pendulums, PhasePoint<double, 2>({2.5, 2.5}, {0, 0}), 30, all);
+  check(pendulums, PhasePoint<double, 2>({2.4, 2.5}, {0, 0}), 10, {1e-9});
+  check(pendulums, PhasePoint<double, 2>({2.8, 2.5}, {0, 0}), 10, {1e-6});
 }
 
 }  // namespace test_long_advice

@@ -441,4 +441,46 @@ TEST_CASE("An interrupted run with an exact flow goes on bit for bit", "[flow_sp
   CHECK(resumed.vector() == z.vector());
 }
 
+/// (q² + p²)/2 + q⁴/40, of which an oscillator of another frequency is exact and the difference is kicked.
+struct Detuned {
+  using Scalar = double;
+  static constexpr int Dof = 1;
+  double frequency;
+  Status flow(double t, const auto& q, const auto& p, auto& dq, auto& dp) const {
+    const double less = 2 * std::pow(std::sin(frequency * t / 2), 2), sine = std::sin(frequency * t);
+    dq[0] = sine / frequency * p[0] - less * q[0];
+    dp[0] = -frequency * sine * q[0] - less * p[0];
+    return Status::success;
+  }
+  std::string flow_name() const { return "oscillator"; }
+  double energy(In<double, 1> q, In<double, 1> p) const {
+    return (q[0] * q[0] + p[0] * p[0]) / 2 + std::pow(q[0], 4) / 40;
+  }
+  void gradient(In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
+    dHdq[0] = q[0] + std::pow(q[0], 3) / 10;
+    dHdp = p;
+  }
+  void rest_position_gradient(In<double, 1> q, Out<double, 1> dHdq) const {
+    dHdq[0] = (1 - frequency * frequency) * q[0] + std::pow(q[0], 3) / 10;
+  }
+};
+
+TEST_CASE("A run with the same Hamiltonian in other parts is refused", "[flow_splitting]") {
+  const Folder folder;
+  const auto file = folder.path / "run.checkpoint";
+  const IntegrationOptions<double> options{.dt = 0.3, .steps = 20};
+  const auto go = [&](double frequency, std::int64_t until) {
+    FlowSplitting stepper(Detuned{frequency}, schemes::aba84<double>());
+    PhasePoint<double, 1> z(1, 0);
+    Checkpoints checkpoints(file, {.every = 10}, stepper, options);
+    IntegrationOptions<double> part = options;
+    part.done = checkpoints.resume(z);
+    part.steps = until;
+    integrate(stepper, z, part, checkpoints);
+  };
+  go(1, 10);
+  CHECK_THROWS_AS(go(1.02, 20), std::invalid_argument);
+  CHECK_NOTHROW(go(1, 20));
+}
+
 }  // namespace test_flow_splitting

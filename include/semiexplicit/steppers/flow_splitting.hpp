@@ -220,6 +220,21 @@ class FlowSplitting {
     list("list", list_);
     list("solver", solver_);
     list.function("Hamiltonian", detail::GradientSize(hamiltonian_));
+    // What is flowed and what is kicked may change while their sum stays.
+    if constexpr (has_position)
+      list.function("rest in q", [this](const auto& q, const auto&) {
+        Column gradient = q;
+        hamiltonian_.rest_position_gradient(q, gradient);
+        return Scalar(detail::norm(gradient));
+      });
+    if constexpr (has_momentum)
+      list.function("rest in p", [this](const auto&, const auto& p) {
+        Column gradient = p;
+        hamiltonian_.rest_momentum_gradient(p, gradient);
+        return Scalar(detail::norm(gradient));
+      });
+    if constexpr (has_coupled)
+      list.function("coupled rest", detail::GradientSize(hamiltonian_.coupled_rest()));
   }
   /// Hands visit() every number that goes on from step to step; see CheckpointMemory.
   template <class Visitor>

@@ -64,6 +64,7 @@ class Search {
     const double begin = table_.spent_gradients;
     std::vector<double> targets = problem_.options.targets;
     std::sort(targets.begin(), targets.end(), std::greater<>());
+    const auto reachable = [this](double target) { return std::max(target, 4 * table_.rounding); };
     double last = 0;
     for (const double target : targets) {
       searched_part_ += 1 / static_cast<double>(targets.size());
@@ -72,14 +73,13 @@ class Search {
       searches_ = 0;
       if (tries_whole()) allow_whole_runs(target);
       // What rounding forbids is not looked for, but how near one comes.
-      const double reachable = std::max(target, 4 * table_.rounding);
-      if (reachable != last) search(reachable, target);
-      last = reachable;
+      const double now = reachable(target);
+      if (now != last) search(now, target);
+      last = now;
     }
     // What a later target tried may be cheaper for an earlier one: it has to be confirmed, too.
     settled_ = true;
-    searches_ = 4;
-    for (const double target : targets) confirm(std::max(target, 4 * table_.rounding), target);
+    for (const double target : targets) confirm(reachable(target), target);
     problem_.limit = problem_.options.max_gradients;
     finish_rows();
   }
@@ -184,6 +184,9 @@ class Search {
       for (std::size_t i = 0; i < 5 && i < pilot_.places.count(); ++i)
         windows_.push_back({pilot_.places.hardest(i), std::max(each, pilot_.segment_time), false});
     }
+    note_windows();
+  }
+  SEMIEXPLICIT_COLD void note_windows() {
     table_.window_time = 0;
     for (const auto& window : windows_) table_.window_time += window.length;
     table_.windows = static_cast<int>(windows_.size());
@@ -214,9 +217,7 @@ class Search {
   /// From now on it is: what parts of the run told was wrong, and is forgotten.
   SEMIEXPLICIT_COLD void try_whole() {
     windows_ = {{problem_.z0, table_.time, true}};
-    table_.windows = 1;
-    table_.window_time = table_.time;
-    table_.growth = 1;
+    note_windows();
     for (Family& family : families_)
       for (Candidate& candidate : family)
         std::erase_if(candidate.trials, [&](const auto& trial) { return trial.second.length < table_.time; });
@@ -534,7 +535,8 @@ class Search {
         take(seen, again);
       }
       // Parts of the run told far too much: larger steps will do.
-      if (whole_run > 0 && !tries_whole() && seen.range < target / 4 && ++searches_ < 4)
+      if (whole_run > 0 && !settled_ && !tries_whole() && seen.range < target / 4 &&
+          ++searches_ <= most_searches)
         return search(target, wanted);
       if (dearer || !(seen.works() && error(*chosen, seen, dt) <= target))
         solve(*chosen, target, std::numeric_limits<double>::infinity());
@@ -613,6 +615,7 @@ class Search {
   static constexpr double much_worse = 10;        ///< than parts of the run told: they are of no use
   static constexpr double whole_share = 3;        ///< that seeing the whole run is worth
   static constexpr double whole_runs = 8;         ///< that a target takes where each trial is one
+  static constexpr int most_searches = 3;         ///< again, for a target
   static constexpr double trials_a_target = 12, window_count = 8;
 
   Problem<Any>& problem_;
@@ -624,7 +627,7 @@ class Search {
   double search_limit_ = 5.3;  ///< budgets after which even a target without a setting is given up
   double budget_ = 0, trial_time_ = 0, best_rate_ = 0, searched_part_ = 0, spent_on_whole_runs_ = 0;
   double surprise_ = 1;     ///< the last of all candidates
-  int searches_ = 0;        ///< again, for a target
+  int searches_ = 0;        ///< of those for the target that is searched for
   bool settled_ = false;    ///< every target has been searched for
   bool surprised_ = false;  ///< the error of a whole run was more than twice what parts of it told
   bool exhausted_ = false;  ///< the search for a target has met the limit

@@ -395,12 +395,14 @@ class Events {
     enlarge(k, to);
     // On the surface it is not decided yet: an orbit that only touches it comes back to the side where it
     // was.
+    using std::abs;
+    const Scalar small = scale_[k] / 1000;
+    const bool stays = after == 0 || after == sides_[k];
+    if (stays && abs(to) > small) return {};
     const Scalar from = value(kind, start);
-    if (after == 0 || after == sides_[k]) {
+    if (stays) {
       // From the surface to the surface: the signs at the ends are rounding.
-      using std::abs;
-      const Scalar small = scale_[k] / 1000;
-      if (abs(from) > small || abs(to) > small || !is_near(k, from, near, at)) return {};
+      if (abs(from) > small || !is_near(k, from, near, at)) return {};
       const int side = leaving(from, rounding(kind, start), near, h, at).side;
       return side == -sides_[k] ? Crossing{side, Scalar(0)} : Crossing{};
     }

@@ -169,6 +169,20 @@ SEMIEXPLICIT_COLD IntegrationOptions<Scalar> with_steps(
   return options;
 }
 
+/// Throws std::invalid_argument, in the name of `who`, unless a step may be cut into 2^subdivide parts.
+SEMIEXPLICIT_COLD inline void require_subdivide(const std::string& who, int subdivide) {
+  if (subdivide < 0 || subdivide > 30)
+    throw std::invalid_argument(who + ": subdivide is not between 0 and 30; 10 makes a thousandth of a step");
+}
+
+/// Throws std::invalid_argument, in the name of `who`, where the earlier part of a run took other steps.
+SEMIEXPLICIT_COLD inline void require_step(const std::string& who, const IntegrationReport& done, double dt) {
+  if (done.steps > 0 && done.dt != 0 && done.dt != dt)
+    throw std::invalid_argument(who + ": the earlier part took steps of " + in_words(done.dt, 17) +
+                                ", and dt is " + in_words(dt, 17) +
+                                " now; give the same dt, or begin a new run with t0 = the time reached");
+}
+
 /// Throws std::invalid_argument, in the name of `who`, unless the earlier part of a run of equal steps began
 /// at t0.
 template <class Scalar>
@@ -188,9 +202,7 @@ SEMIEXPLICIT_COLD void require_start(const std::string& who, const IntegrationRe
 template <class Scalar>
 SEMIEXPLICIT_COLD void check_options(const IntegrationOptions<Scalar>& options, bool by_clock,
                                      bool equal_steps) {
-  if (!(options.subdivide >= 0 && options.subdivide <= 30))
-    throw std::invalid_argument(
-        "integrate: subdivide is not between 0 and 30; 10 makes a thousandth of a step");
+  require_subdivide("integrate", options.subdivide);
   using std::isfinite;
   if (!isfinite(options.t0))
     throw std::invalid_argument("integrate: t0 is not finite; give the time of the start");
@@ -205,10 +217,7 @@ SEMIEXPLICIT_COLD void check_options(const IntegrationOptions<Scalar>& options, 
                                 in_words(options.done.t, 17) +
                                 ", and its steps cannot be gone on with; start a new run with t0 = report.t "
                                 "and without `done`");
-  if (options.done.steps > 0 && options.done.dt != 0 && options.done.dt != static_cast<double>(options.dt))
-    throw std::invalid_argument("integrate: the earlier part took steps of " + in_words(options.done.dt, 17) +
-                                ", and dt is " + in_words(static_cast<double>(options.dt), 17) +
-                                " now; give the same dt, or begin a new run with t0 = the time reached");
+  require_step("integrate", options.done, static_cast<double>(options.dt));
   if (equal_steps) require_start("integrate", options.done, options.t0);
 }
 

@@ -289,7 +289,9 @@ class Search {
     const bool squared = ratio > 2.8 && (explicit_ || (probe.length > 0.05 * T && cycles > 1));
     if (table_.parting_rate > 0 || ratio > 1.4 || cycles < 2)
       return spread * beyond(seen, probe.length, squared ? 2 : 1);
-    return spread * seen + std::max(0.0, probe.late - probe.early) * 2 / probe.length * (T - probe.length);
+    // What comes back with the motion may hide growth of its own size.
+    const double growth = std::max({0.0, 2 * (probe.late - probe.early), hidden_growth * probe.late});
+    return spread * seen + growth / probe.length * (T - probe.length);
   }
   /// No smaller than with any shorter step that was tried: an error that dips at one step is luck, but where
   /// it is that of the run itself.
@@ -613,6 +615,7 @@ class Search {
                           reference_share = 0.4;  ///< of the budget
   static constexpr double much_harder = 4;        ///< than what comes back is, from time to time
   static constexpr double much_worse = 10;        ///< than parts of the run told: they are of no use
+  static constexpr double hidden_growth = 0.4;    ///< in a trial from z0, of the error that it saw
   static constexpr double whole_share = 3;        ///< that seeing the whole run is worth
   static constexpr double whole_runs = 8;         ///< that a target takes where each trial is one
   static constexpr int most_searches = 3;         ///< again, for a target

@@ -258,11 +258,8 @@ class Ensemble {
         options.done < 0)
       throw std::invalid_argument(
           "Ensemble: steps, every, threads, together and done must not be negative; to go back in time give "
-          "a "
-          "negative dt");
-    if (options.subdivide < 0 || options.subdivide > 30)
-      throw std::invalid_argument(
-          "Ensemble: subdivide is not between 0 and 30; 10 makes a thousandth of a step");
+          "a negative dt");
+    detail::require_subdivide("Ensemble", options.subdivide);
     if (options.done > options.steps)
       throw std::invalid_argument("Ensemble: " + std::to_string(options.done) + " steps are done of " +
                                   std::to_string(options.steps) +
@@ -275,11 +272,7 @@ class Ensemble {
             "Ensemble: " + std::to_string(options.done) + " steps are said to be done, and " +
             std::to_string(one.steps) +
             " are; give what EnsembleCheckpoints::resume() or the last run's report says");
-      if (one.dt != options.dt)
-        throw std::invalid_argument("Ensemble: the earlier part took steps of " +
-                                    detail::in_words(one.dt, 17) + ", and dt is " +
-                                    detail::in_words(options.dt, 17) +
-                                    " now; give the same dt, or begin a new run with t0 = the time reached");
+      detail::require_step("Ensemble", one, options.dt);
       detail::require_start("Ensemble", one, options.t0);
     }
   }

@@ -120,11 +120,24 @@ TEST_CASE("advice on a trajectory whose phase error grows over ten times the tri
 }
 
 TEST_CASE("growth of an error that its oscillation hides in a trial is not left out") {
-  const auto f = [](const auto&, const auto& p) { return p[0]; };
-  for (const double q0 : {2.0, 2.25})
-    check_advice(VaryingMass(), PhasePoint<double, 1>(q0, 0), 2000, 1e-8, 0.05,
-                 {.observable = f, .targets = {1e-4, 1e-6, 1e-8, 1e-10}},
-                 [](const auto& z) { return z.p(); });
+  const auto momentum = [](const auto&, const auto& p) { return p[0]; };
+  check_advice(VaryingMass(), PhasePoint<double, 1>(2, 0), 2000, 1e-8, 0.05,
+               {.observable = momentum, .targets = {1e-4, 1e-6, 1e-8, 1e-10}},
+               [](const auto& z) { return z.p(); });
+}
+
+TEST_CASE("advice does not depend on the units of positions and momenta") {
+  const auto position = [](const auto& q, const auto&) { return q[0]; };
+  const auto product = [](const auto& q, const auto& p) { return q[0] * p[0]; };
+  for (const double target : {1e-4, 1e-6})
+    for (const auto& [length, momentum] : {std::pair(1e11, 1e4), {1e-10, 1e-24}, {1e-10, 1.0}, {1e7, 1.0}}) {
+      CAPTURE(target, length, momentum);
+      const VaryingMass h{length, momentum};
+      const PhasePoint<double, 1> z0(2 * length, 0);
+      check_advice(h, z0, 500, target, 0.05, {.observable = position}, [](const auto& z) { return z.q(); });
+      check_advice(h, z0, 500, target, 0.05, {.observable = product},
+                   [](const auto& z) { return z.q().cwiseProduct(z.p()); });
+    }
 }
 
 TEST_CASE("advice on the paths of vortices is right") {

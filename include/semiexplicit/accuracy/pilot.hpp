@@ -83,6 +83,7 @@ class Pilot {
     calls_if_stuck_ = 8 * calls;
     State z = problem_.z0;
     neighbour_ = beside(z);
+    apart_ = static_cast<double>(norm((neighbour_.vector() - z.vector()).eval()));
     whole_.start(z);
     bool stuck = follow_to(length, calls, z);
     const auto beyond_calls = [&](double limit, double allowed) {
@@ -108,6 +109,7 @@ class Pilot {
     if (places.all().empty()) places.add({problem_.z0, 0});
     walk = std::max(1.0, 1.5 * whole_.range() / largest_range_);  // of a higher order it may be somewhat more
     places.rank();
+    problem_.weigh(0.01 * first_dt_);
     problem_.judge_growth_of_terms(table_.pilot_time);
     judge_parting();
     return true;
@@ -182,14 +184,18 @@ class Pilot {
     return std::max(1e-6, std::sqrt(static_cast<double>(Eigen::NumTraits<Scalar>::epsilon())));
   }
   /// A state near z.
-  State beside(const State& z) const {
+  State beside(const State& z) {
     State near = z;
     std::uint64_t random = 3;
-    for (Eigen::Index i = 0; i < z.vector().size(); ++i) {
+    const auto shift = [&](auto half, const auto& velocity) {
       const Scalar size =
-          std::max(Scalar(norm(z.vector())) / Scalar(double(z.vector().size())), Scalar(1e-300));
-      near.vector()[i] += Scalar(beside_by() * scattered(random)) * size;
-    }
+          (Scalar(norm(half)) + Scalar(setting_.dt) * Scalar(norm(velocity))) / Scalar(double(half.size()));
+      for (Eigen::Index i = 0; i < half.size(); ++i)
+        half[i] += Scalar(beside_by() * scattered(random)) * std::max(size, Scalar(1e-300));
+    };
+    const State velocity = problem_.velocity_at(z);
+    shift(near.q(), velocity.q());
+    shift(near.p(), velocity.p());
     return near;
   }
 
@@ -197,7 +203,6 @@ class Pilot {
     if (!watches_neighbour_) return;
     const auto between = (neighbour_.vector() - z.vector()).eval();
     const double apart = static_cast<double>(norm(between));
-    if (apart_ == 0) apart_ = static_cast<double>(norm(beside(problem_.z0).vector() - problem_.z0.vector()));
     const double log = parted_ + (apart > 0 ? std::log(apart / apart_) : 0);
     // Relative errors of an orbit that itself goes off as fast do not grow.
     farthest_out_ = std::max(farthest_out_, static_cast<double>(norm(z.vector())));

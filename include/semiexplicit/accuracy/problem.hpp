@@ -75,17 +75,37 @@ class Problem {
     table.unit = judged.unit = unit;
   }
 
-  /// Notes the size of the observable's terms at a later state of the orbit.
-  void meet(const State& z) { met_.push_back(terms_at(z)); }
+  /// Notes the size of the observable's terms at a later state of the orbit, and that of the velocities.
+  void meet(const State& z) {
+    met_.push_back(terms_at(z));
+    const State velocity = velocity_at(z);
+    met_q_.push_back(static_cast<double>(norm(velocity.q())));
+    met_p_.push_back(static_cast<double>(norm(velocity.p())));
+  }
+
+  /// The vector field at z, for a gradient call.
+  SEMIEXPLICIT_COLD State velocity_at(const State& z) {
+    State velocity(z.dof());
+    Vector<Scalar, Eigen::Dynamic> gq = z.q(), gp = z.p();
+    hamiltonian.gradient(z.q(), z.p(), gq, gp);
+    spend(1);
+    velocity.q() = gp, velocity.p() = -gq;
+    return velocity;
+  }
+
+  /// From now on q and p weigh the same in a time scale, by their usual velocities: in units in which one is
+  /// far larger it does not hide the other. `h` is short beside the time scale at z0.
+  SEMIEXPLICIT_COLD void weigh(double h) {
+    if (met_q_.empty()) return;
+    const double ratio = median(met_p_) / median(met_q_);
+    if (!(ratio > 0 && std::isfinite(ratio))) return;
+    weight_ = std::sqrt(ratio);
+    table.time_scale = std::min(table.time, time_scale_at(z0, h));
+  }
 
   /// Terms that grow along the way, to the time t, as where a coordinate winds or drifts, go on to grow.
   SEMIEXPLICIT_COLD void judge_growth_of_terms(double t) {
     if (met_.size() < 8) return;
-    const auto median = [](std::vector<double> some) {
-      const auto middle = some.begin() + static_cast<std::ptrdiff_t>(some.size() / 2);
-      std::nth_element(some.begin(), middle, some.end());
-      return *middle;
-    };
     const auto quarter = static_cast<std::ptrdiff_t>(met_.size() / 4);
     const double first = median({met_.begin(), met_.begin() + quarter}),
                  last = median({met_.end() - quarter, met_.end()});
@@ -100,9 +120,8 @@ class Problem {
     const State velocity = velocity_at(z);
     State moved = z;
     moved.vector() += Scalar(h) * velocity.vector();
-    const double change = static_cast<double>(norm(velocity_at(moved).vector() - velocity.vector()));
-    return change > 0 ? h * (static_cast<double>(norm(velocity.vector())) / change)
-                      : std::numeric_limits<double>::infinity();
+    const double change = weighed(difference(velocity_at(moved), velocity));
+    return change > 0 ? h * (weighed(velocity) / change) : std::numeric_limits<double>::infinity();
   }
 
   /// One more gradient call, or several.
@@ -150,13 +169,19 @@ class Problem {
     }
   }
 
-  SEMIEXPLICIT_COLD State velocity_at(const State& z) {
-    State velocity(z.dof());
-    Vector<Scalar, Eigen::Dynamic> gq = z.q(), gp = z.p();
-    hamiltonian.gradient(z.q(), z.p(), gq, gp);
-    spend(1);
-    velocity.q() = gp, velocity.p() = -gq;
-    return velocity;
+  static double median(std::vector<double> some) {
+    const auto middle = some.begin() + static_cast<std::ptrdiff_t>(some.size() / 2);
+    std::nth_element(some.begin(), middle, some.end());
+    return *middle;
+  }
+  static State difference(const State& a, const State& b) {
+    State result = a;
+    result.vector() -= b.vector();
+    return result;
+  }
+  double weighed(const State& velocity) const {
+    return std::hypot(weight_ * static_cast<double>(norm(velocity.q())),
+                      static_cast<double>(norm(velocity.p())) / weight_);
   }
 
   SEMIEXPLICIT_COLD void check_gradient_and_energy() {
@@ -186,7 +211,7 @@ class Problem {
     table.relative = reference.relative && !absolute;
     table.unit = absolute ? 1 : static_cast<double>(reference.size);
     const double terms = static_cast<double>(reference.terms) / table.unit;
-    return {.unit = table.unit, .terms = absolute ? terms : std::max(1.0, terms)};
+    return {.unit = table.unit, .terms = table.relative ? std::max(1.0, terms) : terms};
   }
 
   SEMIEXPLICIT_COLD ReferenceSize<Scalar> size_of_energy(const State& z) const {
@@ -206,7 +231,8 @@ class Problem {
     return static_cast<double>(size_of_observable(z).terms) / table.unit;
   }
 
-  std::vector<double> met_{};
+  std::vector<double> met_{}, met_q_{}, met_p_{};
+  double weight_ = 1;
   Eigen::Index observable_size_ = 0;
 };
 

@@ -18,6 +18,8 @@ namespace test_many_events {
 
 using namespace with_events;
 
+const double pi = std::acos(-1.0);
+
 TEST_CASE("Bounces that pile up are said, and no ball falls through the floor", "[events]") {
   // Down to one that comes to rest at once, also where the floor is so far from 0 that s is rounded coarsely.
   for (const double kept : {0.9, 0.7, 0.3, 0.09, 0.05, 0.02, 0.01, 1e-4, 0.0})
@@ -104,7 +106,6 @@ TEST_CASE("A section in float counts the kicks on its surface, however little of
 }
 
 TEST_CASE("Steps from the surface to the surface miss no crossing: a kicked rotor whose step is its period") {
-  const double pi = std::acos(-1.0);
   const Autonomous free(from_energy<1>(
       [](const auto& t, const auto& q, const auto& p) { return p[0] * p[0] / 2 + 0 * q[0] + 0 * t; }));
   using Extended = PhasePoint<double, 2>;
@@ -135,6 +136,111 @@ TEST_CASE("Steps from the surface to the surface miss no crossing: a kicked roto
       is_about(told.count(0), steps);
       is_about(told.count(1), steps / 2);
     }
+  }
+}
+
+TEST_CASE("A ball bounces at the floor itself, however late or coarse the times are", "[events]") {
+  // The time at 1e9 has ticks of 1.2e-7, a thousandth of the step.
+  const auto run = [](auto t0, auto dt, std::int64_t steps) {
+    using T = decltype(t0);
+    using P = PhasePoint<T, 1>;
+    for (const auto direction : {CrossingDirection::falling, CrossingDirection::both}) {
+      CAPTURE(double(t0), double(dt), int(direction));
+      const double epsilon = double(std::numeric_limits<T>::epsilon());
+      double off = 0, lowest = 0;
+      auto watch = events(BallOf<T>(), on_event(
+                                           height,
+                                           [&](T, P& at) {
+                                             off = std::max(off, std::abs(double(at.q()[0])));
+                                             at.p()[0] = -at.p()[0];
+                                           },
+                                           direction));
+      Semiexplicit stepper(BallOf<T>(), schemes::blanes_moan6<T>());
+      P z(T(0.5), T(0));
+      const auto report = integrate(stepper, z, {.dt = dt, .steps = steps, .t0 = t0}, watch,
+                                    [&](T, const P& at) { lowest = std::min(lowest, double(at.q()[0])); });
+      const double end = double(dt) * double(steps);
+      CHECK(watch.count() == std::int64_t(std::floor((end + 1) / 2)));
+      CHECK(off <= 4 * epsilon * double(dt));
+      CHECK(lowest >= -4 * epsilon * double(dt));
+      CHECK(std::abs(double(z.q()[0]) - elastic(end)) < 4 * epsilon * double(steps));
+      CHECK(report.steps == steps);
+    }
+  };
+  run(1e9, 1.37e-4, 100000);
+  run(1e12, 1.37e-3, 10000);
+  run(0.0F, 0.05F, 1000);
+  run(0.0F, 0.003F, 3000);
+  run(1e5F, 0.05F, 500);
+}
+
+TEST_CASE("Kicks at given times come at late times, too, and in float", "[events]") {
+  const auto run = [](auto t0, auto dt) {
+    using T = decltype(t0);
+    CAPTURE(double(t0), double(dt));
+    const Autonomous K(
+        from_energy<1, T>([](const auto&, const auto&, const auto& p) { return p[0] * p[0] / 2; }));
+    using Extended = typename decltype(K)::State;
+    const auto kick = [](T, Extended& at) { at.p()[0] += 1; };
+    Semiexplicit stepper(K, schemes::blanes_moan6<T>());
+    const T at = t0 + T(0.503);
+    auto once = events(K, on_event([=](const auto& q, const auto&) { return q[1] - at; }, kick));
+    auto often = events(
+        K,
+        on_event([=](const auto& q, const auto&) { return std::sin(T(pi) * (q[1] - t0) + T(0.3)); }, kick));
+    auto z = K.extended(PhasePoint<T, 1>(0, 0), t0);
+    integrate(stepper, z, {.dt = dt, .steps = std::int64_t(5.5 / double(dt)), .t0 = t0}, once);
+    CHECK(once.count() == 1);
+    CHECK(z.p()[0] == 1);
+    z = K.extended(PhasePoint<T, 1>(0, 0), t0);
+    integrate(stepper, z, {.dt = dt, .steps = std::int64_t(5.5 / double(dt)), .t0 = t0}, often);
+    CHECK(often.count() == 5);
+  };
+  for (const double t0 : {0.0, 1e6, 1e9, 1e10}) run(t0, 0.01);
+  for (const float t0 : {0.0F, 10.0F, 100.0F, 1000.0F}) run(t0, 0.01F);
+  run(1e12L, 0.01L);
+}
+
+TEST_CASE("A kick of a run with transformed time leaves the orbit that of the Hamiltonian", "[events]") {
+  const auto H = from_energy<2>([](const auto& q, const auto& p) {
+    using std::sqrt;
+    return (p[0] * p[0] + p[1] * p[1]) / 2 - 1 / sqrt(q[0] * q[0] + q[1] * q[1]);
+  });
+  using Flat = PhasePoint<double, 2>;
+  const Flat start({0.5, 0}, {0, std::sqrt(3.0)});
+  const auto apocentre = [](const auto& q, const auto&) { return q[1]; };
+  Flat direct = start;
+  {
+    Semiexplicit stepper(H, schemes::low_defect8_s20<double>());
+    bool kicked = false;
+    auto watch = events(H, on_event(
+                               apocentre,
+                               [&](double, Flat& at) {
+                                 if (!std::exchange(kicked, true)) at.p() *= 1.2;
+                               },
+                               CrossingDirection::falling));
+    integrate(stepper, direct, {.dt = 0.0025, .t_end = 8}, watch);
+  }
+  const TimeTransformed K(H, monitors::Distance{}, H.energy(start.q(), start.p()));
+  using Extended = decltype(K)::State;
+  for (const bool anew : {false, true}) {  // whether the action does by itself what the library does
+    CAPTURE(anew);
+    Semiexplicit stepper(K, schemes::low_defect8_s20<double>());
+    bool kicked = false;
+    auto watch = events(K, on_event(
+                               apocentre,
+                               [&](double, Extended& at) {
+                                 if (std::exchange(kicked, true)) return;
+                                 at.p().head(2) *= 1.2;
+                                 if (anew) at = K.extended(K.point(at), K.time(at));
+                               },
+                               CrossingDirection::falling));
+    auto Z = K.extended(start, 0.0);
+    Flat at_8(2);
+    auto output = at_times(K, {8.0}, [&](double, const Flat& z) { at_8 = z; });
+    integrate(stepper, Z, {.dt = 0.02, .steps = 1000}, watch, output);
+    CHECK(std::abs(K.energy(Z.q(), Z.p())) < 1e-9);
+    CHECK((at_8.vector() - direct.vector()).norm() < 1e-8);
   }
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cmath>
+
 #include <semiexplicit/semiexplicit.hpp>
 
 // What bounces, swings and is kicked in the tests of events.
@@ -39,6 +41,13 @@ constexpr auto speed = [](const auto&, const auto& p) { return p[0]; };
 template <class H>
 auto semiexplicit_of(const H& h) {
   return Semiexplicit(h, schemes::blanes_moan6());
+}
+
+/// Height at the time t of a ball that is let go at the height 1/2 and bounces without loss: bounces at t =
+/// 1, 3, 5, ...
+inline double elastic(double t) {
+  const double since = std::remainder(t, 2.0);
+  return 0.5 - since * since / 2;
 }
 
 }  // namespace with_events

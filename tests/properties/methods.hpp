@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -32,6 +33,42 @@ struct Choice {
   StoppingRule stop = StoppingRule::paper(0);  ///< nothing is below zero: until rounding stops the iteration
 };
 
+/// A stepper whose type is hidden: what is done with every method is then compiled once.
+template <class State_>
+class AnyMethod {
+ public:
+  using State = State_;
+  using Scalar = typename State::Scalar;
+
+  template <class S>
+  requires std::same_as<typename S::State, State>
+  explicit AnyMethod(S stepper) : held_(std::make_unique<Held<S>>(std::move(stepper))) {}
+  AnyMethod(const AnyMethod& other) : held_(other.held_->copy()) {}
+  AnyMethod& operator=(const AnyMethod& other) {
+    held_ = other.held_->copy();
+    return *this;
+  }
+
+  StepReport step(State& state, const Scalar& dt) { return held_->step(state, dt); }
+
+ private:
+  struct Method {
+    virtual ~Method() = default;
+    virtual StepReport step(State& state, const Scalar& dt) = 0;
+    virtual std::unique_ptr<Method> copy() const = 0;
+  };
+  template <class S>
+  struct Held : Method {
+    explicit Held(S s) : stepper(std::move(s)) {}
+    StepReport step(State& state, const Scalar& dt) override { return stepper.step(state, dt); }
+    std::unique_ptr<Method> copy() const override { return std::make_unique<Held>(stepper); }
+    S stepper;
+  };
+  std::unique_ptr<Method> held_;
+};
+template <class S>
+AnyMethod(S) -> AnyMethod<typename S::State>;
+
 /// Calls test(claim, stepper) for the methods of the phase space itself.
 template <Hamiltonian H, class Test>
 void for_each_of_phase_space(const H& h, const Choice& choice, Test test) {
@@ -39,20 +76,22 @@ void for_each_of_phase_space(const H& h, const Choice& choice, Test test) {
   for (const std::string& name : choice.schemes) {
     const Scheme<Scalar> s = schemes::by_name<Scalar>(name);
     test(Claim{"semiexplicit, simplified Newton, " + name, s.order, true, true},
-         Semiexplicit(h, s, SimplifiedNewton{.stop = choice.stop}));
+         AnyMethod(Semiexplicit(h, s, SimplifiedNewton{.stop = choice.stop})));
     test(Claim{"semiexplicit, Broyden, " + name, s.order, true, true},
-         Semiexplicit(h, s, Broyden{.stop = choice.stop}));
+         AnyMethod(Semiexplicit(h, s, Broyden{.stop = choice.stop})));
     test(Claim{"semiexplicit, Newton-Krylov, " + name, s.order, true, true},
-         Semiexplicit(h, s, NewtonKrylov{.stop = choice.stop}));
-    test(Claim{"midpoint projection, " + name, s.order, false, false}, MidpointProjection(h, s));
+         AnyMethod(Semiexplicit(h, s, NewtonKrylov{.stop = choice.stop})));
+    test(Claim{"midpoint projection, " + name, s.order, false, false}, AnyMethod(MidpointProjection(h, s)));
   }
   for (int stages = 1; stages <= choice.most_stages; ++stages) {
     const std::string gauss = "Gauss, " + std::to_string(stages) + " stages, ";
-    test(Claim{gauss + "fixed point", 2 * stages, true, true}, GaussLegendre(h, {.stages = stages}));
+    test(Claim{gauss + "fixed point", 2 * stages, true, true},
+         AnyMethod(GaussLegendre(h, {.stages = stages})));
     test(Claim{gauss + "Newton", 2 * stages, true, true},
-         GaussLegendre(h, {.stages = stages, .solver = StageSolver::newton}));
+         AnyMethod(GaussLegendre(h, {.stages = stages, .solver = StageSolver::newton})));
     if constexpr (HasPackGradient<H>)
-      test(Claim{gauss + "in lanes", 2 * stages, true, true}, GaussLegendreLanes(h, {.stages = stages}));
+      test(Claim{gauss + "in lanes", 2 * stages, true, true},
+           AnyMethod(GaussLegendreLanes(h, {.stages = stages})));
   }
 }
 
@@ -62,11 +101,11 @@ void for_each_of_doubled_space(const H& h, const Choice& choice, Test test) {
   using Scalar = typename H::Scalar;
   for (const std::string& name : choice.schemes) {
     const Scheme<Scalar> s = schemes::by_name<Scalar>(name);
-    test(Claim{"Pihajoki, " + name, s.explicit_order, false, true}, Pihajoki(h, s));
+    test(Claim{"Pihajoki, " + name, s.explicit_order, false, true}, AnyMethod(Pihajoki(h, s)));
   }
   for (const std::string& name : choice.tao_schemes) {
     const Scheme<Scalar> s = schemes::by_name<Scalar>(name);
-    test(Claim{"Tao, " + name, s.order, false, true}, Tao(h, s, Scalar(choice.omega)));
+    test(Claim{"Tao, " + name, s.order, false, true}, AnyMethod(Tao(h, s, Scalar(choice.omega))));
   }
 }
 

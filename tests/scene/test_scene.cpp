@@ -328,4 +328,17 @@ TEST_CASE("What strays is relative to nothing that is zero up to rounding", "[sc
   for (const AuditRow& row : radial.rows) CHECK(row.invariant_shift[1] < 1);
 }
 
+TEST_CASE("a circular binary shrinks to its merger as Peters says") {
+  // a = a₀ (1 - t/T)^(1/4), T = 5c⁵a₀⁴/(256ν(GM)³): half the size after 15/16 of the time.
+  const double c = 10, nu = 0.25, merger = 5 * std::pow(c, 5) / (256 * nu);
+  const Scene scene(Kinetic<double, 2>{}, Attraction<double, 2>{}, RadiationReaction<double, 2>{1, c, nu});
+  auto stepper = stepper_for(scene, exactly<Kinetic<double, 2>, Attraction<double, 2>>());
+  PhasePoint<double, 2> z({1, 0}, {0, 1});
+  Books books(scene);
+  integrate(stepper, z, {.dt = 0.07, .t_end = merger * 15 / 16}, books);
+  CHECK(-1 / (2 * scene.energy(z.q(), z.p())) == Approx(0.5).epsilon(1e-3));
+  CHECK(books.work() == Approx(-0.5).epsilon(2e-3));
+  CHECK(std::abs(books.difference()) < 1e-8);
+}
+
 }  // namespace test_scene

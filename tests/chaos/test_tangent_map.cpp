@@ -185,6 +185,60 @@ TEST_CASE("The time of a driven system does not loosen its tangent map, nor does
   CHECK(tangent.at(driven.extended({0, 0}, 0.0), 0.1) == Status::success);
 }
 
+/// Duffing's oscillators in a chain, coupled weakly.
+struct WeakChain {
+  using Scalar = double;
+  static constexpr int Dof = 6;
+  void gradient(In<double, 6> q, In<double, 6> p, Out<double, 6> dHdq, Out<double, 6> dHdp) const {
+    dHdq = q.array().cube().matrix() - q;
+    dHdp = p;
+    for (int i = 0; i < 5; ++i) {
+      const double force = 1e-6 * (q[i] - q[i + 1]);
+      dHdq[i] += force;
+      dHdq[i + 1] -= force;
+    }
+  }
+};
+struct WeakChainWithHessian : WeakChain {
+  void hessian(In<double, 6> q, In<double, 6>, Eigen::Ref<Eigen::Matrix<double, 12, 12>> out) const {
+    out.setIdentity();
+    for (int i = 0; i < 6; ++i) out(i, i) = 3 * q[i] * q[i] - 1 + (i % 5 == 0 ? 1e-6 : 2e-6);
+    for (int i = 0; i < 5; ++i) out(i, i + 1) = out(i + 1, i) = -1e-6;
+  }
+};
+
+TEST_CASE("Differences for a Hessian suit couplings that are far weaker than the forces", "[chaos]") {
+  const auto scheme = schemes::low_defect6_s13();
+  TangentMap<WeakChain> by_gradient(WeakChain(), scheme);
+  TangentMap<WeakChainWithHessian> exact(WeakChainWithHessian(), scheme);
+  Semiexplicit stepper(WeakChain(), scheme);
+  // Along one vector, too: the other oscillators hardly move it.
+  TangentVectors one(stepper, 1);
+  one.vectors().setZero();
+  one.vectors()(0, 0) = 1;
+  PhasePoint<double, 6> z;
+  for (int i = 0; i < 6; ++i) z.q()[i] = 0.05 * (i + 1), z.p()[i] = 0.1 * i;
+  for (int n = 0; n < 600; ++n) {
+    REQUIRE(by_gradient.at(z, 0.05) == Status::success);
+    REQUIRE(exact.at(z, 0.05) == Status::success);
+    CHECK((by_gradient.matrix() - exact.matrix()).cwiseAbs().maxCoeff() <= 1e-7);
+    const Eigen::Matrix<double, 12, 1> expected = exact.matrix() * one.vectors().col(0);
+    REQUIRE(one.advance(z, 0.05).ok());
+    CHECK((one.vectors().col(0) - expected).norm() <= 3e-6 * expected.norm());
+    REQUIRE(stepper.step(z, 0.05).ok());
+  }
+}
+
+TEST_CASE("The tangent map of a driven system needs no derivative with respect to the time", "[chaos]") {
+  const Autonomous driven(Driven{});
+  Semiexplicit stepper(driven, schemes::low_defect6_s13());
+  TangentMap tangent(stepper);
+  const auto z = driven.extended({1, 0.2}, 0.3);
+  REQUIRE(tangent.at(z, 0.1) == Status::success);
+  CHECK(asymmetry(tangent.matrix()) <= 1e-13);
+  CHECK((tangent.matrix() - differences(stepper, z, 0.1, 1e-3)).topRows(3).cwiseAbs().maxCoeff() <= 1e-9);
+}
+
 TEST_CASE("Differences for a Hessian suit a time that is far larger than the state", "[chaos]") {
   const Autonomous driven(Driven{});
   TangentMap tangent(driven, schemes::low_defect6_s13());

@@ -387,6 +387,30 @@ TEST_CASE("Where the energy is coarsely rounded no right gradient is wrong", "[c
   }
 }
 
+TEST_CASE("Positions are judged beside positions, and momenta beside momenta, in any units",
+          "[check_gradient]") {
+  // The potential is below the rounding of the energy.
+  const auto wave = make_hamiltonian<double, 2>(
+      [](const auto& q, const auto& p) { return p.squaredNorm() / 2 + std::sin(q[0] + q[1]); },
+      [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+        dHdq[0] = dHdq[1] = std::cos(q[0] + q[1]);
+        dHdp = p;
+      });
+  for (const double p : {1e6, 1e7, 3e8, 1e10})
+    CHECK(check_gradient(wave, PhasePoint<double, 2>({1, 0.5}, {p, 0.3 * p})).ok());
+  // A planet in SI units, with the Sun at rest in the origin.
+  const double gm = 1.327e20, mass = 1.9e27;
+  const auto planet = make_hamiltonian<double, 2>(
+      [=](const auto& q, const auto& p) { return p.squaredNorm() / (2 * mass) - gm * mass / q.norm(); },
+      [=](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+        dHdq = gm * mass / std::pow(q.norm(), 3) * q;
+        dHdp = p / mass;
+      });
+  const auto check = check_gradient(planet, PhasePoint<double, 2>({7.8e11, 0}, {0, 1.3e4 * mass}));
+  CHECK(check.ok());
+  CHECK(check.judged());
+}
+
 TEST_CASE("An angle so large that its rounding hides the oscillation is not judged", "[check_gradient]") {
   const auto rotor = make_hamiltonian<double, 1>(
       [](const auto& q, const auto& p) {

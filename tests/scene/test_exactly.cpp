@@ -73,7 +73,7 @@ TEST_CASE("The words for a stepper say what is exact, kicked and doubled, and at
         "gradient calls a "
         "kick");
   CHECK(explain(exact, perihelion()) ==
-        "exact: kinetic + attraction (Kepler); doubled: 1pn, 2.6e-08 of the gradient; aba82 of order (8,2), "
+        "exact: kinetic + attraction (Kepler); doubled: 1pn, 1.2e-07 of the gradient; aba82 of order (8,2), "
         "4 kicks a "
         "step, 2 gradient calls a kick");
   const Scene flattened(Kinetic{}, Attraction{}, orbits::Oblateness<double, 2>{.j2 = 1e-3});

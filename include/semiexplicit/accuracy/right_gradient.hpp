@@ -39,11 +39,13 @@ SEMIEXPLICIT_COLD GradientGlance<typename H::Scalar> glance_at_gradient(
   const auto outputs = written_gradient(hamiltonian, z, gradient);
   bool wrong = std::any_of(outputs.begin(), outputs.end(),
                            [](GradientOutput output) { return output != GradientOutput::written; });
-  const Scalar rounding = energy_rounding(hamiltonian, energy, z), typical = typical_size(z);
+  const Scalar rounding = energy_rounding(hamiltonian, energy, z);
+  const auto sizes = sizes_of_halves(z);
   std::uint64_t random = 1;
   for (int k = 0; k < 6 && !wrong; ++k) {
     Scalar slope(0), terms(0);
     for (Eigen::Index i = 0; i < z.vector().size(); ++i) {
+      const Scalar typical = sizes[i < z.dof() ? 0 : 1].typical;
       const Scalar x = abs(z.vector()[i]), least = k < 3 ? Scalar(0) : Scalar(typical / 1000);
       const Scalar own = x == Scalar(0) ? typical : std::max(x, least);
       direction.vector()[i] = Scalar(scattered(random)) * own;

@@ -19,6 +19,9 @@ class ExtendedPhaseSpace {
   static constexpr int Dof = D == Eigen::Dynamic ? Eigen::Dynamic : D + 1;
   using State = PhasePoint<Scalar, Dof>;
   using Point = PhasePoint<Scalar, D>;
+  /// Whether the gradient has the derivative with respect to the time, so that p_t is followed. One that does
+  /// not says so by a member of the same name.
+  static constexpr bool follows_work = true;
 
   /// The phase point (q, p), and the time, of an extended one.
   static Point point(const State& extended) {
@@ -59,6 +62,12 @@ concept InExtendedPhaseSpace =
         H, ExtendedPhaseSpace<typename H::Scalar, H::Dof == Eigen::Dynamic ? Eigen::Dynamic : H::Dof - 1>>;
 
 namespace detail {
+
+/// In an extended phase space, and p_t is not followed.
+template <class H>
+inline constexpr bool lacks_work = false;
+template <InExtendedPhaseSpace H>
+inline constexpr bool lacks_work<H> = !H::follows_work;
 
 /// The size that tolerances are relative to: ‖z‖, in an extended phase space without the last degree of
 /// freedom, (t, p_t). After a long time t would outweigh all else, and every tolerance with it.

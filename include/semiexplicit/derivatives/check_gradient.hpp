@@ -1,11 +1,13 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <locale>
+#include <optional>
 #include <ostream>
 #include <sstream>
 #include <stdexcept>
@@ -367,18 +369,34 @@ SEMIEXPLICIT_COLD std::vector<GradientOutput> written_gradient(
   return outputs;
 }
 
-/// A size for the entries that are zero, which say nothing about it: the middle one of the others' sizes, so
-/// that a late time or another large entry does not count, or 1.
-template <class Scalar, int Dof>
-SEMIEXPLICIT_COLD Scalar typical_size(const PhasePoint<Scalar, Dof>& z) {
+/// Sizes of the entries of q, or of p.
+template <class Scalar>
+struct EntrySizes {
+  Scalar largest;
+  /// For entries that are zero, which say nothing about it: the middle one of the others' sizes, so that a
+  /// late time or another large entry does not count.
+  Scalar typical;
+};
+
+/// Of entries that are not all zero, or of none.
+template <class Scalar>
+SEMIEXPLICIT_COLD std::optional<EntrySizes<Scalar>> entry_sizes(const auto& entries) {
   using std::abs;
   std::vector<Scalar> sizes;
-  for (const Scalar& x : z.vector())
+  for (const Scalar& x : entries)
     if (x != Scalar(0)) sizes.push_back(abs(x));
-  if (sizes.empty()) return Scalar(1);
+  if (sizes.empty()) return std::nullopt;
   const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
   std::nth_element(sizes.begin(), middle, sizes.end());
-  return *middle;
+  return EntrySizes<Scalar>{*std::max_element(sizes.begin(), sizes.end()), *middle};
+}
+
+/// Those of q and of p, whose units may be any; of a half that is zero those of the other one, or 1.
+template <class Scalar, int Dof>
+SEMIEXPLICIT_COLD std::array<EntrySizes<Scalar>, 2> sizes_of_halves(const PhasePoint<Scalar, Dof>& z) {
+  const auto q = entry_sizes<Scalar>(z.q()), p = entry_sizes<Scalar>(z.p());
+  const EntrySizes<Scalar> one{Scalar(1), Scalar(1)};
+  return {q.value_or(p.value_or(one)), p.value_or(q.value_or(one))};
 }
 
 /// What rounding makes of an energy is judged by its terms, which may be far larger than their sum, and by
@@ -393,7 +411,7 @@ typename H::Scalar energy_rounding(const H& hamiltonian, const typename H::Scala
   const auto terms =
       reference_size([&](const auto& q, const auto& p) { return hamiltonian.energy(q, p); }, energy, z).terms;
   PhasePoint<Scalar, H::Dof> at = z, direction = z;
-  const Scalar typical = typical_size(z);
+  const auto sizes = sizes_of_halves(z);
   const auto along = [&](const Scalar& s) -> Scalar {
     at.vector() = z.vector() + s * direction.vector();
     return hamiltonian.energy(at.q(), at.p());
@@ -402,7 +420,7 @@ typename H::Scalar energy_rounding(const H& hamiltonian, const typename H::Scala
   std::uint64_t random = 1;
   for (int k = 0; k < 8 && (k < 4 || !isfinite(least)); ++k) {
     for (Eigen::Index i = 0; i < z.vector().size(); ++i) {
-      const Scalar own = z.vector()[i] == Scalar(0) ? typical : z.vector()[i];
+      const Scalar own = z.vector()[i] == Scalar(0) ? sizes[i < z.dof() ? 0 : 1].typical : z.vector()[i];
       direction.vector()[i] = Scalar(scattered(random)) * (k < 4 ? own : std::max<Scalar>(abs(own), 1));
     }
     least = std::min(least, first_move<Scalar>(along, Scalar(0), Scalar(1)));
@@ -444,7 +462,7 @@ SEMIEXPLICIT_COLD GradientCheck<typename detail::EnergyDoor<H>::Scalar> check_gr
   PhasePoint<Scalar, H::Dof> given(d), at(z);
   const auto outputs = detail::written_gradient(hamiltonian, z, given);
   const Scalar rounding = detail::energy_rounding(hamiltonian, energy, z);
-  const Scalar size = detail::largest_absolute(z.vector()), typical = detail::typical_size(z);
+  const auto sizes = detail::sizes_of_halves(z);
   GradientCheck<Scalar> check;
   for (Eigen::Index i = 0; i < 2 * d; ++i) {
     const auto energy_at = [&](const Scalar& x) -> Scalar {
@@ -452,8 +470,9 @@ SEMIEXPLICIT_COLD GradientCheck<typename detail::EnergyDoor<H>::Scalar> check_gr
       return hamiltonian.energy(at.q(), at.p());
     };
     // The first step is meant to be too large, but not by much: about a tenth of the variable.
+    const auto& [largest, typical] = sizes[i < d ? 0 : 1];
     const Scalar x = z.vector()[i], own = x == Scalar(0) ? typical : Scalar(abs(x));
-    const auto slope = detail::judging_slope<Scalar>(energy_at, x, given.vector()[i], own, size, rounding);
+    const auto slope = detail::judging_slope<Scalar>(energy_at, x, given.vector()[i], own, largest, rounding);
     at.vector()[i] = z.vector()[i];
     typename GradientCheck<Scalar>::Entry entry{
         .name = std::string(i < d ? "dH/dq[" : "dH/dp[") + std::to_string(i < d ? i : i - d) + "]",

@@ -29,11 +29,12 @@ class ShiftSearch {
 
   /// Of `count` shifts in geometric order from the larger one to the smaller one, that whose differences
   /// agree best with those of its two neighbours; of equals, as where the gradient is linear or even, that
-  /// nearest to the usual one for a state of this size of which `own` is moved. difference(shift, column)
-  /// writes above(), below() and their difference by the shift.
+  /// nearest to the usual one for a state of this size of which `own` is moved, beside entries that are no
+  /// larger than `others`. difference(shift, column) writes above(), below() and their difference by the
+  /// shift.
   template <class Difference>
-  Scalar best(const Scalar& state_size, const Scalar& own, const Scalar& from, const Scalar& to, int count,
-              const Difference& difference) {
+  Scalar best(const Scalar& state_size, const Scalar& own, const Scalar& others, const Scalar& from,
+              const Scalar& to, int count, const Difference& difference) {
     using std::abs;
     using std::cbrt;
     using std::log;
@@ -43,13 +44,14 @@ class ShiftSearch {
     const Scalar size = state_size > Scalar(0) ? state_size : Scalar(1);
     const Scalar usual = size * cbrt(epsilon * std::max<Scalar>(1, own / size));
     const auto distance = [&](const Scalar& x) { return abs(log(x / usual)); };
+    const Scalar length = others > Scalar(0) ? others : Scalar(1);
     seen_.setZero();
     Scalar shift = from, best = from * pow(ratio, Scalar(count / 2)), least(1), before(1);
     bool known = false;
     for (int k = 0; k < count; ++k, shift *= ratio) {
       difference(shift, smaller_);
       if (k > 0) {
-        const Scalar now = disagreement(middle_, smaller_, shift);
+        const Scalar now = disagreement(middle_, smaller_, shift, length);
         if (known) {
           const Scalar worse = std::max(before, now);
           const Scalar here = shift / ratio;
@@ -60,7 +62,7 @@ class ShiftSearch {
         known = true;
       }
       for (Eigen::Index j = 0; j < seen_.size(); ++j)
-        if (smaller_[j] != Scalar(0)) seen_[j] = Scalar(1);
+        if (smaller_[j] != Scalar(0)) seen_[j] = abs(smaller_[j]);
       middle_ = smaller_;
     }
     return best;
@@ -78,7 +80,7 @@ class ShiftSearch {
     Scalar least = others > Scalar(0) && others < Scalar(1) ? others : Scalar(1);
     least = std::max(Scalar(16 * epsilon * own), Scalar(epsilon * least));
     const Scalar count = ceil(log(from / least) / log(Scalar(8)));
-    return best(state_size, own, from, least,
+    return best(state_size, own, others, from, least,
                 count < Scalar(most_shifts) ? static_cast<int>(count) : most_shifts, difference);
   }
 
@@ -87,16 +89,17 @@ class ShiftSearch {
   Scalar best_near(const Scalar& state_size, const Scalar& own, const Scalar& others, const Scalar& shift,
                    const Difference& difference) {
     const Scalar from = 512 * shift, to = shift / 512;
-    const Scalar found = best(state_size, own, from, to, 7, difference);
+    const Scalar found = best(state_size, own, others, from, to, 7, difference);
     return found > from / 16 || found < to * 16 ? best_of_all(state_size, own, others, difference) : found;
   }
 
  private:
-  /// How far two columns are from each other, the last one by this shift: the mean over the entries, of any
-  /// size, of the logarithm of their relative difference, which is no less than what the rounding of the
-  /// gradient may make of it. One that has become 0 disagrees: it is below the resolution of the gradient. At
-  /// most 1.
-  Scalar disagreement(const Vec& a, const Vec& b, const Scalar& shift) const {
+  /// How far two columns are from each other, the last one by this shift: the mean over the entries of the
+  /// logarithm of their relative difference, which is no less than what the rounding of the gradient may make
+  /// of it. One that has become 0 disagrees: it is below the resolution of the gradient. An entry counts by
+  /// how much it moves its component of the gradient over `length`, at most all of it: a coupling far weaker
+  /// than the forces would ask for shifts too large for these. At most 1.
+  Scalar disagreement(const Vec& a, const Vec& b, const Scalar& shift, const Scalar& length) const {
     using std::abs;
     using std::cbrt;
     using std::isfinite;
@@ -104,32 +107,37 @@ class ShiftSearch {
     // What is better than ε^{2/3} does not count: an entry that is constant would ask for shifts too large
     // for the others.
     const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon(), least = cbrt(epsilon) * cbrt(epsilon);
-    Scalar sum(0);
+    Scalar sum(0), weights(0);
     for (Eigen::Index j = 0; j < a.size(); ++j) {
       const Scalar size = std::max<Scalar>(abs(a[j]), abs(b[j]));
       if (!isfinite(a[j]) || !isfinite(b[j])) return Scalar(1);
-      const Scalar rounding =
-          epsilon * std::max<Scalar>(abs(above_.vector()[j]), abs(below_.vector()[j])) / shift;
-      Scalar relative = size == Scalar(0) ? seen_[j] : Scalar((abs(a[j] - b[j]) + rounding) / size);
+      const Scalar value = std::max<Scalar>(abs(above_.vector()[j]), abs(below_.vector()[j]));
+      const Scalar moved = length * (size == Scalar(0) ? seen_[j] : size);
+      if (moved == Scalar(0)) continue;
+      const Scalar weight = moved / (value + moved);
+      Scalar relative =
+          size == Scalar(0) ? Scalar(1) : Scalar((abs(a[j] - b[j]) + epsilon * value / shift) / size);
       if (relative < least) relative = least;
-      sum += log(relative);
+      sum += weight * log(relative);
+      weights += weight;
     }
-    return sum / Scalar(a.size());
+    return weights > Scalar(0) ? Scalar(sum / weights) : log(least);
   }
 
   State above_, below_;
   Vec middle_, smaller_, seen_;
 };
 
-/// ∇²H at z, a symmetric 2d × 2d matrix: by H.hessian where there is one, else by central differences of the
-/// gradient. NaN or Inf where the gradient is; what a gradient throws goes through. Memory: nine vectors of
-/// length 2d.
+/// ∇²H at z, a symmetric 2d × 2d matrix: by H.hessian where
+/// there is one, else by central differences of the gradient. NaN or Inf where the gradient is; what a
+/// gradient throws goes through. Memory: nine vectors of length 2d.
 ///
 /// The shift of each coordinate is found from the gradient itself: of shifts over all orders of magnitude,
 /// the one whose difference agrees best with its two neighbours'. It is kept from call to call, looked at
 /// again, one coordinate every 16 calls, and found anew where z has gone far since. An entry is off by about
 /// (ε max(1, |x|/l))^{2/3} of its size (1e-10 to 1e-9 in double), where l is the length along which the
-/// gradient varies: an angle of 6e6 is known to 1e-9 only, and its derivatives to 1e-6.
+/// gradient varies: an angle of 6e6 is known to 1e-9 only, and its derivatives to 1e-6. So are for some steps
+/// those of a column whose entries differ by orders of magnitude, as of weakly coupled oscillators.
 template <class H>
 class SecondDerivatives {
  public:
@@ -162,10 +170,13 @@ class SecondDerivatives {
         hessian.col(i) = column_;
       }
       // Symmetric to the last bit, so that the tangent map is symplectic although its entries are
-      // approximate.
+      // approximate. What the gradient of a driven H leaves out in the row of the time its column has.
+      const Eigen::Index time = lacks_work<H> ? z.size() / 2 - 1 : -1;
       for (Eigen::Index i = 0; i < z.size(); ++i)
         for (Eigen::Index j = 0; j < i; ++j)
-          hessian(i, j) = hessian(j, i) = (hessian(i, j) + hessian(j, i)) / 2;
+          hessian(i, j) = hessian(j, i) = i == time   ? hessian(j, i)
+                                          : j == time ? hessian(i, j)
+                                                      : (hessian(i, j) + hessian(j, i)) / 2;
     }
   }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstddef>
@@ -19,7 +20,17 @@ namespace semiexplicit {
 
 namespace detail {
 
-/// |∇effect|/|∇H| at a state.
+/// How large a part of the gradient of H that of an effect is: |∂effect/∂q|/|∂H/∂q|, or the same by p where
+/// that is larger. Units of q and p leave it as it is. 0 where H is in equilibrium.
+template <class Scalar, int Dof>
+double part_of_gradient(const PhasePoint<Scalar, Dof>& effect, const PhasePoint<Scalar, Dof>& whole) {
+  const auto part = [](const auto& of, const auto& all) {
+    return norm(all) > Scalar(0) ? static_cast<double>(norm(of) / norm(all)) : 0.0;
+  };
+  return std::max(part(effect.q(), whole.q()), part(effect.p(), whole.p()));
+}
+
+/// The same at a state.
 template <class E, class H, class Scalar, int Dof>
 SEMIEXPLICIT_COLD double size_of_effect(const E& effect, const H& whole, const PhasePoint<Scalar, Dof>& z) {
   using Column = Vector<Scalar, Dof>;
@@ -30,7 +41,7 @@ SEMIEXPLICIT_COLD double size_of_effect(const E& effect, const H& whole, const P
   one.q() = by_q;
   one.p() = by_p;
   gradient_at(whole, z.vector().data(), all.vector().data(), z.dof());
-  return static_cast<double>(norm(one.vector()) / norm(all.vector()));
+  return part_of_gradient(one, all);
 }
 
 /// The effects whose bits of a mask are set, as Exactly<...>.
@@ -63,8 +74,8 @@ struct SmallRestFlow<Exactly<Group...>, Scene<Effects...>> {
 }  // namespace detail
 
 /// The exact flow that a scene should be run with, in words for a user, or nothing: of two or three effects,
-/// whose rest has a size below 1e-4, for there it takes several times fewer gradient calls. `sizes` are
-/// |∇effect|/|∇H|, in the order of the effects. Of several the one that leaves least.
+/// whose rest has a size below 1e-4, for there it takes several times fewer gradient calls. `sizes` are the
+/// effects' parts of the gradient, in their order. Of several the one that leaves least.
 template <class... Effects>
 SEMIEXPLICIT_COLD std::optional<std::string> advised_flow(
     const Scene<Effects...>& scene, const std::array<double, sizeof...(Effects)>& sizes) {

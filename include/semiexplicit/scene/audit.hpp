@@ -165,7 +165,7 @@ class Auditor {
     return *std::max_element(list.begin(), list.end());
   }
 
-  /// |∇effect|/|∇H| along the orbit.
+  /// The effect's part of the gradient along the orbit.
   void measure_size(const Any& effect, const Orbit& orbit, AuditRow& row) const {
     State own(z0_.dof()), whole(z0_.dof());
     for (const State& z : orbit) {
@@ -173,9 +173,7 @@ class Auditor {
       Out<Scalar, Dof> by_q = own.q(), by_p = own.p();
       effect.add_gradient(z.q(), z.p(), by_q, by_p);
       scene_.gradient(z.q(), z.p(), whole.q(), whole.p());
-      const Scalar all = norm(whole.vector());
-      if (all == Scalar(0)) continue;  // an equilibrium
-      const double size = static_cast<double>(norm(own.vector()) / all);
+      const double size = detail::part_of_gradient(own, whole);
       row.size_max = std::max(row.size_max, size);
       row.size_mean += size / static_cast<double>(orbit.size());
     }

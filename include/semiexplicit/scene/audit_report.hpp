@@ -20,7 +20,7 @@ struct AuditRow {
   bool coupled = false;
   double seconds = 0;     ///< of one gradient of this effect alone
   double time_share = 0;  ///< of the time of all effects' gradients
-  double size_max = 0;    ///< |∇effect|/|∇H| along the orbit
+  double size_max = 0;    ///< part of ∂H/∂q or ∂H/∂p along the orbit, the larger one
   double size_mean = 0;
   double shift_max =
       0;  ///< how far the orbit moves without it, relative to its largest distance from the origin

@@ -96,9 +96,10 @@ SEMIEXPLICIT_COLD std::string explained(const FlowSplitting<H, Solver>& stepper,
 
 /// In words, what a stepper does to each effect of its scene, and what that costs:
 ///
-///     exact: kinetic + attraction (Kepler); doubled: 1pn, 2.6e-08 of the gradient; aba82 of order (8,2), ...
+///     exact: kinetic + attraction (Kepler); doubled: 1pn, 1.2e-07 of the gradient; aba82 of order (8,2), ...
 ///
-/// The sizes stand there where a state is given, explain(stepper, z): |∇effect|/|∇H| at z, Euclidean.
+/// The sizes stand there where a state is given, explain(stepper, z): the effect's part of ∂H/∂q or of ∂H/∂p
+/// at z, the larger one.
 template <class H, class Solver>
 std::string explain(const FlowSplitting<H, Solver>& stepper) {
   return detail::explained(stepper, nullptr);

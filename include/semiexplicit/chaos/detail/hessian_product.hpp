@@ -27,8 +27,9 @@ concept HasDualGradient = Hamiltonian<H> && std::same_as<typename H::PackGradien
 ///
 /// The shift along each column is found as those of SecondDerivatives are: from the gradients themselves,
 /// kept from call to call, looked at again every 16 calls and found anew where z has gone far. The product is
-/// off by about 1e-10 to 1e-9 of its size in double, and by (2e-16 x)^{2/3} where the column moves an angle
-/// that has wound up to x. Such a product is not that of a symmetric matrix.
+/// off by about 1e-10 to 1e-9 of its size in double, for some steps by 1e-6 where its entries differ by
+/// orders of magnitude, and by (2e-16 x)^{2/3} where the column moves an angle that has wound up to x. Such a
+/// product is not that of a symmetric matrix.
 template <class H>
 class HessianProduct {
  public:

@@ -82,8 +82,10 @@ class Pilot {
     segment_time = std::max({length / 2000, 4 * setting_.dt, least_segment});
     calls_if_stuck_ = 8 * calls;
     State z = problem_.z0;
-    neighbour_ = beside(z);
-    apart_ = static_cast<double>(norm((neighbour_.vector() - z.vector()).eval()));
+    if (watches_neighbour_) {
+      neighbour_ = beside(z);
+      apart_ = static_cast<double>(norm((neighbour_.vector() - z.vector()).eval()));
+    }
     whole_.start(z);
     bool stuck = follow_to(length, calls, z);
     const auto beyond_calls = [&](double limit, double allowed) {

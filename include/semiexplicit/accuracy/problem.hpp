@@ -12,6 +12,7 @@
 #include <semiexplicit/accuracy/cost_options.hpp>
 #include <semiexplicit/accuracy/right_gradient.hpp>
 #include <semiexplicit/core/cold.hpp>
+#include <semiexplicit/core/median.hpp>
 
 namespace semiexplicit::detail {
 
@@ -107,8 +108,8 @@ class Problem {
   SEMIEXPLICIT_COLD void judge_growth_of_terms(double t) {
     if (met_.size() < 8) return;
     const auto quarter = static_cast<std::ptrdiff_t>(met_.size() / 4);
-    const double first = median({met_.begin(), met_.begin() + quarter}),
-                 last = median({met_.end() - quarter, met_.end()});
+    const double first = median<double>({met_.begin(), met_.begin() + quarter}),
+                 last = median<double>({met_.end() - quarter, met_.end()});
     const double later =
         last > 2 * first ? last * std::max(1.0, table.time / t) / std::sqrt(3.0) : std::max(first, last);
     if (later > judged.terms && std::isfinite(later)) judged.terms = later;
@@ -120,8 +121,10 @@ class Problem {
     const State velocity = velocity_at(z);
     State moved = z;
     moved.vector() += Scalar(h) * velocity.vector();
-    const double change = weighed(difference(velocity_at(moved), velocity));
-    return change > 0 ? h * (weighed(velocity) / change) : std::numeric_limits<double>::infinity();
+    const State later = velocity_at(moved);
+    const double change = weighed(later.q() - velocity.q(), later.p() - velocity.p());
+    return change > 0 ? h * (weighed(velocity.q(), velocity.p()) / change)
+                      : std::numeric_limits<double>::infinity();
   }
 
   /// One more gradient call, or several.
@@ -169,19 +172,8 @@ class Problem {
     }
   }
 
-  static double median(std::vector<double> some) {
-    const auto middle = some.begin() + static_cast<std::ptrdiff_t>(some.size() / 2);
-    std::nth_element(some.begin(), middle, some.end());
-    return *middle;
-  }
-  static State difference(const State& a, const State& b) {
-    State result = a;
-    result.vector() -= b.vector();
-    return result;
-  }
-  double weighed(const State& velocity) const {
-    return std::hypot(weight_ * static_cast<double>(norm(velocity.q())),
-                      static_cast<double>(norm(velocity.p())) / weight_);
+  double weighed(const auto& q, const auto& p) const {
+    return std::hypot(weight_ * static_cast<double>(norm(q)), static_cast<double>(norm(p)) / weight_);
   }
 
   SEMIEXPLICIT_COLD void check_gradient_and_energy() {

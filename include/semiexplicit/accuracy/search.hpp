@@ -290,8 +290,8 @@ class Search {
     if (table_.parting_rate > 0 || ratio > 1.4 || cycles < 2)
       return spread * beyond(seen, probe.length, squared ? 2 : 1);
     // What comes back with the motion may hide growth of its own size.
-    const double growth = std::max({0.0, 2 * (probe.late - probe.early), hidden_growth * probe.late});
-    return spread * seen + growth / probe.length * (T - probe.length);
+    const double grown = std::max(2 * (probe.late - probe.early), hidden_growth * probe.late);
+    return spread * seen + grown / probe.length * (T - probe.length);
   }
   /// No smaller than with any shorter step that was tried: an error that dips at one step is luck, but where
   /// it is that of the run itself.

@@ -7,6 +7,7 @@
 
 #include <semiexplicit/accuracy/problem.hpp>
 #include <semiexplicit/core/cold.hpp>
+#include <semiexplicit/core/median.hpp>
 #include <semiexplicit/integrate.hpp>
 
 namespace semiexplicit::detail {
@@ -164,9 +165,8 @@ SEMIEXPLICIT_COLD Probe try_on_windows(Problem<Any>& problem, const Setting& set
     }
   }
   if (!hard.empty()) {
-    std::nth_element(hard.begin(), hard.begin() + static_cast<std::ptrdiff_t>(hard.size() / 2), hard.end());
-    const double median = hard[hard.size() / 2];
-    if (median > 0) result.spread = std::clamp(std::sqrt(result.range / median), 1.0, 3.0);
+    const double usual = median(hard);
+    if (usual > 0) result.spread = std::clamp(std::sqrt(result.range / usual), 1.0, 3.0);
   }
   walker.finish(result);
   return result;

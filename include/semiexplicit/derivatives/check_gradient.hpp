@@ -12,11 +12,13 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <semiexplicit/core/cold.hpp>
 #include <semiexplicit/core/function_ref.hpp>
 #include <semiexplicit/core/hamiltonian_door.hpp>
+#include <semiexplicit/core/median.hpp>
 #include <semiexplicit/core/phase_point.hpp>
 #include <semiexplicit/core/reference_size.hpp>
 
@@ -386,9 +388,7 @@ SEMIEXPLICIT_COLD std::optional<EntrySizes<Scalar>> entry_sizes(const auto& entr
   for (const Scalar& x : entries)
     if (x != Scalar(0)) sizes.push_back(abs(x));
   if (sizes.empty()) return std::nullopt;
-  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-  std::nth_element(sizes.begin(), middle, sizes.end());
-  return EntrySizes<Scalar>{*std::max_element(sizes.begin(), sizes.end()), *middle};
+  return EntrySizes<Scalar>{largest_absolute(entries), median(std::move(sizes))};
 }
 
 /// Those of q and of p, whose units may be any; of a half that is zero those of the other one, or 1.

@@ -128,9 +128,9 @@ class ShiftSearch {
   Vec middle_, smaller_, seen_;
 };
 
-/// ∇²H at z, a symmetric 2d × 2d matrix: by H.hessian where
-/// there is one, else by central differences of the gradient. NaN or Inf where the gradient is; what a
-/// gradient throws goes through. Memory: nine vectors of length 2d.
+/// ∇²H at z, a symmetric 2d × 2d matrix: by H.hessian where there is one, else by central differences of the
+/// gradient. NaN or Inf where the gradient is; what a gradient throws goes through. Memory: nine vectors of
+/// length 2d.
 ///
 /// The shift of each coordinate is found from the gradient itself: of shifts over all orders of magnitude,
 /// the one whose difference agrees best with its two neighbours'. It is kept from call to call, looked at
@@ -169,14 +169,15 @@ class SecondDerivatives {
         difference(h, z, i, shift_[i], column_);
         hessian.col(i) = column_;
       }
+      if constexpr (lacks_work<H>) {  // the column of the time has what the gradient leaves out of its row
+        const Eigen::Index time = z.size() / 2 - 1;
+        hessian.row(time) = hessian.col(time).transpose();
+      }
       // Symmetric to the last bit, so that the tangent map is symplectic although its entries are
-      // approximate. What the gradient of a driven H leaves out in the row of the time its column has.
-      const Eigen::Index time = lacks_work<H> ? z.size() / 2 - 1 : -1;
+      // approximate.
       for (Eigen::Index i = 0; i < z.size(); ++i)
         for (Eigen::Index j = 0; j < i; ++j)
-          hessian(i, j) = hessian(j, i) = i == time   ? hessian(j, i)
-                                          : j == time ? hessian(i, j)
-                                                      : (hessian(i, j) + hessian(j, i)) / 2;
+          hessian(i, j) = hessian(j, i) = (hessian(i, j) + hessian(j, i)) / 2;
     }
   }
 

@@ -76,8 +76,8 @@ void compare(const char* name, int rounds, const Hand& hand, const Automatic& au
       name, "step", rounds, [&] { hand_stepper.step(z, dt); }, [&] { automatic_stepper.step(w, dt); });
 }
 
-/// Σ ¼|ψ|⁴ - Re(ψ²conj(ψ')²), as in systems::NlsLattice.
-constexpr auto lattice_energy = [](const auto& q, const auto& p) {
+/// The energy of systems::NlsLattice, each of its products taken once: Σ ¼|ψ|⁴ - Re(ψ²conj(ψ')²).
+constexpr auto lattice_by_sites = [](const auto& q, const auto& p) {
   using Number = typename std::decay_t<decltype(q)>::Scalar;
   Number sum(0), u(0), v(0);
   for (Eigen::Index i = 0; i < q.size(); ++i) {
@@ -273,8 +273,8 @@ void large_systems(int rounds) {
   for (const Eigen::Index n : {10, 100, 400}) {
     const std::string name = "NLS " + std::to_string(n);
     const PlainLattice hand{n};
-    compare_gradients(name.c_str(), "forwards", std::min(rounds, 50), hand, Forwards(n, lattice_energy));
-    compare_gradients(name.c_str(), "backwards", rounds, hand, from_energy(n, lattice_energy));
+    compare_gradients(name.c_str(), "forwards", std::min(rounds, 50), hand, Forwards(n, lattice_by_sites));
+    compare_gradients(name.c_str(), "backwards", rounds, hand, from_energy(n, lattice_by_sites));
     const auto by_terms = from_energy(n, lattice_by_terms(n));
     compare_gradients(name.c_str(), "by terms", rounds, hand, by_terms);
     const auto z = random_point(n);
@@ -345,7 +345,7 @@ int main(int argc, char** argv) {
       }),
       PhasePoint<double, 2>({1, 0}, {0, 0.9}), 0.01);
 
-  compare("NLS 5", rounds, systems::NlsLattice<double, 5>(), from_energy<5>(lattice_energy),
+  compare("NLS 5", rounds, systems::NlsLattice<double, 5>(), from_energy<5>(lattice_by_sites),
           PhasePoint<double, 5>({3, .01, .01, .01, .01}, {1, 0, 0, 0, 0}), 1e-3);
 
   const Vector<double, 10> circulations{-.5, .3, .6, .7, -.2, -.8, -.9, -.3, .7, -.6};

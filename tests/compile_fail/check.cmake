@@ -1,9 +1,14 @@
-# cmake -D SOURCE=... -D COMPILER=... -D INCLUDES=... -P check.cmake
+# cmake -D SOURCE=... -D COMPILER=... -D INCLUDES=... -D PRECOMPILED=... -P check.cmake
 #
 # Compiles SOURCE once for each of its lines "// case NAME: TEXT", with the macro NAME. The first line with "error:" of what the
 # compiler says must contain TEXT; "// case NAME: compiles" must compile.
 list(TRANSFORM INCLUDES PREPEND -I)
 set(ENV{LC_ALL} C) # messages in English
+set(compile ${COMPILER} -std=c++20 ${INCLUDES})
+file(STRINGS "${SOURCE}" headers REGEX "^#include")
+list(JOIN headers "\n" headers)
+file(WRITE "${PRECOMPILED}.hpp" "${headers}\n")
+execute_process(COMMAND ${compile} -x c++-header "${PRECOMPILED}.hpp" -o "${PRECOMPILED}.hpp.gch" COMMAND_ERROR_IS_FATAL ANY)
 set(failures "")
 set(count 0)
 # A list of CMake is parted by semicolons, which the texts have, too.
@@ -15,7 +20,7 @@ while(rest MATCHES "^// case ([a-z_]+): ([^\n]+)\n")
   math(EXPR end "${end} + 1")
   string(SUBSTRING "${rest}" ${end} -1 rest)
   math(EXPR count "${count} + 1")
-  execute_process(COMMAND ${COMPILER} -std=c++20 -fsyntax-only -D${name} ${INCLUDES} ${SOURCE}
+  execute_process(COMMAND ${compile} -include "${PRECOMPILED}.hpp" -fsyntax-only -Wfatal-errors -D${name} ${SOURCE}
     RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
   if(text STREQUAL "compiles")
     if(NOT result EQUAL 0)

@@ -25,10 +25,10 @@ namespace semiexplicit {
 /// costs about two gradients; else from its gradient with dual numbers where `using PackGradientOf = H;` says
 /// that it is a template that only indexes its arguments, of eight vectors at a time; else from its
 /// `hessian`; else from differences of the gradient, two calls a vector and kick. Those are off by about 1e-9
-/// of their size in double, for some steps by 1e-6 where couplings are far weaker than the forces, of an
-/// angle that has wound up to x by (2e-16 x)^{2/3}, and so is what is kept of vᵀJu, where the others are
-/// exact to rounding. Up to four degrees of freedom, and with d vectors and more, a matrix of differences is
-/// taken, which is symmetric.
+/// of their size in double and 1e-5 in float, for some steps by a hundred times that, of an angle that has
+/// wound up to x by (2e-16 x)^{2/3}, and so is what is kept of vᵀJu, where the others are exact to rounding.
+/// Up to four degrees of freedom, and with d vectors and more, a matrix of differences is taken, which is
+/// symmetric.
 ///
 /// Memory: 5k + 14 vectors of length 2d, with dual numbers of more than four vectors 5k + 61. No heap use in
 /// a step.

@@ -26,10 +26,10 @@ concept HasDualGradient = Hamiltonian<H> && std::same_as<typename H::PackGradien
 /// numbers (HasDualGradient) and no hessian_times there is none: see MovingGroups.
 ///
 /// The shift along each column is found as those of SecondDerivatives are: from the gradients themselves,
-/// kept from call to call, looked at again every 16 calls and found anew where z has gone far. The product is
-/// off by about 1e-10 to 1e-9 of its size in double, for some steps by 1e-6 where its entries differ by
-/// orders of magnitude, and by (2e-16 x)^{2/3} where the column moves an angle that has wound up to x. Such a
-/// product is not that of a symmetric matrix.
+/// kept from call to call as a part of the length along the column, looked at again every 16 calls and found
+/// anew where z has gone far. Each half of the product is off by about 1e-10 to 1e-9 of its size in double,
+/// 1e-5 in float, for some steps by a hundred times that, and by (2e-16 x)^{2/3} where the column moves an
+/// angle that has wound up to x. Such a product is not that of a symmetric matrix.
 template <class H>
 class HessianProduct {
  public:
@@ -130,32 +130,35 @@ class HessianProduct {
   class Differences {
    public:
     Differences(Eigen::Index dof, Eigen::Index columns)
-        : at_(dof), search_(dof), last_(at_.vector()), shift_(Shifts::Zero(columns)) {}
+        : at_(dof), search_(dof), last_(at_.vector()), part_(Parts::Zero(columns)) {}
 
     SEMIEXPLICIT_NOINLINE void prepare(const H& h, const Vec& z, bool search) {
       search_now_ = Search::none;
       if (!search) return;
-      at_.vector() = z;
-      size_ = state_size(h, at_);
-      largest_ = largest_absolute(z);
-      // A shift is about 1e-5 of the length along which the gradient varies.
-      const Scalar moved = norm(z - last_);
-      bool far = count_ == 0;
-      for (Eigen::Index j = 0; j < shift_.size(); ++j) far = far || !(moved <= 65536 * shift_[j]);
-      if (far) last_ = z;
+      const Eigen::Index d = z.size() / 2;
+      lengths_.take(z, search_.here());
+      // A shift is about ε^{1/3} of the length along which the gradient varies.
+      using std::cbrt;
+      const Scalar usual = cbrt(Eigen::NumTraits<Scalar>::epsilon());
+      const bool far = count_ == 0 || !(lengths_.along(z - last_) * 2 * part_.minCoeff() >= usual);
       search_now_ = far ? Search::anew : count_ % look_again == 0 ? Search::near : Search::none;
       count_ = count_ % (std::int64_t{1} << 40) + 1;
+      if (search_now_ == Search::none) return;
+      if (far) last_ = z;
+      gradient_at(h, z.data(), search_.here().data(), d);
+      lengths_.take(z, search_.here());
     }
 
     template <class Column>
     SEMIEXPLICIT_NOINLINE void times(const H& h, const Vec& z, const Column& v, Eigen::Index j,
                                      Vec& product) {
       const auto by = [&](const Scalar& shift, Vec& to) { difference(h, z, v, shift, to); };
+      const Scalar length = lengths_.along(v), unit = 1 / largest_absolute(v);
       // No shift is too small because some coordinate is large: it may be coupled to nothing.
-      if (search_now_ == Search::anew) shift_[j] = search_.best_of_all(size_, Scalar(0), largest_, by);
+      if (search_now_ == Search::anew) part_[j] = search_.best_of_all(length, Scalar(0), unit, by) / length;
       if (search_now_ == Search::near)
-        shift_[j] = search_.best_near(size_, Scalar(0), largest_, shift_[j], by);
-      by(shift_[j], product);
+        part_[j] = search_.best_near(length, Scalar(0), unit, part_[j] * length, by) / length;
+      by(part_[j] * length, product);
     }
 
     /// Whether a product that H gives is near the difference `found`; also where differences cannot tell.
@@ -163,20 +166,21 @@ class HessianProduct {
       prepare(h, z, true);
       times(h, z, v, 0, found);
       Vec other = z;
-      difference(h, z, v, shift_[0] / 2, other);
+      difference(h, z, v, part_[0] * lengths_.along(v) / 2, other);
       const Scalar size = norm(found);
       return !(norm(found - other) <= size / 1000) || norm(found - given) <= size / 100;
     }
 
     template <class Visitor>
     void visit_memory(Visitor&& visit) {
-      visit(shift_);
+      visit(part_);
       visit(last_);
+      visit(search_.here());
       visit(count_);
     }
 
    private:
-    using Shifts = Eigen::Matrix<Scalar, Eigen::Dynamic, 1>;
+    using Parts = Eigen::Matrix<Scalar, Eigen::Dynamic, 1>;
     enum class Search { none, near, anew };
     static constexpr std::int64_t look_again = 16;
 
@@ -192,9 +196,9 @@ class HessianProduct {
 
     State at_;
     ShiftSearch<H> search_;
-    Vec last_;  ///< where the shifts were found
-    Shifts shift_;
-    Scalar size_ = Scalar(0), largest_ = Scalar(0);
+    Lengths<H> lengths_{};
+    Vec last_;    ///< where the shifts were found
+    Parts part_;  ///< of the length along each column: its shift
     Search search_now_ = Search::none;
     std::int64_t count_ = 0;  ///< of the points
   };

@@ -1,0 +1,214 @@
+#include "catch.hpp"
+
+#include <cmath>
+#include <vector>
+
+#include <semiexplicit/chaos.hpp>
+#include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/time.hpp>
+
+namespace test_units {
+
+// Second derivatives by differences of the gradient, in any units: of an ion, a planet, an electron.
+
+namespace {
+
+using namespace semiexplicit;
+
+/// A ring of hard springs whose masses vary, weakly coupled.
+template <class Q, class P>
+auto energy(const Q& q, const P& p, double weak) {
+  using std::sin;
+  using Number = typename Q::Scalar;
+  Number sum(0);
+  for (Eigen::Index i = 0; i < q.size(); ++i) {
+    const Number s = sin(q[i]), qq = q[i] * q[i], apart = q[(i + 1) % q.size()] - q[i];
+    sum += p[i] * p[i] / 2 * (1 + s * s / 2) + qq / 2 + qq * qq / 4 + Number(weak) * apart * apart / 2;
+  }
+  return sum;
+}
+
+struct Units {
+  double time = 1, length = 1, mass = 1;
+  double momentum() const { return mass * length / time; }
+};
+
+/// The ring in other units, with its gradient and nothing more; one spring is driven.
+template <class Scalar_, int N>
+struct Ring {
+  using Scalar = Scalar_;
+  static constexpr int Dof = N;
+  Units units;
+  double weak;
+  void gradient(const In<Scalar, N>& q, const In<Scalar, N>& p, Out<Scalar, N> dHdq,
+                Out<Scalar, N> dHdp) const {
+    at(0, q, p, dHdq, dHdp);
+  }
+  void at(double drive, const In<Scalar, N>& q, const In<Scalar, N>& p, Out<Scalar, N> dHdq,
+          Out<Scalar, N> dHdp) const {
+    const auto length = Scalar(units.length), momentum = Scalar(units.momentum()), time = Scalar(units.time);
+    for (int i = 0; i < N; ++i) {
+      const Scalar x = q[i] / length, y = p[i] / momentum, s = std::sin(x);
+      const Scalar bent = (2 * q[i] - q[(i + 1) % N] - q[(i + N - 1) % N]) / length;
+      const Scalar force = y * y / 2 * s * std::cos(x) + x + x * x * x + Scalar(weak) * bent;
+      dHdq[i] = (force - (i == 0 ? Scalar(drive) : Scalar(0))) * momentum / time;
+      dHdp[i] = y * (1 + s * s / 2) * length / time;
+    }
+  }
+};
+
+/// The same in a drive that begins at its top.
+template <class Scalar_, int N>
+struct DrivenRing {
+  using Scalar = Scalar_;
+  static constexpr int Dof = N;
+  Ring<Scalar, N> ring;
+  void gradient(Scalar t, const In<Scalar, N>& q, const In<Scalar, N>& p, Out<Scalar, N> dHdq,
+                Out<Scalar, N> dHdp) const {
+    ring.at(0.3 * std::cos(1.3 * static_cast<double>(t) / ring.units.time), q, p, dHdq, dHdp);
+  }
+};
+
+/// One spring moves far, the others little.
+template <class Scalar, int N>
+PhasePoint<Scalar, N> start() {
+  PhasePoint<Scalar, N> z;
+  for (int i = 0; i < N; ++i) {
+    z.q()[i] = Scalar(i == 1 ? 2 : 0.1 * std::sin(1 + i));
+    z.p()[i] = Scalar(0.2 * std::sin(2 + i));
+  }
+  return z;
+}
+
+/// What coordinates are multiplied by.
+template <class Scalar, int N>
+Vector<Scalar, 2 * N> scales(const Units& units) {
+  Vector<Scalar, 2 * N> result;
+  result.template head<N>().setConstant(Scalar(units.length));
+  result.template tail<N>().setConstant(Scalar(units.momentum()));
+  return result;
+}
+
+constexpr Units ion{1e-7, 1e-6, 1e-25}, electron{1e-9, 1e-3, 9.1e-31}, planet{1e7, 1e11, 1e24},
+    light{1, 1, 1e-18}, fast{1e-9, 1, 1};
+const std::vector<Units> any_units{{}, ion, electron, planet, light, fast};
+
+}  // namespace
+
+TEST_CASE("A tangent map by differences is right in any units, at weak couplings and from rest", "[chaos]") {
+  const auto scheme = schemes::low_defect6_s13();
+  for (const double weak : {0.1, 1e-4})
+    for (const bool at_rest : {false, true})
+      for (const Units& units : any_units) {
+        CAPTURE(weak, at_rest, units.time, units.length, units.mass);
+        const auto ring = from_energy<3>([&](const auto& q, const auto& p) { return energy(q, p, weak); });
+        Semiexplicit stepper(ring, scheme);
+        TangentMap exact(ring, scheme);
+        TangentMap by_gradient(Ring<double, 3>{units, weak}, scheme);
+        const auto scale = scales<double, 3>(units);
+        auto z = start<double, 3>();
+        if (at_rest) z.p().setZero();
+        for (int n = 0; n < 60; ++n) {
+          PhasePoint<double, 3> scaled;
+          scaled.vector() = scale.cwiseProduct(z.vector());
+          REQUIRE(exact.at(z, 0.1) == Status::success);
+          REQUIRE(by_gradient.at(scaled, 0.1 * units.time) == Status::success);
+          const auto found =
+              (scale.cwiseInverse().asDiagonal() * by_gradient.matrix() * scale.asDiagonal()).eval();
+          CHECK((found - exact.matrix()).cwiseAbs().maxCoeff() <= 1e-9);
+          REQUIRE(stepper.step(z, 0.1).ok());
+        }
+      }
+}
+
+TEST_CASE("Tangent vectors by differences are right in any units, at weak couplings", "[chaos]") {
+  const auto scheme = schemes::low_defect6_s13();
+  for (const double weak : {0.1, 1e-5})
+    for (const bool one_site : {false, true})
+      for (const Units& units : any_units) {
+        CAPTURE(weak, one_site, units.time, units.length, units.mass);
+        const auto ring = from_energy<6>([&](const auto& q, const auto& p) { return energy(q, p, weak); });
+        TangentVectors exact(Semiexplicit(ring, scheme), 1);
+        TangentVectors by_gradient(Semiexplicit(Ring<double, 6>{units, weak}, scheme), 1);
+        const auto scale = scales<double, 6>(units);
+        exact.vectors().setOnes();
+        if (one_site) exact.vectors().bottomRows(10).setZero();
+        by_gradient.vectors() = scale.asDiagonal() * exact.vectors();
+        Semiexplicit stepper(ring, scheme);
+        auto z = start<double, 6>();
+        for (int n = 0; n < 60; ++n) {
+          PhasePoint<double, 6> scaled;
+          scaled.vector() = scale.cwiseProduct(z.vector());
+          REQUIRE(exact.advance(z, 0.1).ok());
+          REQUIRE(by_gradient.advance(scaled, 0.1 * units.time).ok());
+          const auto found = (scale.cwiseInverse().asDiagonal() * by_gradient.vectors()).eval();
+          CHECK((found - exact.vectors()).norm() <= 1e-8 * exact.vectors().norm());
+          REQUIRE(stepper.step(z, 0.1).ok());
+        }
+      }
+}
+
+TEST_CASE("Tangent vectors by differences are right in floats", "[chaos]") {
+  const auto scheme = schemes::low_defect6_s13<float>();
+  const double weak = 1e-3;
+  for (const Units& units : {Units{}, Units{1, 1, 1e-8}, Units{1, 1, 1e6}}) {
+    CAPTURE(units.mass);
+    const auto ring = from_energy<6, float>([&](const auto& q, const auto& p) { return energy(q, p, weak); });
+    TangentVectors exact(Semiexplicit(ring, scheme), 1);
+    TangentVectors by_gradient(Semiexplicit(Ring<float, 6>{units, weak}, scheme), 1);
+    const auto scale = scales<float, 6>(units);
+    exact.vectors().setZero();
+    exact.vectors()(1, 0) = 1;
+    by_gradient.vectors() = scale.asDiagonal() * exact.vectors();
+    Semiexplicit stepper(ring, scheme);
+    auto z = start<float, 6>();
+    for (int n = 0; n < 100; ++n) {
+      PhasePoint<float, 6> scaled;
+      scaled.vector() = scale.cwiseProduct(z.vector());
+      REQUIRE(exact.advance(z, 0.1f).ok());
+      REQUIRE(by_gradient.advance(scaled, 0.1f * float(units.time)).ok());
+      REQUIRE(stepper.step(z, 0.1f).ok());
+    }
+    const auto found = (scale.cwiseInverse().asDiagonal() * by_gradient.vectors()).eval();
+    CHECK((found - exact.vectors()).norm() <= 2e-3f * exact.vectors().norm());
+  }
+}
+
+TEST_CASE("The tangent map of a driven system is right in any units, from the top of the drive on",
+          "[chaos]") {
+  using Extended = long double;
+  const auto scheme = schemes::low_defect6_s13();
+  for (const Units& units : any_units) {
+    CAPTURE(units.time, units.length, units.mass);
+    const Autonomous driven(DrivenRing<double, 2>{{units, 0.1}});
+    TangentMap by_gradient(driven, scheme);
+    Semiexplicit stepper(driven, scheme);
+    // Once more in other numbers, whose differences in time tell what comes out.
+    const Autonomous same(DrivenRing<Extended, 2>{{{}, 0.1}});
+    Semiexplicit reference(same, schemes::low_defect6_s13<Extended>());
+    PhasePoint<double, 2> begin;
+    const auto z0 = start<double, 2>();
+    begin.vector() = scales<double, 2>(units).cwiseProduct(z0.vector());
+    auto z = driven.extended(begin, 0.0);
+    for (int n = 0; n < 40; ++n) {
+      REQUIRE(by_gradient.at(z, 0.1 * units.time) == Status::success);
+      PhasePoint<Extended, 2> here;
+      for (int i = 0; i < 2; ++i) {
+        here.q()[i] = Extended(z.q()[i]) / Extended(units.length);
+        here.p()[i] = Extended(z.p()[i]) / Extended(units.momentum());
+      }
+      const Extended t = Extended(z.q()[2]) / Extended(units.time), h = 1e-5L;
+      auto later = same.extended(here, t + h), earlier = same.extended(here, t - h);
+      REQUIRE(reference.step(later, 0.1L).ok());
+      REQUIRE(reference.step(earlier, 0.1L).ok());
+      for (int i = 0; i < 2; ++i) {
+        const auto slope = (later.p()[i] - earlier.p()[i]) / (2 * h);
+        const double found = by_gradient.matrix()(3 + i, 2) * units.time / units.momentum();
+        CHECK(std::abs(found - static_cast<double>(slope)) <= 1e-9);
+      }
+      REQUIRE(stepper.step(z, 0.1 * units.time).ok());
+    }
+  }
+}
+
+}  // namespace test_units

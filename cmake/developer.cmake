@@ -20,6 +20,11 @@ if(SEMIEXPLICIT_SANITIZE)
   target_link_options(semiexplicit_developer INTERFACE ${sanitizers})
 endif()
 
+# g++ takes a tenth less time where it looks for unused memory less often.
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  target_compile_options(semiexplicit_developer INTERFACE --param=ggc-min-expand=300 --param=ggc-min-heapsize=1000000)
+endif()
+
 # clang's own linker takes half the time, where it is installed.
 if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
   find_program(SEMIEXPLICIT_LLD ld.lld)

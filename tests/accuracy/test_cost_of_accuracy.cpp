@@ -396,7 +396,7 @@ TEST_CASE("a hard place on the way is not said to be the end of the orbit") {
   CHECK(contains(cost.why(1e-7), "raise options.min_gradients"));
 }
 
-TEST_CASE("where the motion gets harder along the way advice holds to the end, or none is given") {
+TEST_CASE("where the motion gets harder along the way advice holds to the end, or none is given", "[long]") {
   // An oscillator whose frequency rises threefold, all along or late: the start says little of the end.
   const double T = 1000;
   const auto rising = [&](bool late) {

@@ -58,8 +58,8 @@ double reached(const Cost& cost, const CostRow& advice, PhasePoint<double, 2> z,
 
 }  // namespace
 
-TEST_CASE(
-    "advice on a constant that every method lets drift is right: the direction of a planet's periapsis") {
+TEST_CASE("advice on a constant that every method lets drift is right: the direction of a planet's periapsis",
+          "[long]") {
   const auto vector = [](const auto& q, const auto& p) { return eccentricity(q, p); };
   const auto angle = [](const auto& q, const auto& p) {
     const Eigen::Vector2d e = eccentricity(q, p);
@@ -84,7 +84,8 @@ TEST_CASE(
   check(0.6, 1e4, 1e-5, angle);
 }
 
-TEST_CASE("a start in a hard place gives right advice, or none with the reason: a planet at its periapsis") {
+TEST_CASE("a start in a hard place gives right advice, or none with the reason: a planet at its periapsis",
+          "[long]") {
   const auto position = [](const auto& q, const auto&) { return Eigen::Vector2d(q); };
   const auto distance = [](const auto& q, const auto&) { return Eigen::Vector2d(q.norm(), 0); };
   const auto check = [](double e, double T, double target, const auto& f) {
@@ -164,7 +165,7 @@ TEST_CASE("what varies by a small part of its size is no constant where the targ
   }
 }
 
-TEST_CASE("a slow instability that parts of the run do not show is seen in the whole of it") {
+TEST_CASE("a slow instability that parts of the run do not show is seen in the whole of it", "[long]") {
   // Kozai's cycles in the tide of a far body: the eccentricity of an inclined orbit grows from 0.01 as
   // e^{st}, while the perihelion of a coarse run turns by itself, which suppresses that.
   const double e = 0.01, inclination = 80 * 3.14159265358979 / 180, T = 600 * 6.283185307179586;
@@ -217,7 +218,7 @@ TEST_CASE("rounding does not make a regular motion in float part from its neighb
   }
 }
 
-TEST_CASE("every target of a list is met where runs are short enough to be made as a whole") {
+TEST_CASE("every target of a list is met where runs are short enough to be made as a whole", "[long]") {
   const auto check = [](const auto& H, const auto& z0, double T, const std::vector<double>& targets) {
     CAPTURE(T, targets.size());
     const double start = H.energy(z0.q(), z0.p());

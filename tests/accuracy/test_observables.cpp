@@ -104,7 +104,8 @@ struct VaryingMass {
 
 }  // namespace
 
-TEST_CASE("advice on the position of a planet over a hundred orbits is right, and takes explicit splitting") {
+TEST_CASE("advice on the position of a planet over a hundred orbits is right, and takes explicit splitting",
+          "[long]") {
   check_advice(Kepler(), planet, 628, 1e-5, 0.02, {.observable = observables::Positions{}, .targets = {1e-5}},
                [](const auto& z) { return z.q(); });
   const auto cost =
@@ -126,7 +127,7 @@ TEST_CASE("growth of an error that its oscillation hides in a trial is not left 
                [](const auto& z) { return z.p(); });
 }
 
-TEST_CASE("advice does not depend on the units of positions and momenta") {
+TEST_CASE("advice does not depend on the units of positions and momenta", "[long]") {
   const auto position = [](const auto& q, const auto&) { return q[0]; };
   const auto product = [](const auto& q, const auto& p) { return q[0] * p[0]; };
   for (const double target : {1e-4, 1e-6})
@@ -217,7 +218,7 @@ TEST_CASE("errors are relative to the largest value of the observable, or absolu
   CHECK(of_one_scheme(hundred) > of_one_scheme(one));
 }
 
-TEST_CASE("a trajectory is that of the system, without the time it is driven by") {
+TEST_CASE("a trajectory is that of the system, without the time it is driven by", "[long]") {
   const Autonomous pendulum(from_energy<1>([](const auto& t, const auto& q, const auto& p) {
     using std::cos;
     return p[0] * p[0] / 2 - cos(q[0]) * (1 + 0.1 * cos(0.3 * t));
@@ -241,7 +242,7 @@ TEST_CASE("a trajectory is that of the system, without the time it is driven by"
   CHECK(std::abs(z.q()[0] - better.q()[0]) < 3e-6 * 0.5);
 }
 
-TEST_CASE("advice for times of a step or two is right, also where they end in a hard place") {
+TEST_CASE("advice for times of a step or two is right, also where they end in a hard place", "[long]") {
   int advices = 0;
   for (const double e : {0.5, 0.7, 0.9}) {
     const PhasePoint<double, 2> apocentre({-1 - e, 0}, {0, -std::sqrt((1 - e) / (1 + e))});
@@ -274,7 +275,7 @@ TEST_CASE("advice for times of a step or two is right, also where they end in a 
   CHECK(advices > 24);
 }
 
-TEST_CASE("advice is right for runs no longer than the time scale of their start") {
+TEST_CASE("advice is right for runs no longer than the time scale of their start", "[long]") {
   const auto q0 = [](const auto& q, const auto&) { return q[0]; };
   int advices = 0;
   const auto check = [&](const auto& h, const auto& start, double T) {
@@ -329,7 +330,7 @@ TEST_CASE("a search for an observable keeps its bound on gradient calls") {
   }
 }
 
-TEST_CASE("a coordinate that winds for long takes the tight targets of the energy away") {
+TEST_CASE("a coordinate that winds for long takes the tight targets of the energy away", "[long]") {
   const auto rotor = make_hamiltonian<double, 1>(
       [](const auto& q, const auto& p) {
         return p[0] * p[0] / 2 * (1 + 0.3 * std::cos(q[0])) + 1 - std::cos(q[0]);

@@ -26,7 +26,7 @@ auto area(const V& v, const V& u) {
 
 }  // namespace
 
-TEST_CASE("Symplecticity holds of tangent vectors over a long run", "[chaos]") {
+TEST_CASE("Symplecticity holds of tangent vectors over a long run", "[chaos][long]") {
   // Close to what the rule allows of each step, 1e-16 of the size of the vectors.
   const auto drift = [](const auto& h) {
     Semiexplicit stepper(h, schemes::low_defect6_s13());
@@ -51,7 +51,7 @@ TEST_CASE("Symplecticity holds of tangent vectors over a long run", "[chaos]") {
   CHECK(drift(GradientOnly<double, 5>{}) <= 1e-6);
 }
 
-TEST_CASE("Exponents of three hundred degrees of freedom are there in a blink", "[chaos]") {
+TEST_CASE("Exponents of three hundred degrees of freedom are there in a blink", "[chaos][long]") {
   const systems::NlsLattice<double> h(300);
   Semiexplicit stepper(h, schemes::low_defect6_s13());
   auto z = some_point<double, Eigen::Dynamic>(300);

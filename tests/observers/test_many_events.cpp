@@ -80,7 +80,7 @@ TEST_CASE("Which crossings count does not depend on rounding where events change
 }
 
 TEST_CASE("A section in float counts the kicks on its surface, however little of a step is left behind them",
-          "[events]") {
+          "[events][long]") {
   // Far from 0, so that s is rounded coarsely.
   const float centre = 35.3F;
   const auto H = from_energy<1, float>([=](const auto& q, const auto& p) {
@@ -105,7 +105,8 @@ TEST_CASE("A section in float counts the kicks on its surface, however little of
   }
 }
 
-TEST_CASE("Steps from the surface to the surface miss no crossing: a kicked rotor whose step is its period") {
+TEST_CASE("Steps from the surface to the surface miss no crossing: a kicked rotor whose step is its period",
+          "[long]") {
   const Autonomous free(from_energy<1>(
       [](const auto& t, const auto& q, const auto& p) { return p[0] * p[0] / 2 + 0 * q[0] + 0 * t; }));
   using Extended = PhasePoint<double, 2>;

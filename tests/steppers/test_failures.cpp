@@ -202,7 +202,7 @@ TEST_CASE("Broyden's method bears steps that the simplified iteration does not",
   CHECK(robust.step(z, dt).ok());
 }
 
-TEST_CASE("No solver takes a distant solution of the projection for that of the step", "[failures]") {
+TEST_CASE("No solver takes a distant solution of the projection for that of the step", "[failures][long]") {
   const auto h = from_energy<2>([](const auto& q, const auto& p) {
     const auto well = q[0] * q[0] - 1;
     return (p[0] * p[0] + p[1] * p[1]) / 2 * (1 + 0.3 * q[0] * q[0]) + well * well / 4 + q[1] * q[1] / 2 +

@@ -160,7 +160,7 @@ double drift(double e, double h, int flows) {
 
 }  // namespace
 
-TEST_CASE("A million orbits of every kind are moved without a failure", "[kepler]") {
+TEST_CASE("A million orbits of every kind are moved without a failure", "[kepler][long]") {
   States states;
   const KeplerFlow<double, 3> flow{1};
   int failures = 0, wrong = 0;
@@ -181,7 +181,7 @@ TEST_CASE("A million orbits of every kind are moved without a failure", "[kepler
 }
 
 TEST_CASE("Kepler's motion agrees with a solution by elements in 50 digits as far as its data determine it",
-          "[kepler]") {
+          "[kepler][long]") {
   States states;
   double worst[States::kinds] = {};
   for (int i = 0; i < 280; ++i) {
@@ -207,7 +207,7 @@ TEST_CASE("A body that falls in fast and flies past the centre is where its data
   CHECK(move(KeplerFlow<double, 3>{1e-30}, z, 2.0) == Status::no_convergence);
 }
 
-TEST_CASE("The energy of a million flows of Kepler's motion walks without drifting", "[kepler]") {
+TEST_CASE("The energy of a million flows of Kepler's motion walks without drifting", "[kepler][long]") {
   for (const double e : {0.0, 0.2, 0.6})
     for (const double h : {0.07, 0.5, 1.5}) {
       INFO("e = " << e << ", h = " << h);

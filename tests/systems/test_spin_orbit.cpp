@@ -16,7 +16,7 @@ using Column = Vector<double, 3>;
 
 TEST_CASE(
     "Two spinning bodies keep energy, total angular momentum and the coupling of the spins to the orbit",
-    "[spins]") {
+    "[spins][long]") {
   const systems::SpinOrbit<double> bodies(1, 1, 0.7, 0.9, 0.6);
   const auto h = bodies.hamiltonian();
   auto z = bodies.state({100, 0, 0}, {0, 0.09, 0.03}, {1, 0.3, 0.5}, {-0.2, 1, 0.4});
@@ -47,7 +47,7 @@ TEST_CASE("A small spin turns about a circular orbit's axis at the geodetic rate
 }
 
 TEST_CASE("Two spinning bodies have no exponent: what grows with the time goes down as its logarithm over it",
-          "[spins]") {
+          "[spins][long]") {
   const systems::SpinOrbit<double> bodies(1, 1, 0.5, 0.8, 0.8);
   auto z = bodies.state({100, 0, 0}, {0, 0.09, 0.02}, {1, 0.2, 0.4}, {-0.3, 1, 0.2});
   Semiexplicit stepper(bodies.hamiltonian(), schemes::low_defect8_s20<double>());

@@ -201,8 +201,9 @@ class ShiftSearch {
 /// the one whose difference agrees best with its two neighbours'. It is kept from call to call, looked at
 /// again, one coordinate every 16 calls, and found anew where z has gone far since. An entry is off by about
 /// (ε max(1, |x|/l))^{2/3} of its size (1e-10 to 1e-9 in double), where l is the length along which the
-/// gradient varies: an angle of 6e6 is known to 1e-9 only, and its derivatives to 1e-6. Of entries of a column
-/// that differ by orders of magnitude, as of weakly coupled oscillators, it is so of the largest in its half.
+/// gradient varies: an angle of 6e6 is known to 1e-9 only, and its derivatives to 1e-6. Of entries of a
+/// column that differ by orders of magnitude, as of weakly coupled oscillators, it is so of the largest in
+/// its half.
 template <class H>
 class SecondDerivatives {
  public:

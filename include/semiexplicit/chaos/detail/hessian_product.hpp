@@ -152,8 +152,13 @@ class HessianProduct {
     template <class Column>
     SEMIEXPLICIT_NOINLINE void times(const H& h, const Vec& z, const Column& v, Eigen::Index j,
                                      Vec& product) {
+      const Scalar largest = largest_absolute(v);
+      if (largest == Scalar(0)) {
+        product.setZero();
+        return;
+      }
       const auto by = [&](const Scalar& shift, Vec& to) { difference(h, z, v, shift, to); };
-      const Scalar length = lengths_.along(v), unit = 1 / largest_absolute(v);
+      const Scalar length = lengths_.along(v), unit = 1 / largest;
       // No shift is too small because some coordinate is large: it may be coupled to nothing.
       if (search_now_ == Search::anew) part_[j] = search_.best_of_all(length, Scalar(0), unit, by) / length;
       if (search_now_ == Search::near)

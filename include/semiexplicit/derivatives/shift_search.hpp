@@ -1,0 +1,195 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include <semiexplicit/core/extended_phase_space.hpp>
+#include <semiexplicit/core/vector.hpp>
+
+namespace semiexplicit::detail {
+
+/// How far each coordinate may go before a gradient changes much, as far as the state and its velocity tell:
+/// as far as the coordinates are from the origin, or the momenta; the time, as long as that takes. Whatever
+/// the units are, these lengths are in them. 1 where nothing is known.
+template <class H>
+class Lengths {
+ public:
+  using Scalar = typename H::Scalar;
+  using Vec = typename PhasePoint<Scalar, H::Dof>::Storage;
+
+  void take(const Vec& z, const Vec& gradient) {
+    const Eigen::Index d = z.size() / 2, n = d - (InExtendedPhaseSpace<H> ? 1 : 0);
+    q_ = largest_absolute(z.head(n)), p_ = largest_absolute(z.segment(d, n));
+    if constexpr (InExtendedPhaseSpace<H>) {
+      using std::abs;
+      const Scalar dq = largest_absolute(gradient.segment(d, n)), dp = largest_absolute(gradient.head(n));
+      time_ = abs(gradient[2 * d - 1]) * smaller(dq > Scalar(0) ? Scalar(q_ / dq) : Scalar(0),
+                                                 dp > Scalar(0) ? Scalar(p_ / dp) : Scalar(0));
+      energy_ = std::max<Scalar>(p_ * dq, q_ * dp);
+    }
+  }
+
+  /// That of one coordinate of 2d.
+  Scalar of(Eigen::Index i, Eigen::Index d) const {
+    Scalar length = i < d ? q_ : p_;
+    if constexpr (InExtendedPhaseSpace<H>)
+      if (i % d == d - 1) length = i < d ? time_ : energy_;
+    return length > Scalar(0) ? length : Scalar(1);
+  }
+
+  /// What v is to be multiplied by so that no coordinate goes farther.
+  template <class Column>
+  Scalar along(const Column& v) const {
+    const Eigen::Index d = v.size() / 2, n = d - (InExtendedPhaseSpace<H> ? 1 : 0);
+    const auto part = [](const Scalar& length, const Scalar& moved) {
+      return moved > Scalar(0) ? Scalar(length / moved) : Scalar(0);
+    };
+    Scalar length =
+        smaller(part(q_, largest_absolute(v.head(n))), part(p_, largest_absolute(v.segment(d, n))));
+    if constexpr (InExtendedPhaseSpace<H>) {
+      using std::abs;
+      length = smaller(length, smaller(part(time_, abs(v[d - 1])), part(energy_, abs(v[2 * d - 1]))));
+    }
+    if (length > Scalar(0)) return length;
+    const Scalar largest = largest_absolute(v);
+    return largest > Scalar(0) ? Scalar(1 / largest) : Scalar(1);
+  }
+
+ private:
+  /// Of two, where 0 says nothing.
+  static Scalar smaller(const Scalar& a, const Scalar& b) {
+    return a > Scalar(0) && (a < b || !(b > Scalar(0))) ? a : b;
+  }
+
+  Scalar q_ = Scalar(0), p_ = Scalar(0), time_ = Scalar(0), energy_ = Scalar(0);
+};
+
+/// Looks for the shift of a central difference of the gradient: of shifts over several orders of magnitude,
+/// the one whose difference agrees best with its two neighbours'. Memory: six vectors of length 2d.
+template <class H>
+class ShiftSearch {
+ public:
+  using Scalar = typename H::Scalar;
+  using State = PhasePoint<Scalar, H::Dof>;
+  using Vec = typename State::Storage;
+  static constexpr int most_shifts = 48;
+
+  explicit ShiftSearch(Eigen::Index dof) : above_(dof), below_(dof) {
+    for (Vec* one : {&here_, &middle_, &smaller_, &seen_}) *one = above_.vector();
+  }
+
+  /// What a difference writes its two gradients to.
+  Vec& above() { return above_.vector(); }
+  Vec& below() { return below_.vector(); }
+  /// The gradient where the differences are taken: to be written before a search.
+  Vec& here() { return here_; }
+
+  /// Of `count` shifts in geometric order from the larger one to the smaller one, that whose differences
+  /// agree best with those of its two neighbours; of those that agree nearly as well, as where the gradient
+  /// is linear or even, that nearest to the usual part of `length`. difference(shift, column) writes above(),
+  /// below() and their difference by the shift.
+  template <class Difference>
+  Scalar best(const Scalar& length, const Scalar& from, const Scalar& to, int count,
+              const Difference& difference) {
+    using std::abs;
+    using std::cbrt;
+    using std::log;
+    using std::pow;
+    const Scalar ratio = pow(to / from, Scalar(1) / Scalar(std::max(count - 1, 1)));
+    Scalar apart[most_shifts], least(1);
+    seen_.setZero();
+    saw_ = false;
+    Scalar shift = from;
+    for (int k = 0; k < count; ++k, shift *= ratio) {
+      difference(shift, smaller_);
+      apart[k] = k > 0 ? disagreement(middle_, smaller_, shift, length) : Scalar(1);
+      if (k > 1) {
+        apart[k - 1] = std::max(apart[k - 1], apart[k]);  // with both neighbours
+        least = std::min(least, apart[k - 1]);
+      }
+      for (Eigen::Index j = 0; j < seen_.size(); ++j)
+        if (smaller_[j] != Scalar(0)) seen_[j] = abs(smaller_[j]);
+      middle_ = smaller_;
+    }
+    const Scalar usual = length * cbrt(Eigen::NumTraits<Scalar>::epsilon());
+    Scalar result = from * pow(ratio, Scalar(count / 2)), nearest(-1);
+    shift = from;
+    for (int k = 0; k < count - 1; ++k, shift *= ratio) {
+      const Scalar distance = abs(log(shift / usual));
+      if (k == 0 || !(apart[k] < Scalar(1)) || apart[k] > least + log(Scalar(4))) continue;
+      if (nearest < Scalar(0) || distance < nearest) nearest = distance, result = shift;
+    }
+    return result;
+  }
+
+  /// The same over all shifts that may be right: from the length, or the `unit` of the shift, to the rounding
+  /// of what is moved, `own`, or nothing.
+  template <class Difference>
+  Scalar best_of_all(const Scalar& length, const Scalar& own, const Scalar& unit,
+                     const Difference& difference) {
+    using std::ceil;
+    using std::log;
+    const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon();
+    const Scalar from = std::max<Scalar>(length, unit) / 2;
+    const Scalar least =
+        std::max(Scalar(16 * epsilon * own), Scalar(epsilon * std::min<Scalar>(length, unit)));
+    const Scalar count = ceil(log(from / least) / log(Scalar(8)));
+    return best(length, from, least, count < Scalar(most_shifts) ? static_cast<int>(count) : most_shifts,
+                difference);
+  }
+
+  /// A shift that was right a while ago, looked at again.
+  template <class Difference>
+  Scalar best_near(const Scalar& length, const Scalar& own, const Scalar& unit, const Scalar& shift,
+                   const Difference& difference) {
+    const Scalar from = 512 * shift, to = shift / 512;
+    const Scalar found = best(length, from, to, 7, difference);
+    return found > from / 16 || found < to * 16 ? best_of_all(length, own, unit, difference) : found;
+  }
+
+  /// Whether any difference of the last search was not zero.
+  bool saw() const { return saw_; }
+
+ private:
+  /// How far two columns are from each other, the last one by this shift: the mean over both halves of the
+  /// logarithm of their relative difference, which is no less than what the rounding of the gradient may make
+  /// of it. One that has become 0 disagrees: it is below the resolution of the gradient. A half counts by how
+  /// much it moves its half of the gradient over `length`, at most all of it. In sums of entries, as a
+  /// coupling far weaker than the forces would ask for shifts that are too large for these. At most 1.
+  Scalar disagreement(const Vec& a, const Vec& b, const Scalar& shift, const Scalar& length) {
+    using std::abs;
+    using std::cbrt;
+    using std::isfinite;
+    using std::log;
+    // What is better than ε^{2/3} does not count: a half that is constant would ask for shifts too large for
+    // the other.
+    const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon(), least = cbrt(epsilon) * cbrt(epsilon);
+    const Eigen::Index d = a.size() / 2;
+    Scalar sum(0), weights(0);
+    for (const Eigen::Index half : {Eigen::Index{0}, d}) {
+      Scalar apart(0), size(0), seen(0), force(0);
+      for (Eigen::Index j = half; j < half + d; ++j) {
+        if (!isfinite(a[j]) || !isfinite(b[j])) return Scalar(1);
+        const Scalar value = std::max<Scalar>(abs(above_.vector()[j]), abs(below_.vector()[j]));
+        const Scalar larger = std::max<Scalar>(abs(a[j]), abs(b[j]));
+        apart += abs(a[j] - b[j]) + epsilon * value / shift;
+        size += larger;
+        seen += larger > Scalar(0) ? larger : seen_[j];
+        force += abs(here_[j]);
+      }
+      if (seen == Scalar(0)) continue;
+      saw_ = true;
+      const Scalar relative = size == Scalar(0) ? Scalar(1) : std::max<Scalar>(apart / size, least);
+      const Scalar weight = length * seen / (force + length * seen);
+      sum += weight * log(relative);
+      weights += weight;
+    }
+    return weights > Scalar(0) ? Scalar(sum / weights) : log(least);
+  }
+
+  State above_, below_;
+  Vec here_, middle_, smaller_, seen_;
+  bool saw_ = false;
+};
+
+}  // namespace semiexplicit::detail

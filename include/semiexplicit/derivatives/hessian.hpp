@@ -102,12 +102,18 @@ class SecondDerivatives {
       far = far || largest(z, half) > 16 * largest(last_, half);
     for (Eigen::Index i = 0; i < z.size(); ++i) far = far || !(abs(z[i] - last_[i]) <= 65536 * shift_[i]);
     // Where nothing depends on a coordinate, as at the top of a drive, it is looked for again soon.
-    const bool soon = (count_ & (count_ - 1)) == 0;
+    const bool soon = (count_ & (count_ - 1)) == 0 && !blind_.isZero(0);
     const bool again = count_ % look_again == 0;
-    const Eigen::Index next = static_cast<Eigen::Index>(count_ / look_again % z.size());
-    count_ = count_ % (std::int64_t{1} << 40) + 1;
+    if (far || soon || again) look(h, z, far, soon, again);
     last_ = z;
-    if (!far && !again && !(soon && !blind_.isZero(0))) return;
+    count_ = count_ % (std::int64_t{1} << 40) + 1;  // not where the gradient has thrown
+  }
+
+  /// Finds the shifts anew, of all coordinates (far) or of those that nothing depended on (soon), and that of
+  /// the next one beside its last (again).
+  void look(const H& h, const Vec& z, bool far, bool soon, bool again) {
+    using std::abs;
+    const Eigen::Index d = z.size() / 2, next = static_cast<Eigen::Index>(count_ / look_again % z.size());
     gradient_at(h, z.data(), search_.here().data(), d);
     ++calls_;
     lengths_.take(z, search_.here());

@@ -95,7 +95,8 @@ const std::vector<Units> any_units{{}, ion, electron, planet, light, fast};
 
 }  // namespace
 
-TEST_CASE("A tangent map by differences is right in any units, at weak couplings and from rest", "[chaos]") {
+TEST_CASE("A tangent map by differences is right in any units, at weak couplings and from rest",
+          "[chaos][long]") {
   const auto scheme = schemes::low_defect6_s13();
   for (const double weak : {0.1, 1e-4})
     for (const bool at_rest : {false, true})
@@ -121,7 +122,7 @@ TEST_CASE("A tangent map by differences is right in any units, at weak couplings
       }
 }
 
-TEST_CASE("Tangent vectors by differences are right in any units, at weak couplings", "[chaos]") {
+TEST_CASE("Tangent vectors by differences are right in any units, at weak couplings", "[chaos][long]") {
   const auto scheme = schemes::low_defect6_s13();
   for (const double weak : {0.1, 1e-5})
     for (const bool one_site : {false, true})
@@ -148,7 +149,7 @@ TEST_CASE("Tangent vectors by differences are right in any units, at weak coupli
       }
 }
 
-TEST_CASE("Tangent vectors by differences are right in floats", "[chaos]") {
+TEST_CASE("Tangent vectors by differences are right in floats", "[chaos][long]") {
   const auto scheme = schemes::low_defect6_s13<float>();
   const double weak = 1e-3;
   for (const Units& units : {Units{}, Units{1, 1, 1e-8}, Units{1, 1, 1e6}}) {

@@ -212,4 +212,85 @@ TEST_CASE("The tangent map of a driven system is right in any units, from the to
   }
 }
 
+/// A satellite near the lighter of two bodies that turn, in their frame.
+struct Satellite {
+  using Scalar = double;
+  static constexpr int Dof = 2;
+  static constexpr double lighter = 3.04e-6;
+  double length = 1;
+  template <class Q, class P>
+  static auto unscaled(const Q& q, const P& p) {
+    using std::sqrt;
+    const auto x = q[0] + lighter, y = q[0] - 1 + lighter;
+    return
+        typename Q::Scalar((p[0] * p[0] + p[1] * p[1]) / 2 - q[0] * p[1] + q[1] * p[0] -
+                           (1 - lighter) / sqrt(x * x + q[1] * q[1]) - lighter / sqrt(y * y + q[1] * q[1]));
+  }
+  void gradient(In<double, 2> q, In<double, 2> p, Out<double, 2> dHdq, Out<double, 2> dHdp) const {
+    const double x = q[0] / length, y = q[1] / length, u = x + lighter, v = u - 1;
+    const double far = std::pow(u * u + y * y, 1.5), near = std::pow(v * v + y * y, 1.5);
+    dHdq[0] = (-p[1] / length + (1 - lighter) * u / far + lighter * v / near) * length;
+    dHdq[1] = (p[0] / length + ((1 - lighter) / far + lighter / near) * y) * length;
+    dHdp[0] = p[0] + q[1];
+    dHdp[1] = p[1] - q[0];
+  }
+};
+
+TEST_CASE("A tangent map by differences is right close to a body, in any units", "[chaos]") {
+  const auto exact_h = from_energy<2>([](const auto& q, const auto& p) { return Satellite::unscaled(q, p); });
+  const auto scheme = schemes::low_defect6_s13();
+  for (const double length : {1e-3, 1.0, 1e11})
+    for (const double distance : {1e-2, 2.8e-4, 4.6e-5}) {
+      CAPTURE(length, distance);
+      TangentMap exact(exact_h, scheme);
+      TangentMap by_gradient(Satellite{length}, scheme);
+      Semiexplicit stepper(exact_h, scheme);
+      const double speed = std::sqrt(Satellite::lighter / distance);
+      PhasePoint<double, 2> z({1 - Satellite::lighter + distance, 0}, {0, speed + 1 + distance});
+      const double dt = 0.05 * distance / speed;
+      for (int n = 0; n < 40; ++n) {
+        PhasePoint<double, 2> scaled;
+        scaled.vector() = length * z.vector();
+        REQUIRE(exact.at(z, dt) == Status::success);
+        REQUIRE(by_gradient.at(scaled, dt) == Status::success);
+        CHECK((by_gradient.matrix() - exact.matrix()).norm() <= 1e-6 * exact.matrix().norm());
+        REQUIRE(stepper.step(z, dt).ok());
+      }
+    }
+}
+
+/// Rotors in a ring.
+struct Rotors {
+  using Scalar = double;
+  static constexpr int Dof = 6;
+  void gradient(In<double, 6> q, In<double, 6> p, Out<double, 6> dHdq, Out<double, 6> dHdp) const {
+    for (int i = 0; i < 6; ++i) dHdq[i] = std::sin(q[i] - q[(i + 1) % 6]) + std::sin(q[i] - q[(i + 5) % 6]);
+    dHdp = p;
+  }
+};
+
+TEST_CASE("Tangent vectors by differences are right where momenta begin at zero", "[chaos]") {
+  const auto ring = from_energy<6>([](const auto& q, const auto& p) {
+    using std::cos;
+    typename std::decay_t<decltype(q)>::Scalar sum(0);
+    for (Eigen::Index i = 0; i < 6; ++i) sum += p[i] * p[i] / 2 - cos(q[i] - q[(i + 1) % 6]);
+    return sum;
+  });
+  const auto scheme = schemes::low_defect6_s13();
+  TangentVectors exact(Semiexplicit(ring, scheme), 1);
+  TangentVectors by_gradient(Semiexplicit(Rotors(), scheme), 1);
+  for (int i = 0; i < 12; ++i) exact.vectors()(i, 0) = std::sin(1 + i * i);
+  by_gradient.vectors() = exact.vectors();
+  Semiexplicit stepper(ring, scheme);
+  PhasePoint<double, 6> z;
+  z.p().setZero();
+  for (int i = 0; i < 6; ++i) z.q()[i] = i % 2 == 0 ? 0 : std::acos(-1.0);  // an unstable equilibrium
+  for (int n = 0; n < 40; ++n) {
+    REQUIRE(exact.advance(z, 0.05).ok());
+    REQUIRE(by_gradient.advance(z, 0.05).ok());
+    CHECK((by_gradient.vectors() - exact.vectors()).norm() <= 1e-6 * exact.vectors().norm());
+    REQUIRE(stepper.step(z, 0.05).ok());
+  }
+}
+
 }  // namespace test_units

@@ -11,7 +11,7 @@
 namespace semiexplicit::detail {
 
 /// ∇²H at z, a symmetric 2d × 2d matrix: by H.hessian where there is one, else by central differences of the
-/// gradient. NaN or Inf where the gradient is; what a gradient throws goes through. Memory: eleven vectors of
+/// gradient. NaN or Inf where the gradient is; what a gradient throws goes through. Memory: ten vectors of
 /// length 2d.
 ///
 /// The shift of each coordinate is found from the gradient itself: of shifts over all orders of magnitude,

@@ -65,7 +65,7 @@ class Lengths {
 };
 
 /// Looks for the shift of a central difference of the gradient: of shifts over several orders of magnitude,
-/// the one whose difference agrees best with its two neighbours'. Memory: six vectors of length 2d.
+/// the one whose difference agrees best with its two neighbours'. Memory: five vectors of length 2d.
 template <class H>
 class ShiftSearch {
  public:
@@ -75,7 +75,7 @@ class ShiftSearch {
   static constexpr int most_shifts = 48;
 
   explicit ShiftSearch(Eigen::Index dof) : above_(dof), below_(dof) {
-    for (Vec* one : {&here_, &middle_, &smaller_, &seen_}) *one = above_.vector();
+    for (Vec* one : {&here_, &middle_, &smaller_}) *one = above_.vector();
   }
 
   /// What a difference writes its two gradients to.
@@ -96,27 +96,26 @@ class ShiftSearch {
     using std::log;
     using std::pow;
     const Scalar ratio = pow(to / from, Scalar(1) / Scalar(std::max(count - 1, 1)));
-    Scalar apart[most_shifts], least(1);
-    seen_.setZero();
-    saw_ = false;
+    HalfBy by_shift[2][most_shifts];
     Scalar shift = from;
     for (int k = 0; k < count; ++k, shift *= ratio) {
       difference(shift, smaller_);
-      apart[k] = k > 0 ? disagreement(middle_, smaller_, shift, length) : Scalar(1);
-      if (k > 1) {
-        apart[k - 1] = std::max(apart[k - 1], apart[k]);  // with both neighbours
-        least = std::min(least, apart[k - 1]);
-      }
-      for (Eigen::Index j = 0; j < seen_.size(); ++j)
-        if (smaller_[j] != Scalar(0)) seen_[j] = abs(smaller_[j]);
+      for (int half = 0; half < 2 && k > 0; ++half) by_shift[half][k] = compare(half, shift);
       middle_ = smaller_;
+    }
+    Scalar apart[most_shifts], least(1);
+    score(by_shift, count, length, apart);
+    for (int k = 1; k < count - 1; ++k) {
+      apart[k] = std::max(apart[k], apart[k + 1]);  // with both neighbours
+      least = std::min(least, apart[k]);
     }
     const Scalar usual = length * cbrt(Eigen::NumTraits<Scalar>::epsilon());
     Scalar result = from * pow(ratio, Scalar(count / 2)), nearest(-1);
     shift = from;
-    for (int k = 0; k < count - 1; ++k, shift *= ratio) {
+    for (int k = 1; k < count - 1; ++k) {
+      shift *= ratio;
       const Scalar distance = abs(log(shift / usual));
-      if (k == 0 || !(apart[k] < Scalar(1)) || apart[k] > least + log(Scalar(4))) continue;
+      if (!(apart[k] < Scalar(1)) || apart[k] > least + log(Scalar(2))) continue;
       if (nearest < Scalar(0) || distance < nearest) nearest = distance, result = shift;
     }
     return result;
@@ -151,44 +150,57 @@ class ShiftSearch {
   bool saw() const { return saw_; }
 
  private:
-  /// How far two columns are from each other, the last one by this shift: the mean over both halves of the
-  /// logarithm of their relative difference, which is no less than what the rounding of the gradient may make
-  /// of it. One that has become 0 disagrees: it is below the resolution of the gradient. A half counts by how
-  /// much it moves its half of the gradient over `length`, at most all of it. In sums of entries, as a
-  /// coupling far weaker than the forces would ask for shifts that are too large for these. At most 1.
-  Scalar disagreement(const Vec& a, const Vec& b, const Scalar& shift, const Scalar& length) {
+  /// Half a column by a shift and by the next larger one: the size of the larger, and how far they are from
+  /// each other relative to it, no less than what the rounding of the gradient may make of it.
+  struct HalfBy {
+    Scalar size = Scalar(0), apart = Scalar(1);
+  };
+  /// In sums of entries, as a coupling far weaker than the forces would ask for shifts too large for these.
+  HalfBy compare(int half, const Scalar& shift) const {
     using std::abs;
-    using std::cbrt;
     using std::isfinite;
+    const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon();
+    const Eigen::Index d = middle_.size() / 2;
+    Scalar apart(0), size(0);
+    for (Eigen::Index j = half * d; j < (half + 1) * d; ++j) {
+      const Scalar value = std::max<Scalar>(abs(above_.vector()[j]), abs(below_.vector()[j]));
+      apart += abs(middle_[j] - smaller_[j]) + epsilon * value / shift;
+      size += std::max<Scalar>(abs(middle_[j]), abs(smaller_[j]));
+    }
+    if (!isfinite(size) || !isfinite(apart) || size == Scalar(0)) return {};
+    return {size, apart / size};
+  }
+
+  /// How far the columns by each shift and by the next larger one are from each other: the mean over both
+  /// halves of the logarithm. A half counts by how much it moves its half of the gradient over `length`, at
+  /// most all of it, as it is where it is seen best: by shifts that are too large it may have vanished, and
+  /// then it disagrees. At most 0.
+  void score(const HalfBy (&by_shift)[2][most_shifts], int count, const Scalar& length, Scalar* apart) {
+    using std::cbrt;
     using std::log;
     // What is better than ε^{2/3} does not count: a half that is constant would ask for shifts too large for
     // the other.
     const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon(), least = cbrt(epsilon) * cbrt(epsilon);
-    const Eigen::Index d = a.size() / 2;
-    Scalar sum(0), weights(0);
-    for (const Eigen::Index half : {Eigen::Index{0}, d}) {
-      Scalar apart(0), size(0), seen(0), force(0);
-      for (Eigen::Index j = half; j < half + d; ++j) {
-        if (!isfinite(a[j]) || !isfinite(b[j])) return Scalar(1);
-        const Scalar value = std::max<Scalar>(abs(above_.vector()[j]), abs(below_.vector()[j]));
-        const Scalar larger = std::max<Scalar>(abs(a[j]), abs(b[j]));
-        apart += abs(a[j] - b[j]) + epsilon * value / shift;
-        size += larger;
-        seen += larger > Scalar(0) ? larger : seen_[j];
-        force += abs(here_[j]);
-      }
-      if (seen == Scalar(0)) continue;
-      saw_ = true;
-      const Scalar relative = size == Scalar(0) ? Scalar(1) : std::max<Scalar>(apart / size, least);
-      const Scalar weight = length * seen / (force + length * seen);
-      sum += weight * log(relative);
+    const Eigen::Index d = here_.size() / 2;
+    std::fill(apart, apart + count, Scalar(0));
+    Scalar weights(0);
+    for (int half = 0; half < 2; ++half) {
+      Scalar seen(0);
+      for (int k = 1; k < count; ++k)
+        if (by_shift[half][k].apart < Scalar(0.5)) seen = std::max(seen, by_shift[half][k].size);
+      if (!(seen > Scalar(0))) continue;
+      const Scalar force = here_.segment(half * d, d).cwiseAbs().sum();
+      const Scalar weight = force < length * seen ? Scalar(1) : Scalar(length * seen / force);
+      for (int k = 1; k < count; ++k)
+        apart[k] += weight * log(std::clamp<Scalar>(by_shift[half][k].apart, least, Scalar(1)));
       weights += weight;
     }
-    return weights > Scalar(0) ? Scalar(sum / weights) : log(least);
+    saw_ = weights > Scalar(0);
+    for (int k = 1; k < count && saw_; ++k) apart[k] /= weights;
   }
 
   State above_, below_;
-  Vec here_, middle_, smaller_, seen_;
+  Vec here_, middle_, smaller_;
   bool saw_ = false;
 };
 

@@ -130,23 +130,23 @@ class HessianProduct {
   class Differences {
    public:
     Differences(Eigen::Index dof, Eigen::Index columns)
-        : at_(dof), search_(dof), last_(at_.vector()), part_(Parts::Zero(columns)) {}
+        : at_(dof), search_(dof), last_(at_.vector()), part_(Parts::Zero(columns)), found_(part_) {}
 
     SEMIEXPLICIT_NOINLINE void prepare(const H& h, const Vec& z, bool search) {
       search_now_ = Search::none;
+      may_search_ = search;
       if (!search) return;
-      const Eigen::Index d = z.size() / 2;
       lengths_.take(z, search_.here());
       // A shift is about ε^{1/3} of the length along which the gradient varies.
       using std::cbrt;
       const Scalar usual = cbrt(Eigen::NumTraits<Scalar>::epsilon());
-      const bool far = count_ == 0 || !(lengths_.along(z - last_) * 2 * part_.minCoeff() >= usual);
+      const bool moved = largest_absolute(z - last_) > Scalar(0);
+      const bool far = count_ == 0 || (moved && !(lengths_.along(z - last_) * 2 * part_.minCoeff() >= usual));
       search_now_ = far ? Search::anew : count_ % look_again == 0 ? Search::near : Search::none;
       count_ = count_ % (std::int64_t{1} << 40) + 1;
       if (search_now_ == Search::none) return;
       if (far) last_ = z;
-      gradient_at(h, z.data(), search_.here().data(), d);
-      lengths_.take(z, search_.here());
+      look(h, z);
     }
 
     template <class Column>
@@ -158,11 +158,21 @@ class HessianProduct {
         return;
       }
       const auto by = [&](const Scalar& shift, Vec& to) { difference(h, z, v, shift, to); };
-      const Scalar length = lengths_.along(v), unit = 1 / largest;
+      // Momenta that have begun at zero make the length along v another one.
+      Scalar length = lengths_.along(v);
+      const bool other = !(length * largest <= 8 * found_[j] && length * largest >= found_[j] / 8);
+      const bool anew = search_now_ == Search::anew || (may_search_ && other);
+      if (anew && search_now_ == Search::none) {
+        look(h, z);
+        length = lengths_.along(v);
+      }
       // No shift is too small because some coordinate is large: it may be coupled to nothing.
-      if (search_now_ == Search::anew) part_[j] = search_.best_of_all(length, Scalar(0), unit, by) / length;
-      if (search_now_ == Search::near)
+      const Scalar unit = 1 / largest;
+      if (anew)
+        part_[j] = search_.best_of_all(length, Scalar(0), unit, by) / length;
+      else if (search_now_ == Search::near)
         part_[j] = search_.best_near(length, Scalar(0), unit, part_[j] * length, by) / length;
+      if (anew || search_now_ == Search::near) found_[j] = length * largest;
       by(part_[j] * length, product);
     }
 
@@ -179,6 +189,7 @@ class HessianProduct {
     template <class Visitor>
     void visit_memory(Visitor&& visit) {
       visit(part_);
+      visit(found_);
       visit(last_);
       visit(search_.here());
       visit(count_);
@@ -188,6 +199,12 @@ class HessianProduct {
     using Parts = Eigen::Matrix<Scalar, Eigen::Dynamic, 1>;
     enum class Search { none, near, anew };
     static constexpr std::int64_t look_again = 16;
+
+    /// Before a search.
+    void look(const H& h, const Vec& z) {
+      gradient_at(h, z.data(), search_.here().data(), z.size() / 2);
+      lengths_.take(z, search_.here());
+    }
 
     template <class Column>
     void difference(const H& h, const Vec& z, const Column& v, const Scalar& shift, Vec& to) {
@@ -202,8 +219,10 @@ class HessianProduct {
     State at_;
     ShiftSearch<H> search_;
     Lengths<H> lengths_{};
-    Vec last_;    ///< where the shifts were found
-    Parts part_;  ///< of the length along each column: its shift
+    Vec last_;     ///< where the shifts were found
+    Parts part_;   ///< of the length along each column: its shift
+    Parts found_;  ///< the largest entry of each column times that length, when it was found
+    bool may_search_ = false;
     Search search_now_ = Search::none;
     std::int64_t count_ = 0;  ///< of the points
   };

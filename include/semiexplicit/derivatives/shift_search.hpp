@@ -100,10 +100,11 @@ class ShiftSearch {
     Scalar shift = from;
     for (int k = 0; k < count; ++k, shift *= ratio) {
       difference(shift, smaller_);
-      for (int half = 0; half < 2 && k > 0; ++half) by_shift[half][k] = compare(half, shift);
+      if (k > 0)
+        for (int half = 0; half < 2; ++half) by_shift[half][k] = compare(half, shift);
       middle_ = smaller_;
     }
-    Scalar apart[most_shifts], least(1);
+    Scalar apart[most_shifts], least(0);
     score(by_shift, count, length, apart);
     for (int k = 1; k < count - 1; ++k) {
       apart[k] = std::max(apart[k], apart[k + 1]);  // with both neighbours
@@ -114,8 +115,8 @@ class ShiftSearch {
     shift = from;
     for (int k = 1; k < count - 1; ++k) {
       shift *= ratio;
+      if (!(apart[k] <= least + log(Scalar(2)))) continue;
       const Scalar distance = abs(log(shift / usual));
-      if (!(apart[k] < Scalar(1)) || apart[k] > least + log(Scalar(2))) continue;
       if (nearest < Scalar(0) || distance < nearest) nearest = distance, result = shift;
     }
     return result;

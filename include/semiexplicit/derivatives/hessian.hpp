@@ -121,11 +121,8 @@ class SecondDerivatives {
       const bool anew = far || (soon && blind_[i] != Scalar(0));
       if (!anew && !(again && i == next)) continue;
       const auto by = [&](const Scalar& shift, Vec& column) { difference(h, z, i, shift, column); };
-      // In other units than the other coordinates' its own size tells more, but not where it passes 0.
-      const bool time_or_energy = InExtendedPhaseSpace<H> && i % d == d - 1;
-      const Scalar own = abs(z[i]), largest = lengths_.of(i, d);
-      const Scalar length = own > Scalar(0) && !time_or_energy ? own : largest;
-      const Scalar unit = std::max<Scalar>(largest, 1);
+      const Scalar length = lengths_.own(i, z), own = abs(z[i]);
+      const Scalar unit = std::max<Scalar>(lengths_.of(i, d), 1);
       shift_[i] = anew ? search_.best_of_all(length, own, unit, by)
                        : search_.best_near(length, own, unit, shift_[i], by);
       blind_[i] = Scalar(search_.saw() ? 0 : 1);

@@ -37,6 +37,15 @@ class Lengths {
     return length > Scalar(0) ? length : Scalar(1);
   }
 
+  /// The same by its own size, which tells more where the others are in other units; not where it is 0, nor
+  /// of the time.
+  Scalar own(Eigen::Index i, const Vec& z) const {
+    using std::abs;
+    const Eigen::Index d = z.size() / 2;
+    const bool says_nothing = z[i] == Scalar(0) || (InExtendedPhaseSpace<H> && i % d == d - 1);
+    return says_nothing ? of(i, d) : Scalar(abs(z[i]));
+  }
+
   /// What v is to be multiplied by so that no coordinate goes farther.
   template <class Column>
   Scalar along(const Column& v) const {

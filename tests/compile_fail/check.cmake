@@ -1,7 +1,7 @@
 # cmake -D SOURCE=... -D COMPILER=... -D INCLUDES=... -D PRECOMPILED=... -P check.cmake
 #
 # Compiles SOURCE once for each of its lines "// case NAME: TEXT", with the macro NAME. The first line with "error:" of what the
-# compiler says must contain TEXT; "// case NAME: compiles" must compile.
+# compiler says must contain TEXT; "// case NAME: compiles" must compile. "// case NAME -OPTION: TEXT" gives it one more option.
 list(TRANSFORM INCLUDES PREPEND -I)
 set(ENV{LC_ALL} C) # messages in English
 set(compile ${COMPILER} -std=c++20 ${INCLUDES})
@@ -13,14 +13,19 @@ set(failures "")
 set(count 0)
 # A list of CMake is parted by semicolons, which the texts have, too.
 file(READ "${SOURCE}" rest)
-while(rest MATCHES "^// case ([a-z_]+): ([^\n]+)\n")
+while(rest MATCHES "^// case ([a-z_]+)( -[^ :]+)?: ([^\n]+)\n")
   set(name "${CMAKE_MATCH_1}")
-  set(text "${CMAKE_MATCH_2}")
+  string(STRIP "${CMAKE_MATCH_2}" option)
+  set(text "${CMAKE_MATCH_3}")
+  set(with -include "${PRECOMPILED}.hpp")
+  if(option) # headers that were compiled without it do not serve
+    set(with ${option})
+  endif()
   string(FIND "${rest}" "\n" end)
   math(EXPR end "${end} + 1")
   string(SUBSTRING "${rest}" ${end} -1 rest)
   math(EXPR count "${count} + 1")
-  execute_process(COMMAND ${compile} -include "${PRECOMPILED}.hpp" -fsyntax-only -Wfatal-errors -D${name} ${SOURCE}
+  execute_process(COMMAND ${compile} ${with} -fsyntax-only -Wfatal-errors -D${name} ${SOURCE}
     RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
   if(text STREQUAL "compiles")
     if(NOT result EQUAL 0)

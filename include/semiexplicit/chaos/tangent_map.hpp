@@ -3,9 +3,8 @@
 #include <cmath>
 #include <utility>
 
-#include <Eigen/LU>
-
 #include <semiexplicit/core/extended_phase_space.hpp>
+#include <semiexplicit/core/linear_system.hpp>
 #include <semiexplicit/core/ranks.hpp>
 #include <semiexplicit/derivatives/hessian.hpp>
 #include <semiexplicit/steppers/semiexplicit.hpp>
@@ -55,7 +54,7 @@ class TangentMap {
         matrix_(Matrix::Identity(size_, size_)),
         da_(Columns::Zero(size_, 2 * size_)),
         db_(da_),
-        solver_(size_) {
+        system_(size_) {
     scheme_.check();
     detail::require_symplectic(hamiltonian_, "TangentMap", "compare runs from neighbouring states instead");
   }
@@ -77,8 +76,9 @@ class TangentMap {
     m_.setZero();
     for (int iteration = 0; iteration < 20; ++iteration) {
       sweep(z, dt);
-      slope_ = da_.rightCols(size_) - db_.rightCols(size_) + 2 * Matrix::Identity(size_, size_);
-      solver_.compute(slope_);
+      combine(by_m, Scalar(-1), system_.matrix.data());
+      for (Eigen::Index k = 0; k < size_; ++k) system_.matrix(k, k) += Scalar(2);
+      system_.factorise();
       // At a multiplier that is off by this M is off by this times dt and third derivatives. The time of an
       // extended point may be large, and its rounding then is what is left.
       if (iteration == 0) {
@@ -87,8 +87,8 @@ class TangentMap {
                     (detail::state_size(hamiltonian_, z) + detail::norm(a_ - z.vector())) +
                 8 * epsilon * detail::norm(z.vector());
       }
-      gradient_ = a_ - b_ + 2 * m_;  // f
-      correction_.vector() = solver_.solve(gradient_);
+      for (Eigen::Index k = 0; k < size_; ++k) gradient_[k] = a_[k] - b_[k] + 2 * m_[k];  // f
+      system_.solve(gradient_.data(), correction_.vector().data());
       const Scalar correction = detail::state_size(hamiltonian_, correction_);
       if (!isfinite(correction)) return Status::not_finite;
       if (correction <= close) {
@@ -118,13 +118,25 @@ class TangentMap {
   using Vec = typename State::Storage;
   using Columns = Eigen::Matrix<Scalar, twice(Dof), Dof == Eigen::Dynamic ? Eigen::Dynamic : 4 * Dof>;
 
-  /// M from the derivatives of the copies at the solution, where solver_ has F.
+  /// The two halves of da_ and db_: derivatives with respect to z, and to m.
+  static constexpr Eigen::Index by_z = 0, by_m = 1;
+
+  /// One half of da_ + sign * db_.
+  void combine(Eigen::Index half, const Scalar& sign, Scalar* out) const {
+    const Eigen::Index size = matrix_.size();
+    for (Eigen::Index k = 0; k < size; ++k)
+      out[k] = da_.data()[half * size + k] + sign * db_.data()[half * size + k];
+  }
+
+  /// M from the derivatives of the copies at the solution, where system_ has F.
   void finish() {
-    slope_ = da_.leftCols(size_) - db_.leftCols(size_);
-    solution_ = solver_.solve(slope_);
-    matrix_ = (da_.leftCols(size_) + db_.leftCols(size_)) / 2;
-    da_.rightCols(size_) += db_.rightCols(size_);
-    matrix_.noalias() -= da_.rightCols(size_) * solution_ / 2;
+    combine(by_z, Scalar(-1), slope_.data());
+    system_.solve_square(slope_.data(), solution_.data());
+    combine(by_m, Scalar(1), slope_.data());
+    matrix_.noalias() = slope_ * solution_;
+    combine(by_z, Scalar(1), slope_.data());
+    for (Eigen::Index k = 0; k < matrix_.size(); ++k)
+      matrix_.data()[k] = (slope_.data()[k] - matrix_.data()[k]) / 2;
   }
 
   /// All kicks on the copies and on their derivatives with respect to z (left half of the columns) and m
@@ -132,10 +144,12 @@ class TangentMap {
   void sweep(const State& z, const Scalar& dt) {
     a_ = z.vector() + m_;
     b_ = z.vector() - m_;
-    da_.leftCols(size_).setIdentity();
-    da_.rightCols(size_).setIdentity();
-    db_.leftCols(size_).setIdentity();
-    db_.rightCols(size_) = -Matrix::Identity(size_, size_);
+    da_.setZero();
+    db_.setZero();
+    for (Eigen::Index k = 0; k < size_; ++k) {
+      da_(k, k) = da_(k, size_ + k) = db_(k, k) = Scalar(1);
+      db_(k, size_ + k) = Scalar(-1);
+    }
     detail::sweep(
         scheme_, dt, [&](const Scalar& t) { kick(t, a_, da_, b_, db_); },
         [&](const Scalar& t) { kick(t, b_, db_, a_, da_); });
@@ -146,8 +160,11 @@ class TangentMap {
     detail::gradient_at(hamiltonian_, from.data(), gradient_.data(), d);
     detail::add(t, gradient_.data(), to.data(), d, d);
     second_(hamiltonian_, from, hessian_);
-    slope_.topRows(d) = t * hessian_.bottomRows(d);
-    slope_.bottomRows(d) = -t * hessian_.topRows(d);
+    for (Eigen::Index k = 0; k < size_; ++k)
+      for (Eigen::Index i = 0; i < d; ++i) {
+        slope_(i, k) = t * hessian_(d + i, k);
+        slope_(d + i, k) = -t * hessian_(i, k);
+      }
     dto.noalias() += slope_ * dfrom;
   }
 
@@ -159,7 +176,7 @@ class TangentMap {
   Vec a_, b_, m_, gradient_;
   Matrix hessian_, slope_, solution_, matrix_;
   Columns da_, db_;  // ∂a/∂(z, m), ∂b/∂(z, m)
-  Eigen::PartialPivLU<Matrix> solver_;
+  detail::LinearSystem<Scalar> system_;
 };
 
 template <class H, class Solver>

@@ -10,6 +10,11 @@
 #include <semiexplicit/core/threads.hpp>
 
 static_assert(EIGEN_VERSION_AT_LEAST(3, 4, 0), "semiexplicit needs Eigen 3.4 or later");
+static_assert(!Eigen::Matrix<double, 2, 2>::IsRowMajor,
+              "semiexplicit keeps matrices by columns: compile it without EIGEN_DEFAULT_TO_ROW_MAJOR");
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__) || defined(_M_FP_FAST)
+#error "semiexplicit needs sums and NaN as they are written: compile it without -ffast-math and -Ofast"
+#endif
 
 namespace semiexplicit {
 

@@ -4,8 +4,7 @@
 #include <optional>
 #include <utility>
 
-#include <Eigen/LU>
-
+#include <semiexplicit/core/linear_system.hpp>
 #include <semiexplicit/steppers/detail/gauss_shell.hpp>
 
 namespace semiexplicit {
@@ -173,14 +172,13 @@ class GaussLegendre : public detail::GaussShell<GaussLegendre<H>, H> {
     Newton(Eigen::Index dof, Eigen::Index stages)
         : second(dof),
           hessian(2 * dof, 2 * dof),
-          matrix(2 * dof * stages, 2 * dof * stages),
           residual(2 * dof * stages),
-          lu(2 * dof * stages) {}
+          correction(residual),
+          system(2 * dof * stages) {}
     detail::SecondDerivatives<H> second;
     Eigen::Matrix<Scalar, twice(Dof), twice(Dof)> hessian;
-    Dense matrix;
-    Vector<Scalar, Eigen::Dynamic> residual;
-    Eigen::PartialPivLU<Dense> lu;
+    Vector<Scalar, Eigen::Dynamic> residual, correction;
+    detail::LinearSystem<Scalar> system;
   };
 
   /// One Newton step on all stages together; returns the sum of the absolute values of the correction.
@@ -195,21 +193,25 @@ class GaussLegendre : public detail::GaussShell<GaussLegendre<H>, H> {
       if (!detail::all_finite(work.hessian)) return std::numeric_limits<Scalar>::quiet_NaN();
       for (Eigen::Index i = 0; i < stages; ++i) {
         const Scalar factor = weights_(i, j);
-        auto block = work.matrix.block(i * n, j * n, n, n);  // δ_ij I - dt a_ij J H''
-        block.topRows(d) = -factor * work.hessian.bottomRows(d);
-        block.bottomRows(d) = factor * work.hessian.topRows(d);
-        if (i == j) block.diagonal().array() += Scalar(1);
+        for (Eigen::Index column = 0; column < n; ++column) {  // δ_ij I - dt a_ij J H''
+          Scalar* const block = &work.system.matrix(i * n, j * n + column);
+          for (Eigen::Index k = 0; k < d; ++k) {
+            block[k] = -factor * work.hessian(d + k, column);
+            block[d + k] = factor * work.hessian(k, column);
+          }
+          if (i == j) block[column] += Scalar(1);
+        }
       }
     }
     for (Eigen::Index i = 0; i < stages; ++i)
       combine(weights_, i, gradients_, [&](Eigen::Index k, const Scalar& sum) {
         if (k < n) work.residual[i * n + k] = sign_[k] * sum - displacements_(k, i);
       });
-    work.lu.compute(work.matrix);
-    work.residual = work.lu.solve(work.residual).eval();
+    work.system.factorise();
+    work.system.solve(work.residual.data(), work.correction.data());
     for (Eigen::Index i = 0; i < stages; ++i)
-      displacements_.col(i).head(n) += work.residual.segment(i * n, n);
-    return detail::sum_of_absolutes(work.residual);
+      for (Eigen::Index k = 0; k < n; ++k) displacements_(k, i) += work.correction[i * n + k];
+    return detail::sum_of_absolutes(work.correction);
   }
 
   Dense weights_;  ///< dt a_ij

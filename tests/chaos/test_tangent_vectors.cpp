@@ -266,6 +266,62 @@ TEST_CASE("Differences along vectors suit angles that have wound up, and one tha
   }
 }
 
+namespace {
+
+/// Six coupled coordinates between walls at -1 and 1, outside of which the gradient throws.
+struct Walls {
+  using Scalar = double;
+  static constexpr int Dof = 6;
+  double energy(In<double, 6> q, In<double, 6> p) const {
+    double sum = 0;
+    for (int i = 0; i < 6; ++i)
+      sum += (1 + q[i] * q[i]) * p[i] * p[i] / 2 - std::log1p(-q[i] * q[i]) / 2 + q[i] * q[(i + 1) % 6] / 10;
+    return sum;
+  }
+  void gradient(In<double, 6> q, In<double, 6> p, Out<double, 6> dHdq, Out<double, 6> dHdp) const {
+    for (int i = 0; i < 6; ++i) {
+      if (!(std::abs(q[i]) < 1)) throw std::domain_error("behind the wall");
+      dHdq[i] = q[i] * p[i] * p[i] + q[i] / (1 - q[i] * q[i]) + (q[(i + 1) % 6] + q[(i + 5) % 6]) / 10;
+      dHdp[i] = (1 + q[i] * q[i]) * p[i];
+    }
+  }
+};
+
+struct WallsWithHessian : Walls {
+  void hessian(In<double, 6> q, In<double, 6> p, Eigen::Ref<Eigen::Matrix<double, 12, 12>> hessian) const {
+    hessian.setZero();
+    for (int i = 0; i < 6; ++i) {
+      const double room = 1 - q[i] * q[i];
+      hessian(i, i) = p[i] * p[i] + (1 + q[i] * q[i]) / (room * room);
+      hessian(i, (i + 1) % 6) = hessian(i, (i + 5) % 6) = 0.1;
+      hessian(i, 6 + i) = hessian(6 + i, i) = 2 * q[i] * p[i];
+      hessian(6 + i, 6 + i) = 1 + q[i] * q[i];
+    }
+  }
+};
+
+}  // namespace
+
+TEST_CASE("A gradient that throws out of its domain is differentiated up to the border", "[chaos]") {
+  Semiexplicit stepper(Walls(), schemes::strang(), tight);
+  PhasePoint<double, 6> z;
+  z.q() << 0.9, -0.5, 0.97, 0.2, -0.99, 0.7;
+  z.p() << 0.1, 0.3, -0.2, 0.5, 0.05, -0.4;
+  REQUIRE(error_of_vectors(stepper, WallsWithHessian(), z, 0.002, 1) < 1e-8);
+  Semiexplicit with_hessian(WallsWithHessian(), schemes::strang(), tight);
+  TangentMap exact(with_hessian);
+  TangentMap map(stepper);
+  REQUIRE(exact.at(z, 0.002) == Status::success);
+  REQUIRE(map.at(z, 0.002) == Status::success);
+  REQUIRE((map.matrix() - exact.matrix()).norm() < 1e-8 * exact.matrix().norm());
+  LyapunovExponents growth(stepper, 1);
+  LyapunovExponents exact_growth(with_hessian, 1);
+  auto there = z;
+  REQUIRE(integrate(stepper, there, {.dt = 0.002, .steps = 2000}, growth).ok());
+  REQUIRE(integrate(with_hessian, z, {.dt = 0.002, .steps = 2000}, exact_growth).ok());
+  REQUIRE(growth.exponents()[0] == Approx(exact_growth.exponents()[0]).epsilon(1e-6));
+}
+
 TEST_CASE("Where a step has no derivative the vectors stay", "[chaos]") {
   const Walled h;
   TangentVectors tangents(Semiexplicit(h, schemes::strang()), 2);

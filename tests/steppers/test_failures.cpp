@@ -125,17 +125,21 @@ TEST_CASE("A gradient that gives NaN or Inf, or throws, at any call does no harm
     const auto step_with_fault = [&](const auto& from, const State& before, const State& after) {
       auto broken = from;
       State z = before;
-      if (h.plan->fault == Fault::raise) {
-        REQUIRE_THROWS_AS(broken.step(z, dt), std::domain_error);
-      } else {
-        const auto report = broken.step(z, dt);
-        // A derivative that is not finite may not matter in the end: Newton's iteration corrects itself.
-        if (takes_differences && report.ok()) {
-          REQUIRE(agree(z, after));
-          return false;
-        }
-        REQUIRE(report.status == Status::not_finite);
+      Status status = Status::not_finite;
+      bool threw = false;
+      try {
+        status = broken.step(z, dt).status;
+      } catch (const std::domain_error&) {
+        threw = true;
       }
+      // Of a derivative it may not matter in the end: another shift is taken, and Newton's iteration corrects
+      // itself.
+      if (takes_differences && status == Status::success) {
+        REQUIRE(agree(z, after));
+        return false;
+      }
+      REQUIRE(status == Status::not_finite);
+      REQUIRE(threw == (h.plan->fault == Fault::raise));
       REQUIRE(same_bits(z, before));
       // Again, without the fault: as if it had not been.
       const Faulty::Plan plan = *h.plan;

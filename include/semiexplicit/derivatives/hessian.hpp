@@ -11,8 +11,8 @@
 namespace semiexplicit::detail {
 
 /// ∇²H at z, a symmetric 2d × 2d matrix: by H.hessian where there is one, else by central differences of the
-/// gradient. NaN or Inf where the gradient is; what a gradient throws goes through. Memory: ten vectors of
-/// length 2d.
+/// gradient. NaN or Inf where the gradient is; what a gradient throws goes through, but for std::domain_error
+/// while a shift is looked for: that shift is too large. Memory: ten vectors of length 2d.
 ///
 /// The shift of each coordinate is found from the gradient itself: of shifts over all orders of magnitude,
 /// the one whose difference agrees best with its two neighbours'. It is kept from call to call, looked at
@@ -120,7 +120,10 @@ class SecondDerivatives {
     for (Eigen::Index i = 0; i < z.size(); ++i) {
       const bool anew = far || (soon && blind_[i] != Scalar(0));
       if (!anew && !(again && i == next)) continue;
-      const auto by = [&](const Scalar& shift, Vec& column) { difference(h, z, i, shift, column); };
+      const auto by = [&](const Scalar& shift, Vec& column) {
+        at_.vector() = z;  // where the gradient has thrown it was moved
+        difference(h, z, i, shift, column);
+      };
       const Scalar length = lengths_.own(i, z), own = abs(z[i]);
       const Scalar unit = std::max<Scalar>(lengths_.of(i, d), 1);
       shift_[i] = anew ? search_.best_of_all(length, own, unit, by)

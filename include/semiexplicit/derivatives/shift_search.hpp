@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <stdexcept>
 
 #include <semiexplicit/core/extended_phase_space.hpp>
 #include <semiexplicit/core/vector.hpp>
@@ -96,7 +98,7 @@ class ShiftSearch {
   /// Of `count` shifts in geometric order from the larger one to the smaller one, that whose differences
   /// agree best with those of its two neighbours; of those that agree nearly as well, as where the gradient
   /// is linear or even, that nearest to the usual part of `length`. difference(shift, column) writes above(),
-  /// below() and their difference by the shift.
+  /// below() and their difference by the shift; NaN and std::domain_error say that the shift is too large.
   template <class Difference>
   Scalar best(const Scalar& length, const Scalar& from, const Scalar& to, int count,
               const Difference& difference) {
@@ -108,7 +110,11 @@ class ShiftSearch {
     HalfBy by_shift[2][most_shifts];
     Scalar shift = from;
     for (int k = 0; k < count; ++k, shift *= ratio) {
-      difference(shift, smaller_);
+      try {
+        difference(shift, smaller_);
+      } catch (const std::domain_error&) {
+        smaller_.setConstant(std::numeric_limits<Scalar>::quiet_NaN());
+      }
       if (k > 0)
         for (int half = 0; half < 2; ++half) by_shift[half][k] = compare(half, shift);
       middle_ = smaller_;

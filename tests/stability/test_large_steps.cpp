@@ -227,4 +227,42 @@ TEST_CASE("A run subdivides failed steps only where it is told to, and says so",
   CHECK_THROWS_AS(integrate(stepper, stuck, {.dt = 1, .steps = 1, .subdivide = -1}), std::invalid_argument);
 }
 
+namespace {
+
+/// H = (x² + 1)(y² + 1)/2 with q = length x and p = momentum y, in a unit of energy of both.
+struct ProductInUnits {
+  using Scalar = double;
+  static constexpr int Dof = 1;
+  double length = 1, momentum = 1;
+  double energy(In<double, 1> q, In<double, 1> p) const {
+    const double x = q[0] / length, y = p[0] / momentum;
+    return length * momentum * (x * x + 1) * (y * y + 1) / 2;
+  }
+  void gradient(In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
+    const double x = q[0] / length, y = p[0] / momentum;
+    dHdq[0] = momentum * x * (y * y + 1);
+    dHdp[0] = length * y * (x * x + 1);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("Large steps by Newton and Krylov do not depend on the units of positions and momenta",
+          "[stability]") {
+  const auto worst = [](double length, double momentum) {
+    const ProductInUnits h{length, momentum};
+    Semiexplicit stepper(h, schemes::low_defect6_s13(), NewtonKrylov{});
+    PhasePoint<double, 1> z(-3 * length, 0);
+    Invariants invariants(h);
+    REQUIRE(integrate(stepper, z, {.dt = 0.19, .steps = 20'000}, invariants).ok());
+    return invariants["energy"].worst;
+  };
+  const double in_ones = worst(1, 1);
+  for (const double unit : {1e-3, 1e-9, 1e-20, 1e12}) {
+    CAPTURE(unit);
+    CHECK(worst(1, unit) == Approx(in_ones).epsilon(0.05));
+    CHECK(worst(unit, 1 / unit) == Approx(in_ones).epsilon(0.05));
+  }
+}
+
 }  // namespace test_large_steps

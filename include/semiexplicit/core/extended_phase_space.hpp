@@ -69,6 +69,12 @@ inline constexpr bool lacks_work = false;
 template <InExtendedPhaseSpace H>
 inline constexpr bool lacks_work<H> = !H::follows_work;
 
+/// How many of d degrees of freedom are the system's own: not the last one of an extended phase space.
+template <class H>
+constexpr Eigen::Index own_dof(Eigen::Index d) {
+  return InExtendedPhaseSpace<H> ? d - 1 : d;
+}
+
 /// The size that tolerances are relative to: ‖z‖, in an extended phase space without the last degree of
 /// freedom, (t, p_t). After a long time t would outweigh all else, and every tolerance with it.
 template <class H, class Scalar, int Dof>

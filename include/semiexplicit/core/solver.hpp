@@ -9,6 +9,12 @@ namespace semiexplicit {
 
 namespace detail {
 
+/// How large positions and momenta are, as a step counts them; 0 where that is not known.
+template <class Scalar>
+struct SizesOfHalves {
+  Scalar q = Scalar(0), p = Scalar(0);
+};
+
 /// The equation of the projection as a solver sees it.
 template <class Vec>
 struct AnyResidual {
@@ -48,8 +54,9 @@ concept HasSolve = requires(const S& solver, AnyResidual<Vec>& residual, Vec& m,
 ///     };
 ///
 /// residual(f) writes f(0) and residual(m, f) writes f(m), one sweep each. On return the residual was last
-/// evaluated at the accepted m. See SimplifiedNewton, the shortest. A solver whose runs are to be saved has a
-/// `name` and lists its options; see Describable.
+/// evaluated at the accepted m. A residual may also say by `halves()` how large positions and momenta are,
+/// whose units may differ by any factor (SizesOfHalves). See SimplifiedNewton, the shortest. A solver whose
+/// runs are to be saved has a `name` and lists its options; see Describable.
 template <class S, class Vec>
 concept Solver = std::copy_constructible<S> && detail::HasWorkspace<S, Vec> && detail::HasSolve<S, Vec>;
 

@@ -65,20 +65,22 @@ struct NewtonKrylov {
     using Scalar = typename Vec::Scalar;
     detail::Convergence<Scalar> convergence(stop, max_iterations);
     residual(work.f);
-    Scalar size_f = norm_over_ranks(residual, work.f);
-    if (convergence.done(size_f / 4, Scalar(0), residual)) return convergence.report();
+    if (convergence.done(norm_over_ranks(residual, work.f) / 4, Scalar(0), residual))
+      return convergence.report();
     m.setZero();
+    const Units<Scalar> units(residual);
+    Scalar size_f = units.norm(residual, work.f);
     for (;;) {
-      find_step(residual, m, size_f, work, convergence);
+      find_step(residual, units, m, size_f, work, convergence);
       if (convergence.exhausted()) return convergence.report();
       // Halved until f gets smaller: far from the solution the full step may not.
       Scalar part(1), size_trial;
       for (int halvings = 0;; ++halvings) {
         work.trial = m + part * work.step;
         residual(work.trial, work.f);
-        size_trial = norm_over_ranks(residual, work.f);
+        size_trial = units.norm(residual, work.f);
         const bool smaller = size_trial <= (1 - part / 10000) * size_f;
-        if (smaller || halvings == 8 || size_trial <= 4 * residual.rounding_level() ||
+        if (smaller || halvings == 8 || norm_over_ranks(residual, work.f) <= 4 * residual.rounding_level() ||
             convergence.exhausted())
           break;
         convergence.count();
@@ -86,33 +88,75 @@ struct NewtonKrylov {
       }
       m = work.trial;
       size_f = size_trial;
-      if (convergence.done(size_f / 4, norm_over_ranks(residual, m), residual)) return convergence.report();
+      if (convergence.done(norm_over_ranks(residual, work.f) / 4, norm_over_ranks(residual, m), residual))
+        return convergence.report();
     }
   }
 
  private:
+  /// GMRES makes a sum of squares small, which means nothing where momenta are in other units than positions,
+  /// and a shift of one may be many times the other: momenta are counted in units in which they are as large.
+  template <class Scalar>
+  struct Units {
+    template <class Residual>
+    explicit Units(const Residual& residual) {
+      if constexpr (requires { residual.halves(); }) {
+        using std::isfinite;
+        using std::sqrt;
+        const auto halves = residual.halves();
+        const Scalar ratio = halves.p / halves.q;
+        if (!(ratio > Scalar(0)) || !isfinite(ratio)) return;
+        momenta = ratio;
+        size = sqrt(Scalar(2)) * halves.q;
+      }
+    }
+    Scalar momenta = Scalar(1), size = Scalar(0);  ///< of the state; 0: not known
+
+    /// A column in these units becomes one in the system's, multiplied by a factor.
+    template <class From, class To>
+    void to_own(const From& v, const Scalar& factor, To& own) const {
+      const Eigen::Index d = v.size() / 2;
+      own.head(d) = factor * v.head(d);
+      own.tail(d) = (factor * momenta) * v.tail(d);
+    }
+    template <class From, class To>
+    void from_own(const From& own, const Scalar& factor, To&& v) const {
+      const Eigen::Index d = own.size() / 2;
+      v.head(d) = factor * own.head(d);
+      v.tail(d) = (factor / momenta) * own.tail(d);
+    }
+    template <class Residual, class Vec>
+    Scalar norm(const Residual& residual, const Vec& own) const {
+      const Eigen::Index d = own.size() / 2;
+      return detail::norm(Vector<Scalar, 2>(norm_over_ranks(residual, own.head(d)),
+                                            norm_over_ranks(residual, own.tail(d)) / momenta));
+    }
+  };
+
   /// GMRES for f'(m) step = -f(m), to a tenth of ‖f‖: the next iteration takes the rest.
   template <class Residual, class Vec, class Scalar>
-  void find_step(Residual& residual, const Vec& m, const Scalar& size_f, Workspace<Vec>& work,
-                 detail::Convergence<Scalar>& convergence) const {
+  void find_step(Residual& residual, const Units<Scalar>& units, const Vec& m, const Scalar& size_f,
+                 Workspace<Vec>& work, detail::Convergence<Scalar>& convergence) const {
     using std::abs;
     using std::hypot;
     using std::sqrt;
     // Of the length at which rounding and curvature spoil a difference alike.
-    const Scalar shift =
-        sqrt(Eigen::NumTraits<Scalar>::epsilon()) * (residual.state_size() + norm_over_ranks(residual, m));
+    const Scalar size = units.size > Scalar(0) ? units.size : Scalar(residual.state_size());
+    const Scalar shift = sqrt(Eigen::NumTraits<Scalar>::epsilon()) * (size + units.norm(residual, m));
     // The whole state has no more directions than numbers; one rank's block may have fewer.
     const Scalar most = std::min(Scalar(double(work.basis.cols() - 1)), size_over_ranks(residual, m));
-    work.basis.col(0) = work.f / -size_f;
+    units.from_own(work.f, -1 / size_f, work.basis.col(0));
     work.rotated.setZero();
     work.rotated[0] = size_f;
     Eigen::Index k = 0;
     while (Scalar(double(k)) < most && !convergence.exhausted()) {
-      work.trial = m + shift * work.basis.col(k);
+      units.to_own(work.basis.col(k), shift, work.trial);
+      work.trial += m;
       residual(work.trial, work.shifted);
       convergence.count();
       auto next = work.basis.col(k + 1);
-      next = (work.shifted - work.f) / shift;
+      work.shifted -= work.f;
+      units.from_own(work.shifted, 1 / shift, next);
       auto column = work.triangle.col(k);
       for (Eigen::Index i = 0; i <= k; ++i) {  // modified Gram-Schmidt
         column[i] = dot_over_ranks(residual, work.basis.col(i), next);
@@ -135,13 +179,14 @@ struct NewtonKrylov {
       ++k;
       if (abs(work.rotated[k]) <= size_f / 10) break;
     }
-    work.step.setZero();
+    work.trial.setZero();
     for (Eigen::Index i = k; i-- > 0;) {
       Scalar sum = work.rotated[i];
       for (Eigen::Index j = i + 1; j < k; ++j) sum -= work.triangle(i, j) * work.rotated[j];
       work.rotated[i] = sum / work.triangle(i, i);
-      work.step += work.rotated[i] * work.basis.col(i);
+      work.trial += work.rotated[i] * work.basis.col(i);
     }
+    units.to_own(work.trial, Scalar(1), work.step);
     if (k == 0) work.step = work.f / -4;
   }
 };

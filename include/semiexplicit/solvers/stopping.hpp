@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <concepts>
 #include <limits>
 #include <stdexcept>
@@ -87,6 +88,21 @@ template <class Scalar>
 Scalar farthest(const Scalar& size_z, const Scalar& move, const Scalar& rounding_level) {
   using std::min;
   return min(size_z, Scalar(2 * move)) / 16 + rounding_level;
+}
+
+/// The sizes of both halves of z, but no more than so many times what they moved, see StoppingRule, nor less
+/// than that. `moved` is twice the move of the mean of the copies; the first `own` entries of a half count.
+template <class Where, class Vec>
+SizesOfHalves<typename Vec::Scalar> sizes_of_halves(const Where& where, const Vec& z, const Vec& moved,
+                                                    Eigen::Index own) {
+  using Scalar = typename Vec::Scalar;
+  const auto size = [&](Eigen::Index begin) {
+    const Scalar move = norm_over_ranks(where, moved.segment(begin, own)) / 2;
+    return std::max<Scalar>(
+        std::min<Scalar>(norm_over_ranks(where, z.segment(begin, own)), StoppingRule::moves * move), move);
+  };
+  const Scalar q = size(0);
+  return {q, size(z.size() / 2)};
 }
 
 /// Norms that are known: ‖z‖, without the time where that is a coordinate, and how far the mean of the copies

@@ -387,6 +387,9 @@ class FlowSplitting {
       this->f_data = f.data();
       this->norms.move = detail::norm(work.kicked) / 2;
     }
+    detail::SizesOfHalves<Scalar> halves() const {
+      return detail::sizes_of_halves(this->norms, at, work.kicked, at.size() / 2);
+    }
     template <class Size>
     SEMIEXPLICIT_INLINE void map(const Vec* m, Vec& f, Scalar* a, Scalar* b, Scalar* gradient, Scalar* kicked,
                                  Size d) {

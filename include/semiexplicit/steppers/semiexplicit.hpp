@@ -121,6 +121,9 @@ class Semiexplicit {
       doubled.residual(z, m, dt, f);
       this->f_data = f.data();
     }
+    detail::SizesOfHalves<Scalar> halves() const {
+      return detail::sizes_of_halves(this->norms, z.vector(), doubled.moved(), detail::own_dof<H>(z.dof()));
+    }
 
     detail::DoubledStep<H>& doubled;
     const State& z;

@@ -66,6 +66,9 @@ class DoubledStep {
   /// How far the mean of the copies moved, in the Euclidean norm.
   Scalar distance() const { return norm_over_ranks(hamiltonian_, moved_) / 2; }
 
+  /// Twice that, entry by entry.
+  const Vec& moved() const { return moved_; }
+
   /// z becomes the mean of the copies; false, and z untouched, where that is not finite.
   bool finish(State& z) {
     if (summation_ == Summation::compensated)

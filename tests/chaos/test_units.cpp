@@ -293,4 +293,64 @@ TEST_CASE("Tangent vectors by differences are right where momenta begin at zero"
   }
 }
 
+namespace {
+
+/// Two bodies in the plane that only feel each other, in other units: nothing holds their centre.
+template <class T, class Q, class P>
+T energy_of_pair(const Q& q, const P& p) {
+  using std::sqrt;
+  const T x = q[0] - q[2], y = q[1] - q[3];
+  return (p[0] * p[0] + p[1] * p[1]) / 2 + (p[2] * p[2] + p[3] * p[3]) / 6 - T(3) / sqrt(x * x + y * y);
+}
+
+auto pair_in_units(double length, double momentum) {
+  return from_energy<4>([=](const auto& q, const auto& p) {
+    using T = typename std::decay_t<decltype(q)>::Scalar;
+    const Eigen::Matrix<T, 4, 1> x = q / T(length), y = p / T(momentum);
+    return T(T(length * momentum) * energy_of_pair<T>(x, y));
+  });
+}
+
+}  // namespace
+
+TEST_CASE("Where second derivatives are given, units of positions and momenta are of no account", "[chaos]") {
+  PhasePoint<double, 4> start;
+  start.q() << 0.75, 0.1, -0.25, 0.05;
+  start.p() << 0.1, 1.3, -0.1, -1.25;
+  const auto with = [&](double length, double momentum, const auto& use) {
+    PhasePoint<double, 4> z = start;
+    z.q() *= length;
+    z.p() *= momentum;
+    use(pair_in_units(length, momentum), z);
+    z.q() /= length;
+    z.p() /= momentum;
+    return z;
+  };
+  for (const auto& [length, momentum] : {std::pair{0x1p37, 0x1p120}, {0x1p-10, 0x1p-90}, {0x1p60, 0x1p-20}}) {
+    CAPTURE(length, momentum);
+    Eigen::Matrix<double, 8, 8> plain, in_units;
+    const auto map_to = [](auto& matrix) {
+      return [&](const auto& h, auto& z) {
+        TangentMap map(h, schemes::low_defect4_s7());
+        for (int step = 0; step < 20; ++step) {
+          REQUIRE(map.at(z, 0.01) == Status::success);
+          Semiexplicit(h, schemes::low_defect4_s7()).step(z, 0.01);
+        }
+        matrix = map.matrix();
+      };
+    };
+    with(1, 1, map_to(plain));
+    with(length, momentum, map_to(in_units));
+    in_units.topRightCorner(4, 4) *= momentum / length;
+    in_units.bottomLeftCorner(4, 4) *= length / momentum;
+    CHECK((in_units - plain).norm() <= 1e-14 * plain.norm());
+
+    const auto by_gauss = [](const auto& h, auto& z) {
+      GaussLegendre gauss(h, {.stages = 3, .solver = StageSolver::newton});
+      CHECK(integrate(gauss, z, {.dt = 0.02, .steps = 50}).ok());
+    };
+    CHECK((with(length, momentum, by_gauss).vector() - with(1, 1, by_gauss).vector()).norm() <= 1e-12);
+  }
+}
+
 }  // namespace test_units

@@ -131,7 +131,8 @@ class TangentMap {
   /// M from the derivatives of the copies at the solution, where system_ has F.
   void finish() {
     combine(by_z, Scalar(-1), slope_.data());
-    system_.solve_square(slope_.data(), solution_.data());
+    for (Eigen::Index k = 0; k < size_; ++k)
+      system_.solve(slope_.data() + k * size_, solution_.data() + k * size_);
     combine(by_m, Scalar(1), slope_.data());
     matrix_.noalias() = slope_ * solution_;
     combine(by_z, Scalar(1), slope_.data());

@@ -1,6 +1,10 @@
 #pragma once
 
+#include <cmath>
+
 #include <Eigen/LU>
+
+#include <semiexplicit/core/vector.hpp>
 
 namespace semiexplicit::detail {
 
@@ -13,25 +17,61 @@ class LinearSystem {
  public:
   using Dense = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
 
-  explicit LinearSystem(Eigen::Index size) : matrix(Dense::Zero(size, size)), lu_(size) {}
+  explicit LinearSystem(Eigen::Index size)
+      : matrix(Dense::Zero(size, size)), unit_(Column::Ones(size)), scaled_(unit_), lu_(size) {}
 
   Dense matrix;
 
-  /// What is solved from now on is `matrix` as it is at this call.
-  void factorise() { lu_.compute(matrix); }
+  /// What is solved from now on is `matrix` as it is at this call, which is balanced in place.
+  void factorise() {
+    balance();
+    lu_.compute(matrix);
+  }
 
   /// Solves for one right-hand side, of as many numbers as the matrix has rows. `b` and `x` are apart.
-  void solve(const Scalar* b, Scalar* x) const {
-    using Column = Eigen::Matrix<Scalar, Eigen::Dynamic, 1>;
-    Eigen::Map<Column>(x, matrix.rows()) = lu_.solve(Eigen::Map<const Column>(b, matrix.rows()));
-  }
-  /// For as many right-hand sides as the matrix has rows, column by column.
-  void solve_square(const Scalar* b, Scalar* x) const {
-    Eigen::Map<Dense>(x, matrix.rows(), matrix.rows()) =
-        lu_.solve(Eigen::Map<const Dense>(b, matrix.rows(), matrix.rows()));
+  void solve(const Scalar* b, Scalar* x) {
+    const Eigen::Index n = matrix.rows();
+    for (Eigen::Index i = 0; i < n; ++i) scaled_[i] = b[i] / unit_[i];
+    Eigen::Map<Column> result(x, n);
+    result = lu_.solve(scaled_);
+    for (Eigen::Index i = 0; i < n; ++i) x[i] *= unit_[i];
   }
 
  private:
+  using Column = Eigen::Matrix<Scalar, Eigen::Dynamic, 1>;
+
+  /// matrix becomes U⁻¹ matrix U, U being the diagonal matrix of unit_, where no column's entries off the
+  /// diagonal are far larger or smaller than its row's.
+  void balance() {
+    using std::abs;
+    using std::frexp;
+    using std::isfinite;
+    using std::ldexp;
+    using std::sqrt;
+    const Eigen::Index n = matrix.rows();
+    unit_.setOnes();
+    bool changed = true;
+    for (int pass = 0; pass < 8 && changed; ++pass) {
+      changed = false;
+      for (Eigen::Index i = 0; i < n; ++i) {
+        Scalar row(0), column(0);
+        for (Eigen::Index k = 0; k < n; ++k)
+          if (k != i) row += abs(matrix(i, k)), column += abs(matrix(k, i));
+        const Scalar ratio = sqrt(row) / sqrt(column);
+        if (!(ratio > Scalar(0)) || !isfinite(ratio) || (ratio < Scalar(16) && ratio > Scalar(1) / 16))
+          continue;
+        int power = 0;
+        frexp(ratio, &power);
+        const Scalar unit = ldexp(Scalar(1), power);
+        for (Eigen::Index k = 0; k < n; ++k) matrix(i, k) /= unit;
+        for (Eigen::Index k = 0; k < n; ++k) matrix(k, i) *= unit;
+        unit_[i] *= unit;
+        changed = true;
+      }
+    }
+  }
+
+  Column unit_, scaled_;
   Eigen::PartialPivLU<Dense> lu_;
 };
 

@@ -353,4 +353,76 @@ TEST_CASE("Where second derivatives are given, units of positions and momenta ar
   }
 }
 
+namespace {
+
+/// A relativistic electron in a trap, in SI units.
+struct Electron {
+  using Scalar = double;
+  static constexpr int Dof = 1;
+  static constexpr double mass = 9.109e-31, light = 2.998e8, strength = 1e-9;
+  double root(double p) const { return std::sqrt(mass * mass * light * light + p * p); }
+  void gradient(In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
+    dHdq[0] = strength * q[0] * (1 + q[0] * q[0] * 1e4);
+    dHdp[0] = light * p[0] / root(p[0]);
+  }
+};
+struct ElectronWithHessian : Electron {
+  void hessian(In<double, 1> q, In<double, 1> p, Eigen::Ref<Eigen::Matrix2d> hessian) const {
+    hessian.setZero();
+    hessian(0, 0) = strength * (1 + 3 * q[0] * q[0] * 1e4);
+    hessian(1, 1) = light * std::pow(mass * light / root(p[0]), 2) / root(p[0]);
+  }
+};
+
+/// A harmonic well with a narrow hill in it.
+struct Hill {
+  using Scalar = double;
+  static constexpr int Dof = 1;
+  double width;
+  double force(double x) const { return 0.1 * std::exp(-x * x); }
+  void gradient(In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
+    const double x = (q[0] - 1) / width;
+    dHdq[0] = q[0] - 2 * x / width * force(x);
+    dHdp[0] = p[0];
+  }
+};
+struct HillWithHessian : Hill {
+  void hessian(In<double, 1> q, In<double, 1>, Eigen::Ref<Eigen::Matrix2d> hessian) const {
+    const double x = (q[0] - 1) / width;
+    hessian << 1 + (4 * x * x - 2) / (width * width) * force(x), 0, 0, 1;
+  }
+};
+
+/// How far the tangent map by differences is from the exact one, relative to what the exact one changes.
+template <class H, class Exact>
+double error_of_map(const H& h, const Exact& exact, const PhasePoint<double, 1>& z, double dt) {
+  TangentMap map(h, schemes::strang());
+  TangentMap right(exact, schemes::strang());
+  REQUIRE(map.at(z, dt) == Status::success);
+  REQUIRE(right.at(z, dt) == Status::success);
+  double error = 0;
+  for (const auto& [i, j] : {std::pair{0, 1}, {1, 0}})
+    error = std::max(error, std::abs(map.matrix()(i, j) / right.matrix()(i, j) - 1));
+  return error;
+}
+
+}  // namespace
+
+TEST_CASE("A tangent map by differences is right at rest, in any units", "[chaos]") {
+  for (const double q : {1e-2, -3e-3, 2e-2})
+    for (const double dt : {1e-14, 1e-12})
+      CHECK(error_of_map(Electron(), ElectronWithHessian(), {q, 0}, dt) < 1e-8);
+  for (const double p : {1e-22, 1e-24})
+    CHECK(error_of_map(Electron(), ElectronWithHessian(), {0, p}, 1e-13) < 1e-8);
+}
+
+TEST_CASE("A tangent map by differences is right within a hill that is narrow beside the whole", "[chaos]") {
+  for (const double width : {1e-1, 1e-2, 1e-3, 1e-4})
+    for (const double place : {-2.0, -0.9, 0.1, 0.4, 1.3}) {
+      CAPTURE(width, place);
+      const HillWithHessian h{width};
+      CHECK(error_of_map(Hill{width}, h, {1 + place * width, 0.02}, width / 100) < 1e-6);
+    }
+}
+
 }  // namespace test_units

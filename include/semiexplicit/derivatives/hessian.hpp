@@ -35,7 +35,7 @@ class SecondDerivatives {
   Eigen::Index gradients() const { return calls_; }
   /// Gradient calls that a Hessian cannot exceed.
   static Eigen::Index max_gradients(Eigen::Index dof) {
-    return HasHessian<H> ? 0 : 4 * dof * (2 + ShiftSearch<H>::most_shifts);
+    return HasHessian<H> ? 0 : 4 * dof * (2 + ShiftSearch<H>::most_shifts) + Lengths<H>::most_attempts;
   }
 
   /// Without `search` the shifts of the last call are kept, wherever z is.
@@ -116,7 +116,7 @@ class SecondDerivatives {
     const Eigen::Index d = z.size() / 2, next = static_cast<Eigen::Index>(count_ / look_again % z.size());
     gradient_at(h, z.data(), search_.here().data(), d);
     ++calls_;
-    lengths_.take(z, search_.here());
+    calls_ += lengths_.take(h, z, search_.here(), at_.vector(), search_.above());
     for (Eigen::Index i = 0; i < z.size(); ++i) {
       const bool anew = far || (soon && blind_[i] != Scalar(0));
       if (!anew && !(again && i == next)) continue;

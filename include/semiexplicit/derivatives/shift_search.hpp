@@ -6,22 +6,35 @@
 #include <stdexcept>
 
 #include <semiexplicit/core/extended_phase_space.hpp>
+#include <semiexplicit/core/hamiltonian.hpp>
 #include <semiexplicit/core/vector.hpp>
 
 namespace semiexplicit::detail {
 
 /// How far each coordinate may go before a gradient changes much, as far as the state and its velocity tell:
 /// as far as the coordinates are from the origin, or the momenta; the time, as long as that takes. Whatever
-/// the units are, these lengths are in them. 1 where nothing is known.
+/// the units are, these lengths are in them. Of momenta at rest, or coordinates at the origin: as far as they
+/// change H by as much as the others do. 1 where nothing is known.
 template <class H>
 class Lengths {
  public:
   using Scalar = typename H::Scalar;
   using Vec = typename PhasePoint<Scalar, H::Dof>::Storage;
+  static constexpr int most_attempts = 16;
 
-  void take(const Vec& z, const Vec& gradient) {
-    const Eigen::Index d = z.size() / 2, n = d - (InExtendedPhaseSpace<H> ? 1 : 0);
+  /// `gradient` is that at z; `at` and `there` are memory to work in. Returns how many gradients it took.
+  int take(const H& h, const Vec& z, const Vec& gradient, Vec& at, Vec& there) {
+    const Eigen::Index d = z.size() / 2, n = own_dof<H>(d);
     q_ = largest_absolute(z.head(n)), p_ = largest_absolute(z.segment(d, n));
+    int calls = 0;
+    if ((q_ > Scalar(0)) != (p_ > Scalar(0))) {
+      at = z;
+      if (p_ > Scalar(0))
+        q_ = length_of_zeros(h, p_ * largest_absolute(gradient.segment(d, n)), 0, at, there, calls);
+      else
+        p_ = length_of_zeros(h, q_ * largest_absolute(gradient.head(n)), d, at, there, calls);
+      at = z;
+    }
     if constexpr (InExtendedPhaseSpace<H>) {
       using std::abs;
       const Scalar dq = largest_absolute(gradient.segment(d, n)), dp = largest_absolute(gradient.head(n));
@@ -29,6 +42,7 @@ class Lengths {
                                                  dp > Scalar(0) ? Scalar(p_ / dp) : Scalar(0));
       energy_ = std::max<Scalar>(p_ * dq, q_ * dp);
     }
+    return calls;
   }
 
   /// That of one coordinate of 2d.
@@ -51,7 +65,7 @@ class Lengths {
   /// What v is to be multiplied by so that no coordinate goes farther.
   template <class Column>
   Scalar along(const Column& v) const {
-    const Eigen::Index d = v.size() / 2, n = d - (InExtendedPhaseSpace<H> ? 1 : 0);
+    const Eigen::Index d = v.size() / 2, n = own_dof<H>(d);
     const auto part = [](const Scalar& length, const Scalar& moved) {
       return moved > Scalar(0) ? Scalar(length / moved) : Scalar(0);
     };
@@ -67,6 +81,32 @@ class Lengths {
   }
 
  private:
+  /// How far the half of `at` that begins there, all zeros, is to be moved so that its share of H is about
+  /// `energy`; 0 where that cannot be found.
+  static Scalar length_of_zeros(const H& h, const Scalar& energy, Eigen::Index begin, Vec& at, Vec& there,
+                                int& calls) {
+    using std::isfinite;
+    using std::sqrt;
+    const Eigen::Index d = at.size() / 2, n = own_dof<H>(d);
+    Scalar length(1);
+    for (int attempt = 0; attempt < most_attempts; ++attempt) {
+      for (Eigen::Index i = 0; i < n; ++i) at[begin + i] = length * Scalar(i + 1) / Scalar(n);
+      ++calls;
+      try {
+        gradient_at(h, at.data(), there.data(), d);
+      } catch (const std::domain_error&) {
+        return Scalar(0);
+      }
+      // Exact where it is quadratic, and halves the orders of magnitude that it is off by where it is linear.
+      const Scalar next = sqrt(energy / largest_absolute(there.segment(begin, n))) * sqrt(length);
+      if (!(next > Scalar(0)) || !isfinite(next)) return Scalar(0);
+      const Scalar ratio = next / length;
+      length = next;
+      if (ratio < Scalar(4) && ratio > Scalar(0.25)) break;
+    }
+    return length;
+  }
+
   /// Of two, where 0 says nothing.
   static Scalar smaller(const Scalar& a, const Scalar& b) {
     return a > Scalar(0) && (a < b || !(b > Scalar(0))) ? a : b;
@@ -119,6 +159,7 @@ class ShiftSearch {
         for (int half = 0; half < 2; ++half) by_shift[half][k] = compare(half, shift);
       middle_ = smaller_;
     }
+    for (HalfBy(&half)[most_shifts] : by_shift) forget_beyond_gap(half, count);
     Scalar apart[most_shifts], least(0);
     score(by_shift, count, length, apart);
     for (int k = 1; k < count - 1; ++k) {
@@ -185,6 +226,19 @@ class ShiftSearch {
     }
     if (!isfinite(size) || !isfinite(apart) || size == Scalar(0)) return {};
     return {size, apart / size};
+  }
+
+  /// Where differences agree over small shifts, disagree over larger ones and agree once more over larger
+  /// ones still, these have stepped over something, as a narrow wall, and see what is around it.
+  static void forget_beyond_gap(HalfBy (&half)[most_shifts], int count) {
+    Scalar best(1);
+    for (int k = count - 2; k >= 1; --k) {
+      const Scalar here = std::max(half[k].apart, half[k + 1].apart);
+      best = std::min(best, here);
+      if (!(best < Scalar(1e-3) && here > 100 * best)) continue;
+      for (int larger = 1; larger <= k; ++larger) half[larger] = {};
+      return;
+    }
   }
 
   /// How far the columns by each shift and by the next larger one are from each other: the mean over both

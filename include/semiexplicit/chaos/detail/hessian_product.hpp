@@ -136,7 +136,7 @@ class HessianProduct {
       search_now_ = Search::none;
       may_search_ = search;
       if (!search) return;
-      lengths_.take(z, search_.here());
+      lengths_.take(h, z, search_.here(), at_.vector(), search_.above());
       // A shift is about ε^{1/3} of the length along which the gradient varies.
       using std::cbrt;
       const Scalar usual = cbrt(Eigen::NumTraits<Scalar>::epsilon());
@@ -203,7 +203,7 @@ class HessianProduct {
     /// Before a search.
     void look(const H& h, const Vec& z) {
       gradient_at(h, z.data(), search_.here().data(), z.size() / 2);
-      lengths_.take(z, search_.here());
+      lengths_.take(h, z, search_.here(), at_.vector(), search_.above());
     }
 
     template <class Column>

@@ -7,6 +7,8 @@
 #include <semiexplicit/semiexplicit.hpp>
 #include <semiexplicit/time.hpp>
 
+#include "refusal.hpp"
+
 namespace test_units {
 
 // Second derivatives by differences of the gradient, in any units: of an ion, a planet, an electron.
@@ -423,6 +425,67 @@ TEST_CASE("A tangent map by differences is right within a hill that is narrow be
       const HillWithHessian h{width};
       CHECK(error_of_map(Hill{width}, h, {1 + place * width, 0.02}, width / 100) < 1e-6);
     }
+}
+
+namespace {
+
+/// Hénon and Heiles' system in units of powers of two, with products of its Hessian.
+struct HenonHeilesInUnits {
+  using Scalar = double;
+  static constexpr int Dof = 2;
+  double length, momentum;
+  void gradient(In<double, 2> q, In<double, 2> p, Out<double, 2> dHdq, Out<double, 2> dHdp) const {
+    const double x = q[0] / length, y = q[1] / length;
+    dHdq[0] = momentum * (x + 2 * x * y);
+    dHdq[1] = momentum * (y + x * x - y * y);
+    dHdp = p * (length / momentum);
+  }
+  void hessian_times(In<double, 2> q, In<double, 2>, In<double, 2> dq, In<double, 2> dp, Out<double, 2> hq,
+                     Out<double, 2> hp) const {
+    const double x = q[0] / length, y = q[1] / length, dx = dq[0] / length, dy = dq[1] / length;
+    hq[0] = momentum * (dx + 2 * (dx * y + x * dy));
+    hq[1] = momentum * (dy + 2 * (x * dx - y * dy));
+    hp = dp * (length / momentum);
+  }
+};
+
+struct Springs {
+  using Scalar = double;
+  static constexpr int Dof = Eigen::Dynamic;
+  Eigen::Index n;
+  Eigen::Index dof() const { return n; }
+  void gradient(In<double, Dof> q, In<double, Dof> p, Out<double, Dof> dHdq, Out<double, Dof> dHdp) const {
+    dHdq = q;
+    dHdp = p;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("Exponents and alignment do not depend on units that are far apart", "[chaos][lyapunov]") {
+  const auto measured = [](double length, double momentum) {
+    Semiexplicit stepper(HenonHeilesInUnits{length, momentum}, schemes::low_defect4_s7());
+    LyapunovExponents lyapunov(stepper);
+    AlignmentIndex gali(stepper, 4);
+    PhasePoint<double, 2> z({0.1 * length, 0.15 * length}, {0.45 * momentum, 0.05 * momentum});
+    REQUIRE(integrate(stepper, z, {.dt = 0.1, .steps = 5000}, lyapunov, gali).ok());
+    Eigen::Matrix<double, 5, 1> all;
+    all << lyapunov.exponents(), gali.log_index(4);
+    return all;
+  };
+  const auto here = measured(1, 0x1p-40);
+  CHECK(std::abs(here.head(4).sum()) < 1e-12);
+  CHECK(here[0] > 0.005);
+  CHECK((measured(0x1p20, 0x1p98) - here).norm() == 0);
+  CHECK((measured(0x1p-30, 0x1p-120) - here).norm() == 0);
+}
+
+TEST_CASE("Lyapunov exponents refuse a state of another size", "[chaos][lyapunov]") {
+  Semiexplicit stepper(Springs{4}, schemes::strang());
+  LyapunovExponents lyapunov(stepper, 1);
+  PhasePoint<double, Eigen::Dynamic> z(5);
+  z.vector().setOnes();
+  CHECK(refuses([&] { lyapunov(0.0, z); }, "another number of degrees of freedom than the stepper"));
 }
 
 }  // namespace test_units

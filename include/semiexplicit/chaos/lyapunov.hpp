@@ -103,7 +103,8 @@ class LyapunovExponents {
     return list;
   }
 
-  /// The orthonormal tangent vectors as they are now, a column each: the first grows fastest.
+  /// The tangent vectors as they are now, a column each: the first grows fastest. Orthonormal, momenta in the
+  /// unit that growth is measured in.
   const auto& vectors() const { return run_.vectors(); }
 
  private:

@@ -80,6 +80,7 @@ class TangentVectors {
   }
 
   Eigen::Index dof() const { return vectors_.rows() / 2; }
+  const auto& hamiltonian() const { return step_.hamiltonian(); }
   const Scheme<Scalar>& scheme() const { return step_.scheme(); }
 
   /// The vectors, and what differences carry from step to step; see CheckpointMemory.

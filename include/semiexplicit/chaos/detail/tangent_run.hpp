@@ -10,6 +10,7 @@
 
 #include <semiexplicit/chaos/tangent_vectors.hpp>
 #include <semiexplicit/core/extended_phase_space.hpp>
+#include <semiexplicit/derivatives/shift_search.hpp>
 #include <semiexplicit/observers/run_clock.hpp>
 
 namespace semiexplicit::detail {
@@ -43,23 +44,22 @@ class TangentRun {
       refuse("vectors to start with are 2d rows in as many columns as it carries");
     if (!fresh()) refuse("it has begun; give the vectors to start with before the run");
     v = vectors;
-    bool independent = true;
-    orthonormalise([&](Eigen::Index i, Eigen::Index j, const Scalar& part) {
-      if (i != j) return;
-      // What is left of it beside the others is more than their rounding.
-      const Scalar least = 100 * Eigen::NumTraits<Scalar>::epsilon() * norm(vectors.col(j).eval());
-      independent = independent && part > least;
-    });
-    if (!independent || !all_finite(v)) refuse("the vectors to start with are not independent");
+    begin_with_given();
+    given_ = true;
   }
 
   /// Takes in the next state; true where that was a step, which the vectors have gone along. Throws what
   /// LyapunovExponents says.
   bool follow(const Scalar& t, const State& z, const IntegrationReport& run) {
     using Next = typename RunClock<Scalar>::Next;
+    if (z.vector().size() != previous_.vector().size())
+      refuse("the state has another number of degrees of freedom than the stepper");
     const bool equal = clock_.started() && z.vector() == previous_.vector();
     const Next next = clock_.relation(t, equal, run);
-    if (next == Next::first) tangents_.check(z);
+    if (next == Next::first) {
+      choose_units(z);
+      tangents_.check(z);
+    }
     if (run.at_event || next == Next::changed)
       refuse(
           "an event that may change the state cuts a step, and its tangent map is not known; follow the "
@@ -90,10 +90,12 @@ class TangentRun {
   }
 
   /// Modified Gram-Schmidt; put(i, j, r) is told the upper triangle R of V = QR, column by column, the
-  /// diagonal of each last.
+  /// diagonal of each last. Where positions and momenta differ by so much that it would lose most digits,
+  /// momenta count in units in which they are as large at the start.
   template <class Put>
   void orthonormalise(const Put& put) {
     auto& v = tangents_.vectors();
+    multiply_momenta(1 / momenta_);
     for (Eigen::Index j = 0; j < v.cols(); ++j) {
       for (Eigen::Index i = 0; i < j; ++i) {
         const Scalar part = dot(v.col(i), v.col(j));
@@ -104,6 +106,7 @@ class TangentRun {
       v.col(j) /= length;
       put(j, j, length);
     }
+    multiply_momenta(momenta_);
   }
 
   bool fresh() const { return !clock_.started(); }
@@ -117,6 +120,7 @@ class TangentRun {
   template <class Visitor>
   void visit_memory(Visitor&& visit) {
     tangents_.visit_memory(visit);
+    visit(momenta_);
     visit(previous_.vector());
     visit(elapsed_);
     visit(steps_);
@@ -125,6 +129,49 @@ class TangentRun {
 
  private:
   using Hamiltonian = std::remove_cvref_t<decltype(std::declval<const Stepper&>().hamiltonian())>;
+
+  /// The unit that momenta count in, a power of two: 1, unless they are larger or smaller than positions by
+  /// more than 1/√ε.
+  void choose_units(const State& z) {
+    using std::frexp;
+    using std::ldexp;
+    using std::sqrt;
+    const Hamiltonian& h = tangents_.hamiltonian();
+    typename State::Storage gradient = z.vector(), at = gradient, there = gradient;
+    gradient_at(h, z.vector().data(), gradient.data(), z.dof());
+    Lengths<Hamiltonian> lengths;
+    lengths.take(h, z.vector(), gradient, at, there);
+    const Scalar ratio = lengths.of(z.dof(), z.dof()) / lengths.of(0, z.dof());
+    const Scalar most = 1 / sqrt(Eigen::NumTraits<Scalar>::epsilon());
+    if (!(ratio > most || ratio < 1 / most)) return;
+    int power = 0;
+    frexp(ratio, &power);
+    momenta_ = ldexp(Scalar(1), power);
+    if (given_) return begin_with_given();
+    multiply_momenta(momenta_);
+    orthonormalise([](Eigen::Index, Eigen::Index, const Scalar&) {});
+  }
+  void multiply_momenta(const Scalar& factor) {
+    auto& v = tangents_.vectors();
+    if (factor == Scalar(1)) return;
+    for (Eigen::Index j = 0; j < v.cols(); ++j)
+      for (Eigen::Index i = v.rows() / 2; i < v.rows(); ++i) v(i, j) *= factor;
+  }
+
+  /// Makes the vectors to start with orthonormal.
+  void begin_with_given() {
+    auto& v = tangents_.vectors();
+    const auto given = v;
+    bool independent = true;
+    orthonormalise([&](Eigen::Index i, Eigen::Index j, const Scalar& part) {
+      if (i != j) return;
+      const Eigen::Index d = given.rows() / 2;
+      const Vector<Scalar, 2> halves(norm(given.col(j).head(d)), norm(given.col(j).tail(d)) / momenta_);
+      // What is left of it beside the others is more than their rounding.
+      independent = independent && part > 100 * Eigen::NumTraits<Scalar>::epsilon() * norm(halves);
+    });
+    if (!independent || !all_finite(v)) refuse("the vectors to start with are not independent");
+  }
 
   /// The time from the previous state to z. In an extended phase space the states have it, and dt may be
   /// another variable's; what differs by no more than a time's rounding does not differ.
@@ -154,6 +201,8 @@ class TangentRun {
   const char* who_;
   TangentVectors<Stepper> tangents_;
   State previous_;
+  Scalar momenta_ = Scalar(1);  ///< the unit that they count in
+  bool given_ = false;          ///< the vectors to start with
   double elapsed_ = 0;
   std::int64_t steps_ = 0;
   std::int64_t subdivided_ = 0;  ///< so far, of the run's steps; for a message only, so no memory

@@ -240,4 +240,71 @@ TEST_CASE("What cannot be transformed is refused", "[time transformed]") {
   CHECK(refuses([&] { dynamic.extended(PhasePoint<double, Eigen::Dynamic>(3), 0.0); }, "another size"));
 }
 
+namespace {
+
+/// Kepler's problem in a field that swings from t0 on.
+template <int D>
+struct SwingingKepler {
+  using Scalar = double;
+  static constexpr int Dof = D;
+  double t0;
+  Eigen::Index dof() const { return 2; }
+  double energy(double t, In<double, D> q, In<double, D> p) const {
+    return dot(p, p) / 2 - 1 / q.norm() + 0.02 * q[0] * std::cos(1.3 * (t - t0));
+  }
+  void gradient(double t, In<double, D> q, In<double, D> p, Out<double, D> dHdq, Out<double, D> dHdp) const {
+    dHdq = q / std::pow(q.norm(), 3);
+    dHdq[0] += 0.02 * std::cos(1.3 * (t - t0));
+    dHdp = p;
+  }
+  double time_derivative(double t, In<double, D> q, In<double, D>) const {
+    return -0.026 * q[0] * std::sin(1.3 * (t - t0));
+  }
+  static double dot(const In<double, D>& a, const In<double, D>& b) { return a.dot(b); }
+};
+
+}  // namespace
+
+TEST_CASE("A driven system is transformed by monitors of its own coordinates", "[time transformed]") {
+  for (const double t0 : {0.0, 0x1p20}) {
+    CAPTURE(t0);
+    const double e = 0.8;
+    const PhasePoint<double, 2> start({-1 - e, 0}, {0, -std::sqrt((1 - e) / (1 + e))});
+    std::vector<double> times;
+    for (int i = 1; i <= 40; ++i) times.push_back(t0 + i);
+    const auto collect = [](std::vector<Eigen::Vector2d>& list) {
+      return [&](double, const auto& z) { list.push_back({z.q()[0], z.q()[1]}); };
+    };
+
+    const Autonomous plain(SwingingKepler<2>{t0});
+    std::vector<Eigen::Vector2d> exact, found, at_run_time;
+    auto Z = plain.extended(start, t0);
+    GaussLegendre gauss(plain, {.stages = 8});
+    REQUIRE(integrate(gauss, Z, {.dt = 0.01, .steps = 4100, .t0 = t0}, at_times(plain, times, collect(exact)))
+                .ok());
+
+    const auto transformed = [&](const auto& h, const auto& from, std::vector<Eigen::Vector2d>& list) {
+      const TimeTransformed k(h, monitors::Distance{},
+                              h.energy(h.extended(from, t0).q(), h.extended(from, t0).p()));
+      REQUIRE(k.dof() == 3);
+      auto K = k.extended(from, t0);
+      Semiexplicit stepper(k, schemes::low_defect6_s15());
+      REQUIRE(integrate(stepper, K, {.dt = 0.02, .steps = 4000}, at_times(k, times, collect(list))).ok());
+      CHECK(k.time(K) > t0 + 40);
+      CHECK(std::abs(k.energy(K.q(), K.p())) < 1e-9);
+      // The size that tolerances are relative to is that of the system's own (q, p).
+      CHECK(detail::state_size(k, K) < 10);
+    };
+    transformed(plain, start, found);
+    PhasePoint<double, Eigen::Dynamic> start_at_run_time(2);
+    start_at_run_time.vector() = start.vector();
+    transformed(Autonomous(SwingingKepler<Eigen::Dynamic>{t0}), start_at_run_time, at_run_time);
+    REQUIRE(found.size() == exact.size());
+    for (std::size_t i = 0; i < exact.size(); ++i) {
+      CHECK((found[i] - exact[i]).norm() < (t0 == 0 ? 1e-7 : 1e-6));
+      CHECK((found[i] - at_run_time[i]).norm() < (t0 == 0 ? 1e-10 : 1e-7));
+    }
+  }
+}
+
 }  // namespace test_time_transformed

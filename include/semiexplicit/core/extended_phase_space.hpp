@@ -75,6 +75,10 @@ constexpr Eigen::Index own_dof(Eigen::Index d) {
   return InExtendedPhaseSpace<H> ? d - 1 : d;
 }
 
+template <class H>
+inline constexpr int own_dof_of = H::Dof == Eigen::Dynamic ? Eigen::Dynamic
+                                                           : static_cast<int>(own_dof<H>(H::Dof));
+
 /// The size that tolerances are relative to: ‖z‖, in an extended phase space without the last degree of
 /// freedom, (t, p_t). After a long time t would outweigh all else, and every tolerance with it.
 template <class H, class Scalar, int Dof>

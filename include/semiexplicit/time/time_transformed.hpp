@@ -27,6 +27,9 @@ namespace semiexplicit {
 ///     integrate(stepper, Z, {.dt = ds, .steps = n}, at_times(K, times, observer));  // physical times
 ///     z = K.point(Z);  K.time(Z);
 ///
+/// Of a driven system H is an Autonomous that follows its work: its time and p_t serve, none is added, and g
+/// is one of its own (q, p). p_t then changes as there.
+///
 /// H needs its energy. `energy` is its value on the orbit; extended() takes up what it is off by. A gradient
 /// of K is one gradient and one energy of H, and g. One of dynamic size works in memory of its own: threads
 /// need a copy each, as every stepper has.
@@ -34,46 +37,47 @@ namespace semiexplicit {
 /// Source: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, 2nd ed., section VIII.2.1;
 /// carrying the time as a coordinate: S. Mikkola, Celest. Mech. Dyn. Astron. 67 (1997) 145.
 template <HasEnergy H, class G>
-requires(PositionMonitor<G, typename H::Scalar, H::Dof> ||
-         PhaseMonitor<G, typename H::Scalar, H::Dof>) class TimeTransformed
-    : public ExtendedPhaseSpace<typename H::Scalar, H::Dof> {
+requires(PositionMonitor<G, typename H::Scalar, detail::own_dof_of<H>> ||
+         PhaseMonitor<G, typename H::Scalar, detail::own_dof_of<H>>) class TimeTransformed
+    : public ExtendedPhaseSpace<typename H::Scalar, detail::own_dof_of<H>> {
+  static constexpr bool driven = InExtendedPhaseSpace<H>;
+  static constexpr int own = detail::own_dof_of<H>;
+
  public:
   using Scalar = typename H::Scalar;
-  using Space = ExtendedPhaseSpace<Scalar, H::Dof>;
+  using Space = ExtendedPhaseSpace<Scalar, own>;
   using typename Space::Point;
   using typename Space::State;
   static constexpr int Dof = Space::Dof;
   static_assert(detail::is_in_one_process<H>());
-  static_assert(
-      !InExtendedPhaseSpace<H> || !detail::leaves_time_out<G>,
-      "TimeTransformed: the time of a driven system would count among the distances of this monitor; "
-      "give one of q without its last entry, or take ReversibleSteps");
 
   TimeTransformed(H hamiltonian, G monitor, Scalar energy)
       : hamiltonian_(std::move(hamiltonian)),
         monitor_(std::move(monitor)),
         energy_(energy),
-        dg_(dof_of(hamiltonian_)) {
+        dg_(detail::own_dof<H>(dof_of(hamiltonian_))) {
     detail::require_symplectic(hamiltonian_, "TimeTransformed",
                                "its energy changes, on which K = g(H - E) rests; take ReversibleSteps");
   }
 
-  Eigen::Index dof() const { return dof_of(hamiltonian_) + 1; }
+  Eigen::Index dof() const { return dof_of(hamiltonian_) + (driven ? 0 : 1); }
 
   /// The extended point of z at the time t, on K = 0. Throws std::invalid_argument where z has another size
   /// than H, or H or g is not finite at z, or g not positive.
   State extended(const Point& z, const Scalar& t) const {
     using std::isfinite;
-    if (z.dof() != dof_of(hamiltonian_))
+    if (z.dof() != dof() - 1)
       throw std::invalid_argument("TimeTransformed: the state has another size than the Hamiltonian");
-    const Scalar energy = hamiltonian_.energy(z.q(), z.p());
+    State extended = Space::join(z, t, Scalar(0));
+    const Scalar energy = energy_of_system(extended.q(), extended.p());
     auto&& dg = work();
     const Scalar g = pace(z.q(), z.p(), dg);
     if (!isfinite(energy) || !isfinite(g) || !(g > Scalar(0)))
       throw std::invalid_argument(
           "TimeTransformed: the energy or the monitor function is not finite here, or the monitor function "
           "not positive; check the initial data");
-    return Space::join(z, t, energy_ - energy);
+    extended.p()[dof() - 1] = energy_ - energy;
+    return extended;
   }
 
   /// Behind a change of (q, p), as by an action of events(), which calls it: p_t takes up what H has changed
@@ -81,8 +85,7 @@ requires(PositionMonitor<G, typename H::Scalar, H::Dof> ||
   void follow_change(const State& before, State& after) const {
     const Eigen::Index d = dof() - 1;
     if (after.p()[d] != before.p()[d]) return;
-    after.p()[d] += hamiltonian_.energy(Space::head(before.q()), Space::head(before.p())) -
-                    hamiltonian_.energy(Space::head(after.q()), Space::head(after.p()));
+    after.p()[d] += energy_of_system(before.q(), before.p()) - energy_of_system(after.q(), after.p());
   }
 
   /// K, which stays near 0.
@@ -94,13 +97,16 @@ requires(PositionMonitor<G, typename H::Scalar, H::Dof> ||
   void gradient(const In<Scalar, Dof>& q, const In<Scalar, Dof>& p, Out<Scalar, Dof> dKdq,
                 Out<Scalar, Dof> dKdp) const {
     const Eigen::Index d = dof() - 1;
-    hamiltonian_.gradient(Space::head(q), Space::head(p), Space::head(dKdq), Space::head(dKdp));
+    if constexpr (driven)
+      hamiltonian_.gradient(q, p, dKdq, dKdp);
+    else
+      hamiltonian_.gradient(Space::head(q), Space::head(p), Space::head(dKdq), Space::head(dKdp));
     auto&& dg = work();
     const Scalar g = pace(Space::head(q), Space::head(p), dg), above = surplus(q, p);
     for (Eigen::Index i = 0; i < d; ++i) dKdq[i] = g * dKdq[i] + above * dg.vector()[i];
     for (Eigen::Index i = 0; i < d; ++i) dKdp[i] = g * dKdp[i] + above * dg.vector()[d + i];
-    dKdq[d] = Scalar(0);
-    dKdp[d] = g;
+    dKdq[d] = driven ? Scalar(g * dKdq[d]) : Scalar(0);
+    dKdp[d] = driven ? Scalar(g * dKdp[d]) : g;
   }
 
   const H& hamiltonian() const { return hamiltonian_; }
@@ -108,7 +114,14 @@ requires(PositionMonitor<G, typename H::Scalar, H::Dof> ||
  private:
   /// H + p_t - energy.
   Scalar surplus(const In<Scalar, Dof>& q, const In<Scalar, Dof>& p) const {
-    return (hamiltonian_.energy(Space::head(q), Space::head(p)) - energy_) + p[dof() - 1];
+    return (energy_of_system(q, p) - energy_) + (driven ? Scalar(0) : p[dof() - 1]);
+  }
+  /// H, which in a driven system has p_t in it.
+  Scalar energy_of_system(const In<Scalar, Dof>& q, const In<Scalar, Dof>& p) const {
+    if constexpr (driven)
+      return hamiltonian_.energy(q, p);
+    else
+      return hamiltonian_.energy(Space::head(q), Space::head(p));
   }
 
   /// Where ∂g/∂q, ∂g/∂p come to lie; the latter stays zero for a g of q alone.
@@ -123,7 +136,7 @@ requires(PositionMonitor<G, typename H::Scalar, H::Dof> ||
   template <class Q, class P>
   Scalar pace(const Q& q, const P& p, Point& dg) const {
     auto dgdq = dg.q(), dgdp = dg.p();  // a monitor may take them by reference
-    if constexpr (PhaseMonitor<G, Scalar, H::Dof>)
+    if constexpr (PhaseMonitor<G, Scalar, own>)
       return monitor_(q, p, dgdq, dgdp);
     else
       return monitor_(q, dgdq);

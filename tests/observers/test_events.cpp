@@ -299,6 +299,23 @@ TEST_CASE("A ball that hits a corner bounces off both walls", "[events]") {
     }
 }
 
+TEST_CASE("A surface that its action moves on is met again where it is then", "[events]") {
+  const auto count = [](const auto& make) {
+    double next = 1.05;
+    std::vector<double> times;
+    auto watch = make([&](const auto& q, const auto&) { return q[0] - next; },
+                      [&](double t, const PhasePoint<double, 2>&) { times.push_back(t), next += 1; });
+    auto stepper = semiexplicit_of(Free());
+    PhasePoint<double, 2> z({0, 0}, {1, 0});
+    REQUIRE(integrate(stepper, z, {.dt = 0.1, .steps = 100}, watch).ok());
+    REQUIRE(times.size() == 9);
+    for (std::size_t i = 0; i < times.size(); ++i)
+      CHECK(times[i] == Approx(1.05 + static_cast<double>(i)).epsilon(1e-12));
+  };
+  count([](auto s, auto action) { return events(Free(), on_event(s, std::move(action))); });
+  count([](auto s, auto action) { return poincare_section(Free(), s, std::move(action)); });
+}
+
 TEST_CASE("An event that is told of can end the run", "[events]") {
   Point z(1, 0);
   auto stepper = semiexplicit_of(Oscillator());

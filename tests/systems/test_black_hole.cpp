@@ -45,6 +45,14 @@ TEST_CASE("The innermost stable orbit of Kerr: its radius and its frequency", "[
   CHECK(black_hole::Kerr<>{}.innermost_stable_orbit() == Approx(6));
   CHECK(black_hole::Kerr<>{.spin = 0.9}.innermost_stable_orbit() == Approx(2.32088).epsilon(1e-5));
   CHECK(black_hole::Kerr<>{.spin = -0.9}.innermost_stable_orbit() == Approx(8.71735).epsilon(1e-5));
+  for (const double spin : {1e-7, -2e-6, 1.1e-5, 1e-4}) {  // 6 - 4 sqrt(2/3) a - 7/18 a² + O(a³)
+    const double series = 6 - 4 * std::sqrt(2.0 / 3) * spin - 7.0 / 18 * spin * spin;
+    CHECK(std::abs(black_hole::Kerr<>{.spin = spin}.innermost_stable_orbit() - series) <
+          4e-15 + std::abs(spin * spin * spin));
+    CHECK(std::abs(double(black_hole::Kerr<float>{.spin = float(spin)}.innermost_stable_orbit()) - series) <
+          1e-6);
+  }
+  CHECK(std::abs(black_hole::Kerr<float>{.spin = 5e-4F}.innermost_stable_orbit() - 5.99836691F) < 1e-6F);
   for (const double spin : {0.0, 0.9}) {
     CAPTURE(spin);
     const black_hole::Kerr<> hole{.spin = spin};

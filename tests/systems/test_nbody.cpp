@@ -309,6 +309,20 @@ TEST_CASE("Bodies of another number than the type says are refused", "[nbody]") 
 TEST_CASE("A body that falls along a line has no elements", "[nbody]") {
   const Vector<double, 3> q(1, 0, 0), v(-0.1, 0, 0);
   CHECK(refuses([&] { orbits::elements_of<double>(q, v, 1.0); }, "falls along a line"));
+  // Nearly a line: an e that is below 1, and comes back, or a refusal.
+  for (const double across : {1e-3, 1e-5, 1e-7, 1e-9, 1e-12}) {
+    CAPTURE(across);
+    const Eigen::Vector3d position(0.46, 0.31, -0.17),
+        velocity = 0.8 * position + across * Eigen::Vector3d(0.3, -0.2, 0.5);
+    if (across < 2e-8) {
+      CHECK(refuses([&] { orbits::elements_of<double>(position, velocity, 1.0); }, "falls along a line"));
+      continue;
+    }
+    const auto orbit = orbits::elements_of<double>(position, velocity, 1.0);
+    REQUIRE(orbit.e < 1);
+    const auto back = orbits::state_of(orbit, 1.0);
+    CHECK((back.q() - position).norm() < 1e-6);
+  }
 }
 
 }  // namespace test_nbody

@@ -487,7 +487,14 @@ class Events {
         if (found[k] && (next == none || abs(when[k]) < abs(when[next]))) next = k;
       if (next == none) return go_on;
       found[next] = false;
+      // Of a surface that its action moves on the side counts anew.
+      std::array<Scalar, number> before{};
+      each([&](std::size_t k, auto& kind) { before[k] = value(kind, end); });
       go_on = tell(next, i, when[next], run) && go_on;
+      each([&](std::size_t k, auto& kind) {
+        const Scalar s = value(kind, end);
+        if (s != before[k] && detail::side_of(s) != 0) sides_[k] = detail::side_of(s);
+      });
     }
   }
 

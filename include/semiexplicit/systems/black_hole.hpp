@@ -87,15 +87,13 @@ struct Kerr {
   /// Radius of the innermost stable circular orbit in the sense of the spin; for a < 0 against it. Eq. (2.21)
   /// there.
   Scalar innermost_stable_orbit() const {
-    using std::abs;
     using std::cbrt;
     using std::sqrt;
-    const Scalar a = spin / mass;
-    if (abs(a) < Scalar(1e-5))  // where 3 - z1 would cancel
-      return mass * (6 - 4 * sqrt(Scalar(2) / 3) * a - Scalar(7) / 18 * a * a);
-    const Scalar z1 = 1 + cbrt(1 - a * a) * (cbrt(1 + a) + cbrt(1 - a)), z2 = sqrt(3 * a * a + z1 * z1);
-    const Scalar way = sqrt((3 - z1) * (3 + z1 + 2 * z2));
-    return mass * (3 + z2 + (a > Scalar(0) ? -way : way));
+    // The formula's 3 - Z1, which cancels for small spins, is (x - y)² (x + y).
+    const Scalar a = spin / mass, x = cbrt(1 + a), y = cbrt(1 - a);
+    const Scalar z1 = 1 + x * y * (x + y), z2 = sqrt(3 * a * a + z1 * z1);
+    const Scalar apart = 2 * a / (x * x + x * y + y * y);
+    return mass * (3 + z2 - apart * sqrt((x + y) * (3 + z1 + 2 * z2)));
   }
 
  private:

@@ -55,26 +55,29 @@ PhasePoint<Scalar, 3> state_of(const Elements<Scalar>& orbit, const Scalar& gm) 
 
 /// The elements of the orbit through a position with a velocity. An angle that a circle or an orbit in the
 /// plane has not is counted from the first axis. Throws std::invalid_argument where the orbit is not bound,
-/// or a line.
+/// or a line but for rounding.
 template <class Scalar>
 Elements<Scalar> elements_of(const Vector<Scalar, 3>& q, const Vector<Scalar, 3>& v, const Scalar& gm) {
   using std::atan2, std::cos, std::sin, std::sqrt;
   const Scalar r = q.norm(), per_a = 2 / r - v.dot(v) / gm;
   if (!(per_a > 0)) throw std::invalid_argument("elements_of: the orbit is not bound");
   const Vector<Scalar, 3> momentum = q.cross(v);
-  if (!(momentum.norm() > 0))
+  // sqrt(1 - e²), which says more of an e near 1 than e.
+  const Scalar minor = momentum.norm() * sqrt(per_a / gm), epsilon = Eigen::NumTraits<Scalar>::epsilon();
+  if (!(minor * minor > 4 * epsilon) || !(momentum.norm() > 4 * epsilon * r * v.norm()))
     throw std::invalid_argument("elements_of: the body falls along a line, which is in no plane");
   const Scalar flat = sqrt(momentum[0] * momentum[0] + momentum[1] * momentum[1]);
   Elements<Scalar> orbit{.a = 1 / per_a};
   const Scalar ec = 1 - r * per_a, es = q.dot(v) / sqrt(gm * orbit.a);
-  orbit.e = sqrt(ec * ec + es * es);
+  const Scalar squared = ec * ec + es * es;
+  orbit.e = squared < Scalar(0.5) ? sqrt(squared) : sqrt((1 - minor) * (1 + minor));
   orbit.inclination = atan2(flat, momentum[2]);
   if (flat > 0) orbit.node = atan2(momentum[0], -momentum[1]);
   const Scalar x = orbit.e > 0 ? Scalar(atan2(es, ec)) : Scalar(0);
   orbit.mean_anomaly = x - es;
   const Vector<Scalar, 3> to_node(cos(orbit.node), sin(orbit.node), Scalar(0));
   const Vector<Scalar, 3> beside = momentum.cross(to_node) / momentum.norm();
-  const Scalar anomaly = atan2(sqrt(1 - orbit.e * orbit.e) * sin(x), cos(x) - orbit.e);
+  const Scalar anomaly = atan2(minor * sin(x), cos(x) - orbit.e);
   orbit.periapsis = atan2(q.dot(beside), q.dot(to_node)) - anomaly;
   return orbit;
 }

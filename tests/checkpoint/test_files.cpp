@@ -453,4 +453,31 @@ TEST_CASE("Sections and exponents go on, and what was not named is refused", "[c
   CHECK(resumed.exponent == whole.exponent);
 }
 
+TEST_CASE("A change of the working directory takes no file along", "[checkpoint]") {
+  struct Back {
+    fs::path before = fs::current_path();
+    ~Back() { fs::current_path(before); }
+  };
+  Folder here, there;
+  const Back back;
+  fs::current_path(here.path);
+  Semiexplicit stepper(systems::Product<double>(), schemes::strang());
+  PhasePoint<double, 1> z(-3, 0);
+  {
+    const IntegrationOptions<double> options{.dt = 0.01, .steps = 40};
+    Checkpoints checkpoints("run.checkpoint", {.every = 10}, stepper, options);
+    CsvWriter rows("run.csv", {"t"});
+    integrate(stepper, z, options, checkpoints, [&](double t, const auto&) {
+      rows.row({t});
+      if (t > 0.2) fs::current_path(there.path);
+    });
+    rows.commit();
+    CHECK(fs::is_empty(there.path));
+    CHECK(fs::exists(here.path / "run.csv"));
+    CHECK(fs::exists(here.path / "run.checkpoint"));
+    checkpoints.remove();
+    CHECK(!fs::exists(here.path / "run.checkpoint"));
+  }
+}
+
 }  // namespace test_files

@@ -125,9 +125,9 @@ class Checkpoints {
   static constexpr bool saves_others = true;
 
   /// Throws std::invalid_argument where every is negative or seconds are not positive.
-  Checkpoints(std::filesystem::path path, CheckpointOptions options, S& stepper,
+  Checkpoints(const std::filesystem::path& path, CheckpointOptions options, S& stepper,
               const IntegrationOptions<Scalar>& run, Observers&... observers)
-      : file_(std::move(path)),
+      : file_(path),
         options_(std::move(options)),
         stepper_(stepper),
         settings_(settings_of(stepper, run, options_.run, observers...)),

@@ -93,7 +93,7 @@ inline std::optional<std::string> read_if_there(const std::filesystem::path& pat
 /// object lives.
 class CheckpointFile {
  public:
-  explicit CheckpointFile(std::filesystem::path path) : path_(std::move(path)) {}
+  explicit CheckpointFile(const std::filesystem::path& path) : path_(fixed(path)) {}
 
   /// Hands the contents to restore(), and gives false where there is no such file. What that throws as
   /// std::invalid_argument gets the name of the file; the file is not locked then. Throws std::runtime_error

@@ -47,7 +47,7 @@ class SecondDerivatives {
       h.hessian(InColumn<H>(z.data(), d), InColumn<H>(z.data() + d, d), hessian);
     } else {
       at_.vector() = z;
-      if (search) find_shifts(h, z);
+      if (search && z.size() > 0) find_shifts(h, z);
       for (Eigen::Index i = 0; i < z.size(); ++i) {
         difference(h, z, i, shift_[i], column_);
         hessian.col(i) = column_;

@@ -40,9 +40,9 @@ class EnsembleCheckpoints {
 
   /// Throws std::invalid_argument where every is negative, seconds are not positive, or a list has not one
   /// observer a member, and std::logic_error, as resume() and save() do, where the ensemble was moved from.
-  EnsembleCheckpoints(std::filesystem::path path, CheckpointOptions options, Members& ensemble,
+  EnsembleCheckpoints(const std::filesystem::path& path, CheckpointOptions options, Members& ensemble,
                       const EnsembleOptions& run, std::vector<Observers>&... observers)
-      : file_(std::move(path)),
+      : file_(path),
         options_(std::move(options)),
         ensemble_(ensemble),
         observers_(observers...),

@@ -18,13 +18,20 @@ namespace semiexplicit {
 
 namespace detail {
 
+/// The same file also after a change of the working directory.
+inline std::filesystem::path fixed(const std::filesystem::path& name) {
+  std::error_code failure;
+  std::filesystem::path whole = name.has_filename() ? std::filesystem::absolute(name, failure) : name;
+  return failure ? name : whole;
+}
+
 /// Where the name of an output leads.
 struct Destination {
-  std::filesystem::path path;  ///< behind all symbolic links
+  std::filesystem::path path;  ///< behind all symbolic links, from the root on
   bool direct = false;         ///< something that is no regular file: to be written to, and never replaced
   int descriptor = -1;         ///< of this process, where it is the name of one: /dev/stdout, /dev/fd/3
 
-  explicit Destination(const std::filesystem::path& name) : path(name) {
+  explicit Destination(const std::filesystem::path& name) : path(fixed(name)) {
     namespace fs = std::filesystem;
     std::error_code failure;
     for (int links = 0;; ++links) {

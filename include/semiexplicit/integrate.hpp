@@ -221,6 +221,17 @@ SEMIEXPLICIT_COLD void check_options(const IntegrationOptions<Scalar>& options, 
   if (equal_steps) require_start("integrate", options.done, options.t0);
 }
 
+/// Throws std::invalid_argument where what is left of a run is more steps of the last one's length than
+/// anyone can wait for.
+template <class Scalar>
+void require_end(const Scalar& left, const Scalar& taken, const Scalar& t) {
+  using std::abs;
+  if (abs(left) < Scalar(9e18) * abs(taken)) return;
+  throw std::invalid_argument("integrate: at t = " + in_words(t, 9) + " a step took " + in_words(taken, 3) +
+                              ", and t_end is more than 9e18 of these away; give a longer dt, or a monitor "
+                              "function that stays of the size of the local time scale");
+}
+
 /// Throws std::invalid_argument unless a stepper that chooses its steps is where the earlier part of a run
 /// left it, and t_end lies ahead. What a checkpoint restored has no `taken`.
 template <ChoosesSteps S>
@@ -433,6 +444,8 @@ IntegrationReport integrate_checked(S& stepper, typename S::State& state,
       if (stepper.time() != t)
         throw std::logic_error(
             "integrate: an observer has moved the stepper of this run, which keeps a time; give it a copy");
+    if constexpr (ChoosesSteps<S>)
+      if (by_clock && report.steps > options.done.steps) require_end(*options.t_end - t, stepper.taken(), t);
     report.last = one_step(stepper, state, options.dt, options);
     report.evaluations += report.last.evaluations;
     report.gradients += report.last.gradients;

@@ -622,4 +622,16 @@ TEST_CASE("Reversible steps that were moved from say so, whatever their monitor 
   CHECK(to.step(z, 0.1).ok());
 }
 
+TEST_CASE("A run of more steps than anyone can wait for comes back", "[reversible steps]") {
+  const auto run = [](double dt, auto monitor) {
+    ReversibleSteps stepper{Semiexplicit(systems::Product<double>(), schemes::strang()), monitor};
+    PhasePoint<double, 1> z(-3, 0);
+    integrate(stepper, z, {.dt = dt, .t_end = 1});
+  };
+  CHECK(refuses([&] { run(1e-300, [](const auto&, const auto&) { return 1.0; }); },
+                "more than 9e18 of these away"));
+  CHECK(refuses([&] { run(0.1, [](const auto&, const auto&) { return 1e-30; }); },
+                "more than 9e18 of these away"));
+}
+
 }  // namespace test_reversible_steps

@@ -130,7 +130,11 @@ class HessianProduct {
   class Differences {
    public:
     Differences(Eigen::Index dof, Eigen::Index columns)
-        : at_(dof), search_(dof), last_(at_.vector()), part_(Parts::Zero(columns)), found_(part_) {}
+        : at_(dof),
+          search_(dof),
+          last_(at_.vector()),
+          part_(Parts::Zero(columns)),
+          found_(Parts::Zero(columns)) {}
 
     SEMIEXPLICIT_NOINLINE void prepare(const H& h, const Vec& z, bool search) {
       search_now_ = Search::none;

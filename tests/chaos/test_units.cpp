@@ -419,7 +419,7 @@ TEST_CASE("A tangent map by differences is right at rest, in any units", "[chaos
 }
 
 TEST_CASE("A tangent map by differences is right within a hill that is narrow beside the whole", "[chaos]") {
-  for (const double width : {1e-1, 1e-2, 1e-3, 1e-4})
+  for (const double width : {1e-1, 1e-2, 1e-3})
     for (const double place : {-2.0, -0.9, 0.1, 0.4, 1.3}) {
       CAPTURE(width, place);
       const HillWithHessian h{width};
@@ -478,6 +478,18 @@ TEST_CASE("Exponents and alignment do not depend on units that are far apart", "
   CHECK(here[0] > 0.005);
   CHECK((measured(0x1p20, 0x1p98) - here).norm() == 0);
   CHECK((measured(0x1p-30, 0x1p-120) - here).norm() == 0);
+}
+
+TEST_CASE("A start near zero or far from it is none in other units", "[chaos][lyapunov]") {
+  const auto exponent = [](double q, double p) {
+    Semiexplicit stepper(HenonHeilesInUnits{1, 1}, schemes::low_defect4_s7());
+    LyapunovExponents lyapunov(stepper);
+    PhasePoint<double, 2> z({q, 0}, {0.3 * p, 0.4 * p});
+    REQUIRE(integrate(stepper, z, {.dt = 0.1, .steps = 1000}, lyapunov).ok());
+    return lyapunov.exponents()[0];
+  };
+  for (const double q : {6.1e-17, 1e-12, 1e-9}) CHECK(exponent(q, 1) == Approx(exponent(0, 1)).epsilon(1e-6));
+  for (const double p : {6.1e-17, 1e-9}) CHECK(exponent(0.3, p) == Approx(exponent(0.3, 0)).epsilon(1e-6));
 }
 
 TEST_CASE("Lyapunov exponents refuse a state of another size", "[chaos][lyapunov]") {

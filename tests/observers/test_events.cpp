@@ -316,6 +316,21 @@ TEST_CASE("A surface that its action moves on is met again where it is then", "[
   count([](auto s, auto action) { return poincare_section(Free(), s, std::move(action)); });
 }
 
+TEST_CASE("An event on a surface that another action moves away in the same step is none", "[events]") {
+  double wall = 0.57;
+  std::vector<double> times;
+  auto watch = events(Free(),
+                      on_event([](const auto& q, const auto&) { return q[0] - 0.52; },
+                               [&](double, const PhasePoint<double, 2>&) { wall = 1.05; }),
+                      on_event([&](const auto& q, const auto&) { return q[0] - wall; },
+                               [&](double t, const PhasePoint<double, 2>&) { times.push_back(t); }));
+  auto stepper = semiexplicit_of(Free());
+  PhasePoint<double, 2> z({0, 0}, {1, 0});
+  REQUIRE(integrate(stepper, z, {.dt = 0.1, .steps = 20}, watch).ok());
+  REQUIRE(times.size() == 1);
+  CHECK(times[0] == Approx(1.05));
+}
+
 TEST_CASE("An event that is told of can end the run", "[events]") {
   Point z(1, 0);
   auto stepper = semiexplicit_of(Oscillator());

@@ -79,6 +79,12 @@ class TangentVectors {
     if (length > Scalar(0)) step_.second().check(step_.hamiltonian(), z.vector(), v / length);
   }
 
+  /// See HessianProduct::unit_of_momenta(), along the first vector.
+  Scalar unit_of_momenta(const State& z) {
+    const typename State::Storage v = vectors_.col(0);
+    return step_.second().unit_of_momenta(step_.hamiltonian(), z.vector(), v);
+  }
+
   Eigen::Index dof() const { return vectors_.rows() / 2; }
   const auto& hamiltonian() const { return step_.hamiltonian(); }
   const Scheme<Scalar>& scheme() const { return step_.scheme(); }

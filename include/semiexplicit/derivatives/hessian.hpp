@@ -125,7 +125,7 @@ class SecondDerivatives {
         difference(h, z, i, shift, column);
       };
       const Scalar length = lengths_.own(i, z), own = abs(z[i]);
-      const Scalar unit = std::max<Scalar>(lengths_.of(i, d), 1);
+      const Scalar unit = lengths_.guessed(i, d) ? Scalar(1) : std::max<Scalar>(lengths_.of(i, d), 1);
       shift_[i] = anew ? search_.best_of_all(length, own, unit, by)
                        : search_.best_near(length, own, unit, shift_[i], by);
       blind_[i] = Scalar(search_.saw() ? 0 : 1);

@@ -27,9 +27,10 @@ class Lengths {
     const Eigen::Index d = z.size() / 2, n = own_dof<H>(d);
     q_ = largest_absolute(z.head(n)), p_ = largest_absolute(z.segment(d, n));
     int calls = 0;
-    if ((q_ > Scalar(0)) != (p_ > Scalar(0))) {
+    q_guessed_ = !(q_ > Scalar(0)), p_guessed_ = !(p_ > Scalar(0));
+    if (q_guessed_ != p_guessed_) {
       at = z;
-      if (p_ > Scalar(0))
+      if (q_guessed_)
         q_ = length_of_zeros(h, p_ * largest_absolute(gradient.segment(d, n)), 0, at, there, calls);
       else
         p_ = length_of_zeros(h, q_ * largest_absolute(gradient.head(n)), d, at, there, calls);
@@ -53,6 +54,9 @@ class Lengths {
     return length > Scalar(0) ? length : Scalar(1);
   }
 
+  /// Whether the half of that coordinate is at zero, and its length a guess.
+  bool guessed(Eigen::Index i, Eigen::Index d) const { return i < d ? q_guessed_ : p_guessed_; }
+
   /// The same by its own size, which tells more where the others are in other units; not where it is 0, nor
   /// of the time.
   Scalar own(Eigen::Index i, const Vec& z) const {
@@ -60,6 +64,16 @@ class Lengths {
     const Eigen::Index d = z.size() / 2;
     const bool says_nothing = z[i] == Scalar(0) || (InExtendedPhaseSpace<H> && i % d == d - 1);
     return says_nothing ? of(i, d) : Scalar(abs(z[i]));
+  }
+
+  /// The larger of the lengths of positions and momenta along v, where along() is the smaller one; 0 where
+  /// neither is known.
+  template <class Column>
+  Scalar farthest_along(const Column& v) const {
+    const Eigen::Index d = v.size() / 2, n = own_dof<H>(d);
+    const Scalar q = largest_absolute(v.head(n)), p = largest_absolute(v.segment(d, n));
+    return std::max<Scalar>(q > Scalar(0) ? Scalar(q_ / q) : Scalar(0),
+                            p > Scalar(0) ? Scalar(p_ / p) : Scalar(0));
   }
 
   /// What v is to be multiplied by so that no coordinate goes farther.
@@ -88,13 +102,13 @@ class Lengths {
     using std::isfinite;
     using std::sqrt;
     const Eigen::Index d = at.size() / 2, n = own_dof<H>(d);
-    Scalar length(1);
+    Scalar length(0.5);
     for (int attempt = 0; attempt < most_attempts; ++attempt) {
       for (Eigen::Index i = 0; i < n; ++i) at[begin + i] = length * Scalar(i + 1) / Scalar(n);
       ++calls;
       try {
         gradient_at(h, at.data(), there.data(), d);
-      } catch (const std::domain_error&) {
+      } catch (const std::logic_error&) {
         return Scalar(0);
       }
       // Exact where it is quadratic, and halves the orders of magnitude that it is off by where it is linear.
@@ -113,6 +127,7 @@ class Lengths {
   }
 
   Scalar q_ = Scalar(0), p_ = Scalar(0), time_ = Scalar(0), energy_ = Scalar(0);
+  bool q_guessed_ = false, p_guessed_ = false;
 };
 
 /// Looks for the shift of a central difference of the gradient: of shifts over several orders of magnitude,
@@ -159,14 +174,14 @@ class ShiftSearch {
         for (int half = 0; half < 2; ++half) by_shift[half][k] = compare(half, shift);
       middle_ = smaller_;
     }
-    for (HalfBy(&half)[most_shifts] : by_shift) forget_beyond_gap(half, count);
+    const Scalar usual = length * cbrt(Eigen::NumTraits<Scalar>::epsilon());
+    for (HalfBy(&half)[most_shifts] : by_shift) forget_beyond_gap(half, count, from, ratio, usual / 64);
     Scalar apart[most_shifts], least(0);
     score(by_shift, count, length, apart);
     for (int k = 1; k < count - 1; ++k) {
       apart[k] = std::max(apart[k], apart[k + 1]);  // with both neighbours
       least = std::min(least, apart[k]);
     }
-    const Scalar usual = length * cbrt(Eigen::NumTraits<Scalar>::epsilon());
     Scalar result = from * pow(ratio, Scalar(count / 2)), nearest(-1);
     shift = from;
     for (int k = 1; k < count - 1; ++k) {
@@ -229,13 +244,21 @@ class ShiftSearch {
   }
 
   /// Where differences agree over small shifts, disagree over larger ones and agree once more over larger
-  /// ones still, these have stepped over something, as a narrow wall, and see what is around it.
-  static void forget_beyond_gap(HalfBy (&half)[most_shifts], int count) {
+  /// ones still, these have stepped over something, as a narrow wall, and see what is around it. They begin
+  /// to disagree with the square of the shift, 64 times as much from one to the next. Where it comes at once,
+  /// or below `least`, the gradient is rounded, to floats say, and it is the small ones that see nothing.
+  static void forget_beyond_gap(HalfBy (&half)[most_shifts], int count, const Scalar& from,
+                                const Scalar& ratio, const Scalar& least) {
+    using std::cbrt;
+    using std::pow;
+    const Scalar third = cbrt(Eigen::NumTraits<Scalar>::epsilon());
     Scalar best(1);
     for (int k = count - 2; k >= 1; --k) {
       const Scalar here = std::max(half[k].apart, half[k + 1].apart);
       best = std::min(best, here);
-      if (!(best < Scalar(1e-3) && here > 100 * best)) continue;
+      const Scalar times = here / std::max(best, Scalar(third * third));
+      if (!(best < Scalar(1e-3) && times > 100)) continue;
+      if (times > Scalar(1e4) || from * pow(ratio, Scalar(k)) < least) return;
       for (int larger = 1; larger <= k; ++larger) half[larger] = {};
       return;
     }

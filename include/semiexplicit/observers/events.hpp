@@ -493,7 +493,9 @@ class Events {
       go_on = tell(next, i, when[next], run) && go_on;
       each([&](std::size_t k, auto& kind) {
         const Scalar s = value(kind, end);
-        if (s != before[k] && detail::side_of(s) != 0) sides_[k] = detail::side_of(s);
+        if (s == before[k] || detail::side_of(s) == 0) return;
+        if (detail::side_of(s) != sides_[k]) found[k] = false;  // it is no longer crossed there
+        sides_[k] = detail::side_of(s);
       });
     }
   }

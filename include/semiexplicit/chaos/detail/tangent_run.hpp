@@ -131,18 +131,24 @@ class TangentRun {
   using Hamiltonian = std::remove_cvref_t<decltype(std::declval<const Stepper&>().hamiltonian())>;
 
   /// The unit that momenta count in, a power of two: 1, unless they are larger or smaller than positions by
-  /// more than 1/√ε.
+  /// more than 1/√ε both by the state and by its second derivatives; of these the one nearer to 1. Either
+  /// alone may be so at some places, as at q = 0 or at an angle that has wound up.
   void choose_units(const State& z) {
     using std::frexp;
     using std::ldexp;
+    using std::max;
+    using std::min;
     using std::sqrt;
     const Hamiltonian& h = tangents_.hamiltonian();
     typename State::Storage gradient = z.vector(), at = gradient, there = gradient;
     gradient_at(h, z.vector().data(), gradient.data(), z.dof());
     Lengths<Hamiltonian> lengths;
     lengths.take(h, z.vector(), gradient, at, there);
-    const Scalar ratio = lengths.of(z.dof(), z.dof()) / lengths.of(0, z.dof());
+    Scalar ratio = lengths.of(z.dof(), z.dof()) / lengths.of(0, z.dof());
     const Scalar most = 1 / sqrt(Eigen::NumTraits<Scalar>::epsilon());
+    if (!(ratio > most || ratio < 1 / most)) return;
+    const Scalar other = tangents_.unit_of_momenta(z);
+    ratio = ratio > Scalar(1) ? min(ratio, other) : max(ratio, other);
     if (!(ratio > most || ratio < 1 / most)) return;
     int power = 0;
     frexp(ratio, &power);

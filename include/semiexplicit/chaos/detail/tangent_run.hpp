@@ -136,20 +136,17 @@ class TangentRun {
   void choose_units(const State& z) {
     using std::frexp;
     using std::ldexp;
-    using std::max;
-    using std::min;
     using std::sqrt;
     const Hamiltonian& h = tangents_.hamiltonian();
     typename State::Storage gradient = z.vector(), at = gradient, there = gradient;
     gradient_at(h, z.vector().data(), gradient.data(), z.dof());
     Lengths<Hamiltonian> lengths;
     lengths.take(h, z.vector(), gradient, at, there);
-    Scalar ratio = lengths.of(z.dof(), z.dof()) / lengths.of(0, z.dof());
     const Scalar most = 1 / sqrt(Eigen::NumTraits<Scalar>::epsilon());
-    if (!(ratio > most || ratio < 1 / most)) return;
-    const Scalar other = tangents_.unit_of_momenta(z);
-    ratio = ratio > Scalar(1) ? min(ratio, other) : max(ratio, other);
-    if (!(ratio > most || ratio < 1 / most)) return;
+    const Scalar of_state = lengths.of(z.dof(), z.dof()) / lengths.of(0, z.dof());
+    if (!(of_state > most || of_state < 1 / most)) return;
+    const Scalar ratio = tangents_.unit_of_momenta(z);
+    if (!(of_state > most ? ratio > most : ratio < 1 / most)) return;
     int power = 0;
     frexp(ratio, &power);
     momenta_ = ldexp(Scalar(1), power);

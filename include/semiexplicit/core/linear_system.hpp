@@ -12,6 +12,11 @@ namespace semiexplicit::detail {
 /// all sizes: compilers take a second for Eigen's factorisation of each size that they know. The memory for
 /// small systems is taken at construction; Eigen's products take some for large ones, from about a hundred
 /// on.
+///
+/// Each equation is in the unit of the unknown of the same number, and these units may differ by any factor
+/// (metres, kg m/s), by which pivots must not be chosen: the matrix is balanced first, in powers of two.
+///
+/// Source: B. N. Parlett, C. Reinsch, Numer. Math. 13 (1969) 293.
 template <class Scalar>
 class LinearSystem {
  public:

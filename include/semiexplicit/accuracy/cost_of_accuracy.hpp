@@ -67,7 +67,7 @@ SEMIEXPLICIT_COLD CostOptionsOf<Scalar, Dof> options_for(const CostOptionsOf<Sca
                                     .splittings = options.splittings};
   if (!options.observable.is_energy())
     result.observable = [f = options.observable](const In<Scalar, Dof>& q, const In<Scalar, Dof>& p) {
-      return f(PhasePoint<Scalar, OtherDof>(q, p), q.size() - (InExtendedPhaseSpace<H> ? 1 : 0));
+      return f(PhasePoint<Scalar, OtherDof>(q, p), own_dof<H>(q.size()));
     };
   return result;
 }

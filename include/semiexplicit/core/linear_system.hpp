@@ -49,9 +49,7 @@ class LinearSystem {
   /// diagonal are far larger or smaller than its row's.
   void balance() {
     using std::abs;
-    using std::frexp;
     using std::isfinite;
-    using std::ldexp;
     using std::sqrt;
     const Eigen::Index n = matrix.rows();
     unit_.setOnes();
@@ -65,9 +63,7 @@ class LinearSystem {
         const Scalar ratio = sqrt(row) / sqrt(column);
         if (!(ratio > Scalar(0)) || !isfinite(ratio) || (ratio < Scalar(16) && ratio > Scalar(1) / 16))
           continue;
-        int power = 0;
-        frexp(ratio, &power);
-        const Scalar unit = ldexp(Scalar(1), power);
+        const Scalar unit = power_of_two(ratio);
         for (Eigen::Index k = 0; k < n; ++k) matrix(i, k) /= unit;
         for (Eigen::Index k = 0; k < n; ++k) matrix(k, i) *= unit;
         unit_[i] *= unit;

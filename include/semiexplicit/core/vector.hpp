@@ -99,6 +99,16 @@ typename Derived::Scalar sum_of_absolutes(const Eigen::MatrixBase<Derived>& v) {
   return sum_in_four<Scalar>(0, v.size(), [&](Eigen::Index i) { return Scalar(abs(v.derived().coeff(i))); });
 }
 
+/// The power of two next above a positive number: as a unit it rounds nothing.
+template <class Scalar>
+Scalar power_of_two(const Scalar& x) {
+  using std::frexp;
+  using std::ldexp;
+  int power = 0;
+  frexp(x, &power);
+  return ldexp(Scalar(1), power);
+}
+
 /// Whether none of n numbers is NaN or Inf. Eigen's allFinite() costs compilers a family of classes for each
 /// type of vector.
 template <class Scalar>

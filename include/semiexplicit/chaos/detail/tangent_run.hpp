@@ -131,11 +131,9 @@ class TangentRun {
   using Hamiltonian = std::remove_cvref_t<decltype(std::declval<const Stepper&>().hamiltonian())>;
 
   /// The unit that momenta count in, a power of two: 1, unless they are larger or smaller than positions by
-  /// more than 1/√ε both by the state and by its second derivatives; of these the one nearer to 1. Either
-  /// alone may be so at some places, as at q = 0 or at an angle that has wound up.
+  /// more than 1/√ε both by the state and by second derivatives, which give it. Either alone may be so at
+  /// some places, as at q = 0 or at an angle that has wound up.
   void choose_units(const State& z) {
-    using std::frexp;
-    using std::ldexp;
     using std::sqrt;
     const Hamiltonian& h = tangents_.hamiltonian();
     typename State::Storage gradient = z.vector(), at = gradient, there = gradient;
@@ -147,9 +145,7 @@ class TangentRun {
     if (!(of_state > most || of_state < 1 / most)) return;
     const Scalar ratio = tangents_.unit_of_momenta(z);
     if (!(of_state > most ? ratio > most : ratio < 1 / most)) return;
-    int power = 0;
-    frexp(ratio, &power);
-    momenta_ = ldexp(Scalar(1), power);
+    momenta_ = power_of_two(ratio);
     if (given_) return begin_with_given();
     multiply_momenta(momenta_);
     orthonormalise([](Eigen::Index, Eigen::Index, const Scalar&) {});

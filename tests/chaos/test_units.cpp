@@ -463,9 +463,14 @@ struct Springs {
 }  // namespace
 
 TEST_CASE("Exponents and alignment do not depend on units that are far apart", "[chaos][lyapunov]") {
-  const auto measured = [](double length, double momentum) {
+  bool given = false;  // the vectors that the exponents start with
+  const auto measured = [&](double length, double momentum) {
     Semiexplicit stepper(HenonHeilesInUnits{length, momentum}, schemes::low_defect4_s7());
     LyapunovExponents lyapunov(stepper);
+    Eigen::Matrix4d vectors{{1, 0, 0.5, 0.1}, {0, 1, 0.3, 0.2}, {0.2, 0.4, 1, 0}, {0.6, 0.3, 0, 1}};
+    vectors.topRows(2) *= length;
+    vectors.bottomRows(2) *= momentum;
+    if (given) lyapunov.start_with(vectors);
     AlignmentIndex gali(stepper, 4);
     PhasePoint<double, 2> z({0.1 * length, 0.15 * length}, {0.45 * momentum, 0.05 * momentum});
     REQUIRE(integrate(stepper, z, {.dt = 0.1, .steps = 5000}, lyapunov, gali).ok());
@@ -478,6 +483,13 @@ TEST_CASE("Exponents and alignment do not depend on units that are far apart", "
   CHECK(here[0] > 0.005);
   CHECK((measured(0x1p20, 0x1p98) - here).norm() == 0);
   CHECK((measured(0x1p-30, 0x1p-120) - here).norm() == 0);
+
+  given = true;
+  const auto from_given = measured(1, 0x1p-40);
+  CHECK(std::abs(from_given.head(4).sum()) < 1e-12);
+  CHECK(from_given[0] == Approx(here[0]).epsilon(0.3));
+  CHECK((measured(0x1p20, 0x1p98) - from_given).norm() == 0);
+  CHECK((measured(0x1p-30, 0x1p-120) - from_given).norm() == 0);
 }
 
 TEST_CASE("A start near zero or far from it is none in other units", "[chaos][lyapunov]") {

@@ -44,6 +44,8 @@ class TangentRun {
       refuse("vectors to start with are 2d rows in as many columns as it carries");
     if (!fresh()) refuse("it has begun; give the vectors to start with before the run");
     v = vectors;
+    const Eigen::Index d = v.rows() / 2;
+    momenta_ = unit_between<Scalar>(norm(v.topRows(d).reshaped()), norm(v.bottomRows(d).reshaped()));
     begin_with_given();
     given_ = true;
   }
@@ -130,24 +132,35 @@ class TangentRun {
  private:
   using Hamiltonian = std::remove_cvref_t<decltype(std::declval<const Stepper&>().hamiltonian())>;
 
-  /// The unit that momenta count in, a power of two: 1, unless they are larger or smaller than positions by
-  /// more than 1/√ε both by the state and by second derivatives, which give it. Either alone may be so at
-  /// some places, as at q = 0 or at an angle that has wound up.
-  void choose_units(const State& z) {
+  /// The unit that momenta of this size count in beside positions of that: 1, unless one is above 1/√ε of
+  /// the other; a power of two.
+  template <class S>
+  static S unit_between(const S& positions, const S& momenta) {
+    using std::isfinite;
     using std::sqrt;
+    const S ratio = momenta / positions, most = 1 / sqrt(Eigen::NumTraits<S>::epsilon());
+    if (!isfinite(ratio) || !(ratio > S(0)) || !(ratio > most || ratio < 1 / most)) return S(1);
+    return power_of_two(ratio);
+  }
+
+  /// That by the state and by second derivatives, which give it, where both have one, on the same side:
+  /// either alone may be so at some places, as at q = 0 or at an angle that has wound up.
+  void choose_units(const State& z) {
     const Hamiltonian& h = tangents_.hamiltonian();
     typename State::Storage gradient = z.vector(), at = gradient, there = gradient;
     gradient_at(h, z.vector().data(), gradient.data(), z.dof());
     Lengths<Hamiltonian> lengths;
     lengths.take(h, z.vector(), gradient, at, there);
-    const Scalar most = 1 / sqrt(Eigen::NumTraits<Scalar>::epsilon());
-    const Scalar of_state = lengths.of(z.dof(), z.dof()) / lengths.of(0, z.dof());
-    if (!(of_state > most || of_state < 1 / most)) return;
-    const Scalar ratio = tangents_.unit_of_momenta(z);
-    if (!(of_state > most ? ratio > most : ratio < 1 / most)) return;
-    momenta_ = power_of_two(ratio);
+    const Scalar of_state = unit_between<Scalar>(lengths.of(0, z.dof()), lengths.of(z.dof(), z.dof()));
+    Scalar unit(1);
+    if (of_state != Scalar(1)) {
+      unit = unit_between<Scalar>(Scalar(1), tangents_.unit_of_momenta(z));
+      if ((unit > Scalar(1)) != (of_state > Scalar(1))) unit = Scalar(1);
+    }
+    if (unit == momenta_) return;
+    const Scalar before = std::exchange(momenta_, unit);
     if (given_) return begin_with_given();
-    multiply_momenta(momenta_);
+    multiply_momenta(momenta_ / before);
     orthonormalise([](Eigen::Index, Eigen::Index, const Scalar&) {});
   }
   void multiply_momenta(const Scalar& factor) {

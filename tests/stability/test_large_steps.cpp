@@ -248,7 +248,7 @@ struct ProductInUnits {
 }  // namespace
 
 TEST_CASE("Large steps by Newton and Krylov do not depend on the units of positions and momenta",
-          "[stability]") {
+          "[stability][long]") {
   const auto worst = [](double length, double momentum) {
     const ProductInUnits h{length, momentum};
     Semiexplicit stepper(h, schemes::low_defect6_s13(), NewtonKrylov{});

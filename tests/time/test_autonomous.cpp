@@ -267,7 +267,7 @@ struct Still {
 };
 }  // namespace
 
-TEST_CASE("Gauss solves its stages as well at late times", "[autonomous]") {
+TEST_CASE("Gauss solves its stages as well at late times", "[autonomous][long]") {
   // Two oscillators; the fast one is small, and a step is three radians of it: the iteration contracts
   // slowly.
   for (const double t0 : {0.0, 1e6, 1e9}) {

@@ -34,7 +34,7 @@ struct Drift {
 }  // namespace
 
 TEST_CASE("Eccentric orbits of Kepler keep their energy without drift under reversible steps",
-          "[reversible steps]") {
+          "[reversible steps][long]") {
   for (const double e : {0.9, 0.99}) {
     CAPTURE(e);
     ReversibleSteps stepper(ExplicitSplitting(Kepler(), schemes::suzuki_umeno8()), monitors::Distance{});

@@ -81,7 +81,8 @@ void check_advice(const H& h, const PhasePoint<double, H::Dof>& z0, double T, do
   }
   CHECK(error / size <= 3 * target);
   // Half the accuracy for nothing: the advice is not much better than asked for, either.
-  CHECK(error / size >= target / 100);
+  // Nor is it much better than asked for; a steep order makes much of a step.
+  CHECK(error / size >= target / 200);
 }
 
 Eigen::VectorXd all(const auto& z) { return z.vector(); }
@@ -357,6 +358,71 @@ TEST_CASE("a start near the origin says nothing of the time scale") {
       cost_of_accuracy(pendulum, PhasePoint<double, 1>(1e-9, 0), 100, {.targets = {1e-6}, .absolute = true});
   CHECK(cost.time_scale > 0.1);
   CHECK(cost.reach(1e-6) == Reach::met);
+}
+
+namespace {
+
+/// Two atoms on a bond of that stiffness in a field: the distance of both and the angle.
+auto molecule(double stiffness) {
+  return from_energy<2>([stiffness](const auto& q, const auto& p) {
+    using std::cos;
+    const auto stretch = q[0] - 1;
+    return p[0] * p[0] / 2 + p[1] * p[1] / (2 * q[0] * q[0]) + stiffness / 2 * stretch * stretch -
+           0.3 * q[0] * cos(q[1]);
+  });
+}
+/// A slow oscillator with a weakly coupled fast one.
+auto slow_and_fast(double frequency, double quartic, double coupling) {
+  return from_energy<2>([=](const auto& q, const auto& p) {
+    return (p[0] * p[0] + p[1] * p[1] * (1 + coupling * q[0] * q[0])) / 2 + q[0] * q[0] / 2 +
+           quartic * q[0] * q[0] * q[0] * q[0] + frequency * frequency / 2 * q[1] * q[1] * (1 + 0.3 * q[0]);
+  });
+}
+
+}  // namespace
+
+TEST_CASE("advice holds to the end where a bond nearly at rest makes large steps unstable late") {
+  for (const double stiffness : {1e4, 2e3, 1e3}) {
+    CAPTURE(stiffness);
+    const auto h = molecule(stiffness);
+    const PhasePoint<double, 2> start({1 + 1e-6, 0.8}, {0, 0});
+    const auto cost = cost_of_accuracy(
+        h, start, 100.0, {.observable = [](const auto& q, const auto&) { return q[1]; }, .targets = {1e-3}});
+    const auto advice = cost.cheapest(1e-3);
+    REQUIRE(advice);
+    auto z = start, exact = start;
+    Invariants energy(h);
+    cost.run(z, *advice, energy);
+    CHECK(energy["energy"].worst < 1);
+    GaussLegendre gauss(h, {.stages = 8});
+    integrate(gauss, exact, {.dt = 0.01, .t_end = 100});
+    CHECK(std::abs(z.q()[1] - exact.q()[1]) < 3e-3);
+  }
+}
+
+TEST_CASE("a projection that hardly converges is no advice") {
+  for (const double frequency : {20.0, 100.0}) {
+    CAPTURE(frequency);
+    const auto h = slow_and_fast(frequency, 0.1, 0);
+    PhasePoint<double, 2> z({1, 1e-5}, {0, 0});
+    const auto cost = cost_of_accuracy(h, z, 200.0, {.targets = {1e-3}});
+    const auto advice = cost.cheapest(1e-3);
+    REQUIRE(advice);
+    CHECK(advice->gradients < 1000 * frequency);
+    Invariants energy(h);
+    cost.run(z, *advice, energy);
+    CHECK(energy["energy"].worst < 3e-3);
+  }
+}
+
+TEST_CASE("what large steps of the reference miss of a fast oscillation is not taken for rounding") {
+  const auto slow = [](const auto& q, const auto&) { return q[0]; };
+  const auto measured = [](const auto& z) { return Eigen::VectorXd::Constant(1, z.q()[0]); };
+  for (const double target : {1e-7, 1e-9}) {
+    CAPTURE(target);
+    check_advice(slow_and_fast(10, 0, 0.1), PhasePoint<double, 2>({1, 0.01}, {0, 0.1}), 100, target, 0.02,
+                 {.observable = slow, .targets = {target}}, measured);
+  }
 }
 
 }  // namespace test_observables

@@ -23,9 +23,10 @@ struct CostOptionsOf {
   /// hard problems overrun by up to six or so: CostTable::spent_gradients says what it came to.
   double budget = 0.1;
   /// But no less: where the run is shorter, advice costs a larger part of it. Ten times as many for an
-  /// observable that is no invariant, whose errors add up over more of the run than those of the energy. Of
-  /// an invariant a run of no more than ten times as many, or of the budget, is made as a whole before it is
-  /// advised, and so is every trial, some eight a target, where parts of the run told much too little.
+  /// observable that is no invariant, whose errors add up over more of the run than those of the energy. A
+  /// run of no more than ten times as many, or of the budget, is made as a whole before it is advised (of
+  /// what is no invariant together with one of steps 1.5 times smaller, to compare it with), and so is every
+  /// trial, some eight a target, where parts of the run told much too little.
   double min_gradients = 30'000;
   /// Bound on the gradient calls that the search takes, which is kept whatever the Hamiltonian; the guide
   /// above ends at a third of it. What it leaves unfinished counts as out of reach, and CostTable::why() says

@@ -292,7 +292,8 @@ SEMIEXPLICIT_COLD inline std::ostream& operator<<(std::ostream& out, const CostT
                 ? ", in trials of " + in_words(std::floor(cost.window_time / cost.cycle), 3) + " times the " +
                       in_words(cost.cycle, 3) + " after which hard places came back"
                 : "")
-        << ".\n";
+        << ";\nwhat is advised was made as a whole, beside a run with smaller steps, where that was cheap "
+           "enough.\n";
   return out << spent;
 }
 

@@ -64,9 +64,10 @@ class Plan {
       windows_.push_back({pilot_.places.hardest(i), std::max(each, pilot_.segment_time), false});
     note_windows();
   }
-  /// From now on an invariant is tried on the whole run.
+  /// From now on settings are tried on the whole run.
   SEMIEXPLICIT_COLD void try_whole() {
     windows_ = {{problem_.z0, table_.time, true}};
+    trial_time = table_.time;
     note_windows();
   }
   bool tries_whole() const { return windows_.size() == 1 && windows_.front().length >= table_.time; }
@@ -74,8 +75,11 @@ class Plan {
 
   /// Whether a choice that takes `rate` calls a unit of time is worth confirming on the whole run.
   bool confirms_whole(double rate) const {
-    return table_.invariant &&
-           rate * table_.time <= (surprised ? 10 : 1) * std::max(budget, 10 * options().min_gradients);
+    return whole_calls(rate) <= (surprised ? 10 : 1) * std::max(budget, 10 * options().min_gradients);
+  }
+  /// The gradient calls that it takes: what is no invariant has to be compared with something.
+  double whole_calls(double rate) const {
+    return (table_.invariant ? 1 : 1 + finer_steps) * rate * table_.time;
   }
   /// How far from z0 on a choice is confirmed.
   double confirming_time(double rate) const { return confirm_share * budget / rate; }

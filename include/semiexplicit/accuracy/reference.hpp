@@ -92,6 +92,7 @@ class Reference {
     // A short stretch tells the step, for a fraction of the calls.
     for (const double share : {0.04, 0.36}) {
       double last = 0;
+      int no_better = 0;  // in a row: a few times it may be luck with larger steps, or none with these
       for (int attempt = 0; attempt < 24; ++attempt) {
         apart_.clear();
         std::vector<Value> coarse;
@@ -114,9 +115,11 @@ class Reference {
         const double whole = std::min(wish.length, length() * 0.36 / share);
         const double enough =
             wish.tightest / 10 * std::pow(whole / problem.table.time, 1.5) * (length() / whole);
-        const bool rounded = last > 0 && error() > 0.3 * last && error() < 1e-6;
+        no_better = last > 0 && error() > 0.3 * last && error() < 1e-6 ? no_better + 1 : 0;
+        const double epsilon = static_cast<double>(Eigen::NumTraits<typename Any::Scalar>::epsilon());
+        const bool rounded = no_better == (error() < 1e6 * epsilon ? 2 : 4);
         if (error() <= enough || rounded || !enough_calls) break;
-        last = error();
+        last = last > 0 ? std::min(last, error()) : error();
         fraction *= std::clamp(std::pow(enough / last, 1.0 / 16), 0.3, 1 / 1.5);
       }
       if (apart_.empty()) {  // no step goes on from there, in any of the runs
@@ -154,22 +157,8 @@ class Reference {
     std::vector<double> times;
     for (const double t : times_)
       if (t <= length) times.push_back(t);
-    Walker<Any> walker(problem, setting);
-    // As the run itself, which ends at T with equal steps.
-    const double T = problem.table.time, all = steps_between(0.0, T, setting.dt), dt = T / all;
-    double n = 0;
-    const auto values = values_along(problem, times, setting, probe, [&](auto& z) {
-      const double begin = n * dt, end = ++n < all ? n * dt : T;
-      return walker.step(z, dt, probe, n > 1) ? end : begin;
-    });
-    walker.finish(probe);
-    probe.length = times.back();
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      const double error = static_cast<double>(norm(values[i] - values_[i])) / problem.table.unit;
-      double& half = times[i] < probe.length / 2 ? probe.early : probe.late;
-      if (!(error <= half)) half = error;
-    }
-    if (!std::isfinite(probe.late)) probe.status = Status::not_finite;
+    const auto values = values_of_run(problem, setting, times, probe);
+    note_errors(problem, times, values, values_, 1, probe);
     return probe;
   }
 

@@ -136,7 +136,7 @@ class Search {
         std::min(options().max_gradients, std::max(problem_.limit, table_.spent_gradients + calls));
   }
   void allow_whole_runs(double target) {
-    allow(std::max(whole_runs * plan_.run_rate(target) * table_.time, 10 * options().min_gradients));
+    allow(std::max(whole_runs * plan_.whole_calls(plan_.run_rate(target)), 10 * options().min_gradients));
   }
   /// From now on the whole run is tried: what parts of it told was wrong, and is forgotten.
   SEMIEXPLICIT_COLD void try_whole() {
@@ -146,16 +146,33 @@ class Search {
         std::erase_if(candidate.trials, [&](const auto& trial) { return trial.second.length < table_.time; });
   }
 
-  SEMIEXPLICIT_COLD Probe tried(const Setting& setting, bool confirming, double rate = 1) {
+  SEMIEXPLICIT_COLD Probe tried(const Candidate& candidate, double dt, bool confirming, double rate = 1) {
+    const Setting setting = candidate.with_step(dt);
     Probe result =
-        !table_.invariant
-            ? reference_.compare(
-                  problem_, setting,
-                  confirming ? std::max(2 * plan_.trial_time, plan_.confirming_time(rate)) : plan_.trial_time)
-            : try_on_windows(problem_, setting, confirming ? plan_.confirming_windows(rate) : plan_.windows(),
-                             pilot_.hopeless, false);
+        table_.invariant
+            ? try_on_windows(problem_, setting, confirming ? plan_.confirming_windows(rate) : plan_.windows(),
+                             pilot_.hopeless, false)
+            : compared(setting, candidate.order,
+                       plan_.tries_whole() || (confirming && plan_.confirms_whole(rate)),
+                       confirming ? std::max(2 * plan_.trial_time, plan_.confirming_time(rate))
+                                  : plan_.trial_time);
     exhausted_ = exhausted_ || result.cut;
     return result;
+  }
+  /// What is no invariant, compared with the reference, and with a finer run where that does not go to the
+  /// end.
+  SEMIEXPLICIT_COLD Probe compared(const Setting& setting, int order, bool whole, double length) {
+    const bool to_end = reference_.length() >= 0.999 * table_.time;
+    Probe seen = reference_.compare(problem_, setting, whole && to_end ? table_.time : length);
+    if (!whole || !seen.works()) return seen;
+    if (!to_end) {
+      const double early = seen.early, late = seen.late;
+      seen = try_beside_finer(problem_, setting, order);
+      seen.early = std::max(seen.early, early);
+      seen.late = std::max(seen.late, late);
+    }
+    seen.range = std::max(seen.early, seen.late);
+    return seen;
   }
 
   /// Nothing where the calls do not suffice.
@@ -166,7 +183,7 @@ class Search {
                          (candidate.setting.is_gauss() ? 7 : 1);
     exhausted_ = exhausted_ || least > problem_.left();
     if (exhausted_) return nullptr;
-    const Probe seen = tried(candidate.with_step(dt), false);
+    const Probe seen = tried(candidate, dt, false);
     if (seen.cut) return nullptr;
     Probe& noted = candidate.trials[dt] = seen;
     noted.confirmed = plan_.tries_whole();
@@ -382,10 +399,10 @@ class Search {
       });
       if (chosen == nullptr || chosen->trials[dt].confirmed) return;
       Probe& seen = chosen->trials[dt];
-      whole_run = plan_.confirms_whole(seen.rate) ? 1.2 * seen.rate * table_.time : 0;
+      whole_run = plan_.confirms_whole(seen.rate) ? 1.2 * plan_.whole_calls(seen.rate) : 0;
       const double before = table_.spent_gradients;
       problem_.limit = std::min(options().max_gradients, problem_.limit + whole_run);
-      const Probe again = tried(chosen->with_step(dt), true, seen.rate);
+      const Probe again = tried(*chosen, dt, true, seen.rate);
       if (whole_run > 0) spent_on_whole_runs_ += table_.spent_gradients - before;
       if (again.cut) return;
       if (whole_run > 0) {

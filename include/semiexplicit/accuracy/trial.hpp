@@ -36,6 +36,8 @@ struct Probe {
   bool works() const { return status == Status::success && !cut; }
 };
 
+inline constexpr double finer_steps = 1.5;  ///< see try_beside_finer()
+
 /// Steps a setting and counts.
 template <class Any>
 class Walker {
@@ -66,6 +68,11 @@ class Walker {
     count.evaluations += report.evaluations;
     count.time += dt;
     ++count.steps;
+    if (setting_.method == Setting::Method::semiexplicit &&
+        count.evaluations > most_evaluations * std::max<std::int64_t>(count.steps, 4)) {
+      probe.status = Status::no_convergence;
+      return false;
+    }
     return true;
   }
 
@@ -90,6 +97,10 @@ class Walker {
     const double m = report.evaluations > 1 && report.rate > 0 ? e / report.rate : 0;
     return size > 0 ? (e / size) * ((m + e) / size) : 0;
   }
+
+  /// A projection takes more a step only where half the step takes less than half as many, and right below
+  /// steps at which it fails.
+  static constexpr std::int64_t most_evaluations = 30;
 
   Problem<Any>& problem_;
   Setting setting_;
@@ -195,6 +206,60 @@ SEMIEXPLICIT_COLD std::vector<typename Problem<Any>::Value> values_along(Problem
     }
   }
   return values;
+}
+
+/// The same along the run that a setting stands for, which ends at T with equal steps.
+template <class Any>
+SEMIEXPLICIT_COLD std::vector<typename Problem<Any>::Value> values_of_run(Problem<Any>& problem,
+                                                                          const Setting& setting,
+                                                                          const std::vector<double>& times,
+                                                                          Probe& probe) {
+  Walker<Any> walker(problem, setting);
+  const double T = problem.table.time, all = steps_between(0.0, T, setting.dt), dt = T / all;
+  double n = 0;
+  auto values = values_along(problem, times, setting, probe, [&](auto& z) {
+    const double begin = n * dt, end = ++n < all ? n * dt : T;
+    return walker.step(z, dt, probe, n > 1) ? end : begin;
+  });
+  walker.finish(probe);
+  probe.length = times.back();
+  return values;
+}
+
+/// Notes by how much the values of a run are off those that it is compared with, in both halves of it.
+template <class Any>
+SEMIEXPLICIT_COLD void note_errors(const Problem<Any>& problem, const std::vector<double>& times,
+                                   const std::vector<typename Problem<Any>::Value>& values,
+                                   const std::vector<typename Problem<Any>::Value>& right, double factor,
+                                   Probe& probe) {
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double error = factor * static_cast<double>(norm(values[i] - right[i])) / problem.table.unit;
+    double& half = times[i] < probe.length / 2 ? probe.early : probe.late;
+    if (!(error <= half)) half = error;
+  }
+  if (!std::isfinite(probe.late)) probe.status = Status::not_finite;
+}
+
+/// Makes the whole run with a setting of that order, and again with steps finer_steps times smaller: what is
+/// apart then tells the error at the end, also where that grows as no part of the run told.
+template <class Any>
+SEMIEXPLICIT_COLD Probe try_beside_finer(Problem<Any>& problem, const Setting& setting, int order) {
+  constexpr int count = 100;
+  std::vector<double> times;  // not in step with any period
+  for (int i = 1; i <= count; ++i)
+    times.push_back(i == count ? problem.table.time
+                               : problem.table.time * (i - 0.3 * std::fmod(0.618034 * i, 1.0)) / count);
+  Probe probe, finer;
+  const auto values = values_of_run(problem, setting, times, probe);
+  if (!probe.works()) return probe;
+  Setting fine = setting;
+  fine.dt /= finer_steps;
+  const auto right = values_of_run(problem, fine, times, finer);
+  probe.status = finer.status, probe.cut = finer.cut;
+  if (!probe.works()) return probe;
+  note_errors(problem, times, values, right, 1 / (1 - std::pow(finer_steps, -order)), probe);
+  probe.range = std::max(probe.early, probe.late);
+  return probe;
 }
 
 }  // namespace semiexplicit::detail

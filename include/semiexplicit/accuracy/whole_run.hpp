@@ -41,9 +41,9 @@ class WholeRun {
     // drift.
     const double grown = !energy || (explicit_ && probe.confirmed) ? at_the_end(probe, explicit_) : 0;
     // The energy that drifts takes the frequencies along.
-    const double drift = table_.invariant ? (whole ? 0 : probe.drift * T)
-                         : explicit_      ? 0.1 * probe.drift * T * T / (2 * table_.time_scale)
-                                          : 0;
+    const double drift = table_.invariant      ? (whole ? 0 : probe.drift * T)
+                         : explicit_ && !whole ? 0.1 * probe.drift * T * T / (2 * table_.time_scale)
+                                               : 0;
     return {std::max(hard, grown), drift, table_.invariant ? problem_.rounding(dt) : table_.reference_error,
             whole ? !energy && probe.late > 1.4 * probe.early
                   : grown > std::max(hard, 1.2 * std::max(probe.early, probe.late))};

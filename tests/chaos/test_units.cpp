@@ -429,6 +429,58 @@ TEST_CASE("A tangent map by differences is right within a hill that is narrow be
 
 namespace {
 
+/// An atom in a harmonic trap and a standing wave of light, in SI units: many minima within the orbit.
+struct LatticeTrap {
+  using Scalar = double;
+  static constexpr int Dof = 1;
+  double ratio;  ///< of both curvatures
+  static constexpr double mass = 1.4e-25, wave_number = 8e6, stiffness = 5.5e-20;
+  void gradient(In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
+    dHdq[0] = stiffness * (q[0] - ratio / wave_number * std::sin(wave_number * q[0]));
+    dHdp[0] = p[0] / mass;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("Differences are right where a second derivative passes through zero", "[chaos]") {
+  for (const double start : {1e-5, 2e-5, 5e-5, 1e-4}) {
+    CAPTURE(start);
+    const LatticeTrap h{1};
+    const double frequency = std::sqrt(2 * h.stiffness / h.mass);
+    Semiexplicit stepper(h, schemes::low_defect4_s7(),
+                         SimplifiedNewton{.stop = StoppingRule::product(1e-12)});
+    detail::SecondDerivatives<LatticeTrap> second(1);
+    PhasePoint<double, 1> z(start, 0);
+    double worst = 0;
+    for (int n = 0; n < 3000; ++n) {
+      Eigen::Matrix2d hessian;
+      second(h, z.vector(), hessian);
+      const double right = h.stiffness * (1 - std::cos(h.wave_number * z.q()[0]));
+      worst = std::max(worst, std::abs(hessian(0, 0) - right) / h.stiffness);
+      REQUIRE(stepper.step(z, 0.2 / frequency).ok());
+    }
+    CHECK(worst < 1e-5);
+  }
+}
+
+TEST_CASE("A tangent map by differences is right where coordinates are next to nothing", "[chaos]") {
+  for (const double smallest : {1e-200, 1e-300, 1e-310, 5e-324}) {
+    CAPTURE(smallest);
+    Ring<double, 3> ring{{}, 0.1};
+    const auto given = from_energy<3>([](const auto& q, const auto& p) { return energy(q, p, 0.1); });
+    TangentMap exact(given, schemes::low_defect6_s13());
+    TangentMap by_gradient(ring, schemes::low_defect6_s13());
+    auto z = start<double, 3>();
+    z.q()[2] = z.p()[0] = smallest;
+    REQUIRE(exact.at(z, 0.1) == Status::success);
+    REQUIRE(by_gradient.at(z, 0.1) == Status::success);
+    CHECK((by_gradient.matrix() - exact.matrix()).cwiseAbs().maxCoeff() <= 1e-9);
+  }
+}
+
+namespace {
+
 /// Hénon and Heiles' system in units of powers of two, with products of its Hessian.
 struct HenonHeilesInUnits {
   using Scalar = double;

@@ -119,6 +119,30 @@ TEST_CASE("Newton's method converges quadratically and bears steps that the fixe
   CHECK(y.vector().norm() == Approx(1).epsilon(1e-13));
 }
 
+TEST_CASE("Newton's method comes to an end at an equilibrium", "[gauss]") {
+  // The triangular point of two bodies whose lighter one has a hundredth of the mass, where the gradient is
+  // but rounding.
+  const auto h = from_energy<2>([](const auto& q, const auto& p) {
+    using std::sqrt;
+    const auto y2 = q[1] * q[1], a = q[0] + 0.01, b = q[0] - 0.99;
+    return (p[0] * p[0] + p[1] * p[1]) / 2 + q[1] * p[0] - q[0] * p[1] - 0.99 / sqrt(a * a + y2) -
+           0.01 / sqrt(b * b + y2);
+  });
+  const double y = std::sqrt(3.0) / 2;
+  for (const int stages : {1, 3, 8})
+    for (const double dt : {0.001, 0.01, 0.1}) {
+      CAPTURE(stages, dt);
+      GaussLegendre gauss(h, {.stages = stages, .solver = StageSolver::newton});
+      PhasePoint<double, 2> z({0.49, y}, {-y, 0.49});
+      for (int n = 0; n < 20; ++n) {
+        const StepReport report = gauss.step(z, dt);
+        REQUIRE(report.ok());
+        CHECK(report.evaluations < 20);
+      }
+      CHECK(std::abs(z.q()[0] - 0.49) < 1e-14);
+    }
+}
+
 TEST_CASE("Extrapolated starting values save iterations and change nothing else", "[gauss]") {
   for (const int stages : {2, 4, 6}) {
     CAPTURE(stages);

@@ -126,8 +126,10 @@ class SecondDerivatives {
       };
       const Scalar length = lengths_.own(i, z), own = abs(z[i]);
       const Scalar unit = lengths_.guessed(i, d) ? Scalar(1) : std::max<Scalar>(lengths_.of(i, d), 1);
-      shift_[i] = anew ? search_.best_of_all(length, own, unit, by)
-                       : search_.best_near(length, own, unit, shift_[i], by);
+      const Scalar found = anew ? search_.best_of_all(length, own, unit, by)
+                                : search_.best_near(length, own, unit, shift_[i], by);
+      const bool has_before = count_ > 0 && blind_[i] == Scalar(0);
+      shift_[i] = has_before ? search_.bounded(found, shift_[i], length) : found;
       blind_[i] = Scalar(search_.saw() ? 0 : 1);
     }
   }

@@ -24,6 +24,7 @@ class Lengths {
 
   /// `gradient` is that at z; `at` and `there` are memory to work in. Returns how many gradients it took.
   int take(const H& h, const Vec& z, const Vec& gradient, Vec& at, Vec& there) {
+    using std::sqrt;
     const Eigen::Index d = z.size() / 2, n = own_dof<H>(d);
     q_ = largest_absolute(z.head(n)), p_ = largest_absolute(z.segment(d, n));
     int calls = 0;
@@ -31,9 +32,10 @@ class Lengths {
     if (q_guessed_ != p_guessed_) {
       at = z;
       if (q_guessed_)
-        q_ = length_of_zeros(h, p_ * largest_absolute(gradient.segment(d, n)), 0, at, there, calls);
+        q_ = length_of_zeros(h, sqrt(p_) * sqrt(largest_absolute(gradient.segment(d, n))), 0, at, there,
+                             calls);
       else
-        p_ = length_of_zeros(h, q_ * largest_absolute(gradient.head(n)), d, at, there, calls);
+        p_ = length_of_zeros(h, sqrt(q_) * sqrt(largest_absolute(gradient.head(n))), d, at, there, calls);
       at = z;
     }
     if constexpr (InExtendedPhaseSpace<H>) {
@@ -57,13 +59,14 @@ class Lengths {
   /// Whether the half of that coordinate is at zero, and its length a guess.
   bool guessed(Eigen::Index i, Eigen::Index d) const { return i < d ? q_guessed_ : p_guessed_; }
 
-  /// The same by its own size, which tells more where the others are in other units; not where it is 0, nor
-  /// of the time.
+  /// The same by its own size, which tells more where the others are in other units; not where it is nothing
+  /// beside them, nor of the time.
   Scalar own(Eigen::Index i, const Vec& z) const {
     using std::abs;
+    const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon();
     const Eigen::Index d = z.size() / 2;
-    const bool says_nothing = z[i] == Scalar(0) || (InExtendedPhaseSpace<H> && i % d == d - 1);
-    return says_nothing ? of(i, d) : Scalar(abs(z[i]));
+    const bool is_time = InExtendedPhaseSpace<H> && i % d == d - 1;
+    return is_time || !(abs(z[i]) / epsilon > epsilon * of(i, d)) ? of(i, d) : Scalar(abs(z[i]));
   }
 
   /// The larger of the lengths of positions and momenta along v, where along() is the smaller one; 0 where
@@ -96,8 +99,9 @@ class Lengths {
 
  private:
   /// How far the half of `at` that begins there, all zeros, is to be moved so that its share of H is about
-  /// `energy`; 0 where that cannot be found.
-  static Scalar length_of_zeros(const H& h, const Scalar& energy, Eigen::Index begin, Vec& at, Vec& there,
+  /// that energy, of which `root` is the square root (the energy itself may have no room in the exponent); 0
+  /// where that cannot be found.
+  static Scalar length_of_zeros(const H& h, const Scalar& root, Eigen::Index begin, Vec& at, Vec& there,
                                 int& calls) {
     using std::isfinite;
     using std::sqrt;
@@ -112,7 +116,7 @@ class Lengths {
         return Scalar(0);
       }
       // Exact where it is quadratic, and halves the orders of magnitude that it is off by where it is linear.
-      const Scalar next = sqrt(energy / largest_absolute(there.segment(begin, n))) * sqrt(length);
+      const Scalar next = root / sqrt(largest_absolute(there.segment(begin, n))) * sqrt(length);
       if (!(next > Scalar(0)) || !isfinite(next)) return Scalar(0);
       const Scalar ratio = next / length;
       length = next;
@@ -216,6 +220,14 @@ class ShiftSearch {
     const Scalar from = 512 * shift, to = shift / 512;
     const Scalar found = best(length, from, to, 7, difference);
     return found > from / 16 || found < to * 16 ? best_of_all(length, own, unit, difference) : found;
+  }
+
+  /// No more than eight times what was right a while ago, or than the usual part of the length: where a
+  /// second derivative passes through zero, shifts that are far too large may agree better.
+  static Scalar bounded(const Scalar& found, const Scalar& before, const Scalar& length) {
+    using std::cbrt;
+    const Scalar usual = length * cbrt(Eigen::NumTraits<Scalar>::epsilon());
+    return std::min(found, std::max<Scalar>(8 * before, usual));
   }
 
   /// Whether any difference of the last search was not zero.

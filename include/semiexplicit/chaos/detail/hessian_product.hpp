@@ -114,7 +114,7 @@ class HessianProduct {
       differences.times(h, z, along, 0, product);
       return Scalar(norm(product.segment(begin, d)) / norm(along));
     };
-    const Scalar q = bend(0), unit = sqrt(q / bend(d));
+    const Scalar unit = sqrt(bend(0)) / sqrt(bend(d));
     return unit > Scalar(0) && isfinite(unit) ? unit : Scalar(1);
   }
 

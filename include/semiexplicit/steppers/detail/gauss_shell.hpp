@@ -123,13 +123,14 @@ class GaussShell {
   }
 
   /// Repeats sweep(), which returns the sum of the absolute values of what it changed in the stages'
-  /// displacements from z, until that is zero, within the tolerance, or but the rounding of z and the
-  /// displacements. displaced() is the sum of their absolute values.
+  /// displacements from z, until that is zero, or nothing beside them in any units, within the tolerance, or
+  /// but the rounding of z and the displacements. displaced() is the sum of their absolute values.
   template <class Sweep, class Displaced>
   Status iterate(const State& z, StepReport& report, const Sweep& sweep, const Displaced& displaced) const {
     using std::isfinite;
     const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon();
     const Scalar all = sum_of_absolutes(z.vector()), size = size_without_time(z, all);
+    const Scalar nothing = epsilon * (epsilon * (epsilon * size));
     Scalar previous(0), least = std::numeric_limits<Scalar>::infinity();
     int since_least = 0;
     for (;;) {
@@ -141,7 +142,7 @@ class GaussShell {
         report.correction = static_cast<double>(change);
         if (previous > Scalar(0)) report.rate = static_cast<double>(change / previous);
         if (!isfinite(change)) return Status::not_finite;
-        if (change == Scalar(0) || change < Scalar(options_.tolerance)) return Status::success;
+        if (change <= nothing || change < Scalar(options_.tolerance)) return Status::success;
         since_least = change < least ? 0 : since_least + 1;
         if (change < least) least = change;
         // The rounding of a late time may be far above that of the state: believed where nothing improves any

@@ -481,6 +481,56 @@ TEST_CASE("A tangent map by differences is right where coordinates are next to n
 
 namespace {
 
+/// Ions in a trap that is stiffer across than along, each beside the next, in units where all is 1 or others.
+struct IonChain {
+  using Scalar = double;
+  static constexpr int Dof = 6;
+  double stiffness, mass, charge;
+  static constexpr double across = 9;
+  void gradient(In<double, 6> q, In<double, 6> p, Out<double, 6> dHdq, Out<double, 6> dHdp) const {
+    const Eigen::Vector3d trap = stiffness * Eigen::Vector3d(across, across, 1),
+                          r = q.head<3>() - q.tail<3>();
+    const Eigen::Vector3d force = charge * r / std::pow(r.norm(), 3);
+    dHdq.head<3>() = trap.cwiseProduct(q.head<3>()) - force;
+    dHdq.tail<3>() = trap.cwiseProduct(q.tail<3>()) + force;
+    dHdp = p / mass;
+  }
+};
+struct IonChainWithHessian : IonChain {
+  void hessian_times(In<double, 6> q, In<double, 6>, In<double, 6> dq, In<double, 6> dp, Out<double, 6> hq,
+                     Out<double, 6> hp) const {
+    const Eigen::Vector3d trap = stiffness * Eigen::Vector3d(across, across, 1),
+                          r = q.head<3>() - q.tail<3>(), dr = dq.head<3>() - dq.tail<3>();
+    const double r3 = std::pow(r.norm(), 3);
+    const Eigen::Vector3d change = charge * (dr / r3 - 3 * r.dot(dr) / (r3 * r.squaredNorm()) * r);
+    hq.head<3>() = trap.cwiseProduct(dq.head<3>()) - change;
+    hq.tail<3>() = trap.cwiseProduct(dq.tail<3>()) + change;
+    hp = dp / mass;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("Tangent vectors by differences are right at an equilibrium, in any units", "[chaos]") {
+  const auto growth = [](const auto& h) {
+    const double length = std::cbrt(h.charge / h.stiffness), dt = 0.05 * std::sqrt(h.mass / h.stiffness);
+    Semiexplicit stepper(h, schemes::low_defect4_s7());
+    LyapunovExponents lyapunov(stepper, 2);
+    PhasePoint<double, 6> z;
+    z.vector().setZero();
+    z.q()[2] = -std::cbrt(0.25) * length, z.q()[5] = -z.q()[2];
+    REQUIRE(integrate(stepper, z, {.dt = dt, .steps = 4000}, lyapunov).ok());
+    return Eigen::Vector2d(lyapunov.exponents() * (4000 * dt));
+  };
+  for (const IonChainWithHessian& h : {IonChainWithHessian{{1, 1, 1}}, {{2.6e-12, 6.6e-26, 2.3e-28}}}) {
+    CAPTURE(h.mass);
+    const Eigen::Vector2d exact = growth(h);
+    CHECK((growth(IonChain(h)) - exact).norm() < 1e-4);
+  }
+}
+
+namespace {
+
 /// Hénon and Heiles' system in units of powers of two, with products of its Hessian.
 struct HenonHeilesInUnits {
   using Scalar = double;

@@ -35,7 +35,7 @@ class SecondDerivatives {
   Eigen::Index gradients() const { return calls_; }
   /// Gradient calls that a Hessian cannot exceed.
   static Eigen::Index max_gradients(Eigen::Index dof) {
-    return HasHessian<H> ? 0 : 4 * dof * (2 + ShiftSearch<H>::most_shifts) + Lengths<H>::most_attempts;
+    return HasHessian<H> ? 0 : 4 * dof * (2 + ShiftSearch<H>::most_shifts) + Lengths<H>::most_calls;
   }
 
   /// Without `search` the shifts of the last call are kept, wherever z is.

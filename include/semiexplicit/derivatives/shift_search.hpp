@@ -13,14 +13,15 @@ namespace semiexplicit::detail {
 
 /// How far each coordinate may go before a gradient changes much, as far as the state and its velocity tell:
 /// as far as the coordinates are from the origin, or the momenta; the time, as long as that takes. Whatever
-/// the units are, these lengths are in them. Of momenta at rest, or coordinates at the origin: as far as they
-/// change H by as much as the others do. 1 where nothing is known.
+/// the units are, these lengths are in them. Of momenta at rest, or coordinates at the origin, but for
+/// rounding: as far as they change H by as much as the others do. 1 where nothing is known.
 template <class H>
 class Lengths {
  public:
   using Scalar = typename H::Scalar;
   using Vec = typename PhasePoint<Scalar, H::Dof>::Storage;
   static constexpr int most_attempts = 16;
+  static constexpr int most_calls = most_attempts + 1;
 
   /// `gradient` is that at z; `at` and `there` are memory to work in. Returns how many gradients it took.
   int take(const H& h, const Vec& z, const Vec& gradient, Vec& at, Vec& there) {
@@ -28,14 +29,17 @@ class Lengths {
     const Eigen::Index d = z.size() / 2, n = own_dof<H>(d);
     q_ = largest_absolute(z.head(n)), p_ = largest_absolute(z.segment(d, n));
     int calls = 0;
-    q_guessed_ = !(q_ > Scalar(0)), p_guessed_ = !(p_ > Scalar(0));
+    const Scalar by_q = sqrt(q_) * sqrt(largest_absolute(gradient.head(n))),
+                 by_p = sqrt(p_) * sqrt(largest_absolute(gradient.segment(d, n)));
+    const Scalar nothing = sqrt(sqrt(Eigen::NumTraits<Scalar>::epsilon()));
+    q_guessed_ = !(q_ > Scalar(0)) || by_q < nothing * by_p;
+    p_guessed_ = !(p_ > Scalar(0)) || by_p < nothing * by_q;
     if (q_guessed_ != p_guessed_) {
       at = z;
       if (q_guessed_)
-        q_ = length_of_zeros(h, sqrt(p_) * sqrt(largest_absolute(gradient.segment(d, n))), 0, at, there,
-                             calls);
+        q_ = length_of_zeros(h, std::max(by_p, beside(h, p_, d, at, there, calls)), 0, at, there, calls);
       else
-        p_ = length_of_zeros(h, sqrt(q_) * sqrt(largest_absolute(gradient.head(n))), d, at, there, calls);
+        p_ = length_of_zeros(h, std::max(by_q, beside(h, q_, 0, at, there, calls)), d, at, there, calls);
       at = z;
     }
     if constexpr (InExtendedPhaseSpace<H>) {
@@ -56,7 +60,8 @@ class Lengths {
     return length > Scalar(0) ? length : Scalar(1);
   }
 
-  /// Whether the half of that coordinate is at zero, and its length a guess.
+  /// Whether the half of that coordinate is at zero, or nothing beside the other in H, and its length a
+  /// guess.
   bool guessed(Eigen::Index i, Eigen::Index d) const { return i < d ? q_guessed_ : p_guessed_; }
 
   /// The same by its own size, which tells more where the others are in other units; not where it is nothing
@@ -66,7 +71,8 @@ class Lengths {
     const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon();
     const Eigen::Index d = z.size() / 2;
     const bool is_time = InExtendedPhaseSpace<H> && i % d == d - 1;
-    return is_time || !(abs(z[i]) / epsilon > epsilon * of(i, d)) ? of(i, d) : Scalar(abs(z[i]));
+    return is_time || guessed(i, d) || !(abs(z[i]) / epsilon > epsilon * of(i, d)) ? of(i, d)
+                                                                                   : Scalar(abs(z[i]));
   }
 
   /// The larger of the lengths of positions and momenta along v, where along() is the smaller one; 0 where
@@ -98,9 +104,28 @@ class Lengths {
   }
 
  private:
-  /// How far the half of `at` that begins there, all zeros, is to be moved so that its share of H is about
-  /// that energy, of which `root` is the square root (the energy itself may have no room in the exponent); 0
-  /// where that cannot be found.
+  /// The square root of the energy of a half, whose largest entry that is, a sixteenth beside where it is: at
+  /// an equilibrium there is none. 0 where that cannot be found; `at` is left as it was.
+  static Scalar beside(const H& h, const Scalar& largest, Eigen::Index begin, Vec& at, Vec& there,
+                       int& calls) {
+    using std::isfinite;
+    using std::sqrt;
+    const Eigen::Index d = at.size() / 2, n = own_dof<H>(d);
+    at.segment(begin, n) *= Scalar(17) / Scalar(16);
+    ++calls;
+    Scalar root(0);
+    try {
+      gradient_at(h, at.data(), there.data(), d);
+      root = sqrt(largest) * sqrt(largest_absolute(there.segment(begin, n)));
+    } catch (const std::logic_error&) {
+    }
+    at.segment(begin, n) *= Scalar(16) / Scalar(17);
+    return isfinite(root) ? root : Scalar(0);
+  }
+
+  /// How far the half of `at` that begins there, all zeros or next to nothing, is to be moved so that its
+  /// share of H is about that energy, of which `root` is the square root (the energy itself may have no room
+  /// in the exponent); 0 where that cannot be found.
   static Scalar length_of_zeros(const H& h, const Scalar& root, Eigen::Index begin, Vec& at, Vec& there,
                                 int& calls) {
     using std::isfinite;

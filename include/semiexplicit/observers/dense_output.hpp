@@ -462,9 +462,11 @@ class AtTimes {
       return intervals_.dense.time(i);
   }
 
-  /// Whether a is above b by more than the rounding of times: n·(T/n) need not be T, nor t0 + n·dt be 0.
+  /// Whether a is above b by more than the rounding of times: n·(T/n) need not be T, nor t0 + n·dt be 0; and
+  /// a time within the state begins anew, without its compensation, wherever an event cuts a step.
   bool beyond(const Scalar& a, const Scalar& b) const {
-    return a - b > 2 * Eigen::NumTraits<Scalar>::epsilon() * std::max(rounding_.size(a), rounding_.size(b));
+    return a - b > Scalar(double(2 + intervals_.arcs())) * Eigen::NumTraits<Scalar>::epsilon() *
+                       std::max(rounding_.size(a), rounding_.size(b));
   }
 
   bool look(std::size_t i, const IntegrationReport& run) {

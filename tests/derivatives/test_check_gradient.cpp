@@ -411,6 +411,24 @@ TEST_CASE("Positions are judged beside positions, and momenta beside momenta, in
   CHECK(check.judged());
 }
 
+TEST_CASE("A half that is zero is not judged by the size of the other one alone", "[check_gradient]") {
+  // A car over a rough road: beside its energy the road is but rounding.
+  const auto h = make_hamiltonian<double, 1>(
+      [](const auto& q, const auto& p) {
+        return p[0] * p[0] / 2000 + 1e4 * (std::sin(10 * q[0] + 0.4) + q[0] / std::hypot(1.0, q[0]));
+      },
+      [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+        dHdq[0] = 1e4 * (10 * std::cos(10 * q[0] + 0.4) + std::pow(std::hypot(1.0, q[0]), -3));
+        dHdp[0] = p[0] / 1000;
+      });
+  for (const double p : {1.0, 1e4, 1e8, 1e12}) {
+    const auto check = check_gradient(h, PhasePoint<double, 1>(0, p));
+    CAPTURE(p, check);
+    CHECK(check.ok());
+    CHECK(check.judged() == (p < 1e10));
+  }
+}
+
 TEST_CASE("An angle so large that its rounding hides the oscillation is not judged", "[check_gradient]") {
   const auto rotor = make_hamiltonian<double, 1>(
       [](const auto& q, const auto& p) {

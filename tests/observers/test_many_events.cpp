@@ -245,4 +245,26 @@ TEST_CASE("A kick of a run with transformed time leaves the orbit that of the Ha
   }
 }
 
+TEST_CASE("The end of a driven run that bounces is served by at_times", "[events]") {
+  const Autonomous K(from_energy<1>([](const auto& t, const auto& q, const auto& p) {
+    using std::cos;
+    return p[0] * p[0] / 2 + q[0] * q[0] / 2 + 0.01 * q[0] * cos(t);
+  }));
+  using Extended = PhasePoint<double, 2>;
+  for (const double t0 : {0.0, 1e3, 1e7})
+    for (const double T : {300.0, -300.0}) {
+      CAPTURE(t0, T);
+      int served = 0, bounces = 0;
+      auto output = at_times(K, {t0 + T / 2, t0 + T}, [&](double, const auto&) { ++served; });
+      auto watch = events(K, on_event([](const auto& q, const auto&) { return q[0]; },
+                                      [&](double, Extended& z) { ++bounces, z.p()[0] = -z.p()[0]; },
+                                      CrossingDirection::falling));
+      Semiexplicit stepper(K, schemes::low_defect6_s13<double>());
+      auto Z = K.extended({1, 0}, t0);
+      REQUIRE(integrate(stepper, Z, {.dt = T / 6000, .t0 = t0, .t_end = t0 + T}, watch, output).ok());
+      CHECK(bounces > 80);
+      CHECK(served == 2);
+    }
+}
+
 }  // namespace test_many_events

@@ -75,7 +75,8 @@ class Plan {
 
   /// Whether a choice that takes `rate` calls a unit of time is worth confirming on the whole run.
   bool confirms_whole(double rate) const {
-    return whole_calls(rate) <= (surprised ? 10 : 1) * std::max(budget, 10 * options().min_gradients);
+    return whole_calls(rate) <= (surprised ? 10 : 1) * std::max(budget, 10 * options().min_gradients) &&
+           1.2 * whole_calls(rate) <= options().max_gradients - table_.spent_gradients;
   }
   /// The gradient calls that it takes: what is no invariant has to be compared with something.
   double whole_calls(double rate) const {

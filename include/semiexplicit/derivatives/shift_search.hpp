@@ -13,8 +13,8 @@ namespace semiexplicit::detail {
 
 /// How far each coordinate may go before a gradient changes much, as far as the state and its velocity tell:
 /// as far as the coordinates are from the origin, or the momenta; the time, as long as that takes. Whatever
-/// the units are, these lengths are in them. Of momenta at rest, or coordinates at the origin, but for
-/// rounding: as far as they change H by as much as the others do. 1 where nothing is known.
+/// the units are, these lengths are in them. Of momenta at rest, but for rounding, or coordinates at
+/// the origin: as far as they change H by as much as the others do. 1 where nothing is known.
 template <class H>
 class Lengths {
  public:
@@ -31,9 +31,10 @@ class Lengths {
     int calls = 0;
     const Scalar by_q = sqrt(q_) * sqrt(largest_absolute(gradient.head(n))),
                  by_p = sqrt(p_) * sqrt(largest_absolute(gradient.segment(d, n)));
-    const Scalar nothing = sqrt(sqrt(Eigen::NumTraits<Scalar>::epsilon()));
-    q_guessed_ = !(q_ > Scalar(0)) || by_q < nothing * by_p;
-    p_guessed_ = !(p_ > Scalar(0)) || by_p < nothing * by_q;
+    q_guessed_ = !(q_ > Scalar(0));
+    // Momenta are rounding only at an equilibrium. Positions of a free particle tell nothing either, but a
+    // guess no more.
+    p_guessed_ = !(p_ > Scalar(0)) || by_p < sqrt(sqrt(Eigen::NumTraits<Scalar>::epsilon())) * by_q;
     if (q_guessed_ != p_guessed_) {
       at = z;
       if (q_guessed_)
@@ -105,7 +106,7 @@ class Lengths {
 
  private:
   /// The square root of the energy of a half, whose largest entry that is, a sixteenth beside where it is: at
-  /// an equilibrium there is none. 0 where that cannot be found; `at` is left as it was.
+  /// an equilibrium there is none. 0 where that cannot be found.
   static Scalar beside(const H& h, const Scalar& largest, Eigen::Index begin, Vec& at, Vec& there,
                        int& calls) {
     using std::isfinite;

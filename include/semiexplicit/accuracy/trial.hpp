@@ -258,7 +258,6 @@ SEMIEXPLICIT_COLD Probe try_beside_finer(Problem<Any>& problem, const Setting& s
   probe.status = finer.status, probe.cut = finer.cut;
   if (!probe.works()) return probe;
   note_errors(problem, times, values, right, 1 / (1 - std::pow(finer_steps, -order)), probe);
-  probe.range = std::max(probe.early, probe.late);
   return probe;
 }
 

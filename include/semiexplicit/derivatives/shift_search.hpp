@@ -188,7 +188,6 @@ class ShiftSearch {
   Scalar best(const Scalar& length, const Scalar& from, const Scalar& to, int count,
               const Difference& difference) {
     using std::abs;
-    using std::cbrt;
     using std::log;
     using std::pow;
     const Scalar ratio = pow(to / from, Scalar(1) / Scalar(std::max(count - 1, 1)));
@@ -204,7 +203,7 @@ class ShiftSearch {
         for (int half = 0; half < 2; ++half) by_shift[half][k] = compare(half, shift);
       middle_ = smaller_;
     }
-    const Scalar usual = length * cbrt(Eigen::NumTraits<Scalar>::epsilon());
+    const Scalar usual = usual_part(length);
     for (HalfBy(&half)[most_shifts] : by_shift) forget_beyond_gap(half, count, from, ratio, usual / 64);
     Scalar apart[most_shifts], least(0);
     score(by_shift, count, length, apart);
@@ -251,15 +250,20 @@ class ShiftSearch {
   /// No more than eight times what was right a while ago, or than the usual part of the length: where a
   /// second derivative passes through zero, shifts that are far too large may agree better.
   static Scalar bounded(const Scalar& found, const Scalar& before, const Scalar& length) {
-    using std::cbrt;
-    const Scalar usual = length * cbrt(Eigen::NumTraits<Scalar>::epsilon());
-    return std::min(found, std::max<Scalar>(8 * before, usual));
+    return std::min(found, std::max<Scalar>(8 * before, usual_part(length)));
   }
 
   /// Whether any difference of the last search was not zero.
   bool saw() const { return saw_; }
 
  private:
+  /// The shift at which rounding and curvature spoil a difference alike, where the gradient varies along the
+  /// length.
+  static Scalar usual_part(const Scalar& length) {
+    using std::cbrt;
+    return length * cbrt(Eigen::NumTraits<Scalar>::epsilon());
+  }
+
   /// Half a column by a shift and by the next larger one: the size of the larger, and how far they are from
   /// each other relative to it, no less than what the rounding of the gradient may make of it.
   struct HalfBy {

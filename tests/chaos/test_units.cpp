@@ -181,37 +181,39 @@ TEST_CASE("The tangent map of a driven system is right in any units, from the to
           "[chaos]") {
   using Extended = long double;
   const auto scheme = schemes::low_defect6_s13();
-  for (const Units& units : any_units) {
-    CAPTURE(units.time, units.length, units.mass);
-    const Autonomous driven(DrivenRing<double, 2>{{units, 0.1}});
-    TangentMap by_gradient(driven, scheme);
-    Semiexplicit stepper(driven, scheme);
-    // Once more in other numbers, whose differences in time tell what comes out.
-    const Autonomous same(DrivenRing<Extended, 2>{{{}, 0.1}});
-    Semiexplicit reference(same, schemes::low_defect6_s13<Extended>());
-    PhasePoint<double, 2> begin;
-    const auto z0 = start<double, 2>();
-    begin.vector() = scales<double, 2>(units).cwiseProduct(z0.vector());
-    auto z = driven.extended(begin, 0.0);
-    for (int n = 0; n < 40; ++n) {
-      REQUIRE(by_gradient.at(z, 0.1 * units.time) == Status::success);
-      PhasePoint<Extended, 2> here;
-      for (int i = 0; i < 2; ++i) {
-        here.q()[i] = Extended(z.q()[i]) / Extended(units.length);
-        here.p()[i] = Extended(z.p()[i]) / Extended(units.momentum());
+  for (const bool at_zero : {false, true})
+    for (const Units& units : any_units) {
+      CAPTURE(at_zero, units.time, units.length, units.mass);
+      const Autonomous driven(DrivenRing<double, 2>{{units, 0.1}});
+      TangentMap by_gradient(driven, scheme);
+      Semiexplicit stepper(driven, scheme);
+      // Once more in other numbers, whose differences in time tell what comes out.
+      const Autonomous same(DrivenRing<Extended, 2>{{{}, 0.1}});
+      Semiexplicit reference(same, schemes::low_defect6_s13<Extended>());
+      PhasePoint<double, 2> begin;
+      const auto z0 = start<double, 2>();
+      begin.vector() = scales<double, 2>(units).cwiseProduct(z0.vector());
+      if (at_zero) begin.vector().setZero();
+      auto z = driven.extended(begin, 0.0);
+      for (int n = 0; n < 40; ++n) {
+        REQUIRE(by_gradient.at(z, 0.1 * units.time) == Status::success);
+        PhasePoint<Extended, 2> here;
+        for (int i = 0; i < 2; ++i) {
+          here.q()[i] = Extended(z.q()[i]) / Extended(units.length);
+          here.p()[i] = Extended(z.p()[i]) / Extended(units.momentum());
+        }
+        const Extended t = Extended(z.q()[2]) / Extended(units.time), h = 1e-5L;
+        auto later = same.extended(here, t + h), earlier = same.extended(here, t - h);
+        REQUIRE(reference.step(later, 0.1L).ok());
+        REQUIRE(reference.step(earlier, 0.1L).ok());
+        for (int i = 0; i < 2; ++i) {
+          const auto slope = (later.p()[i] - earlier.p()[i]) / (2 * h);
+          const double found = by_gradient.matrix()(3 + i, 2) * units.time / units.momentum();
+          CHECK(std::abs(found - static_cast<double>(slope)) <= 1e-9);
+        }
+        REQUIRE(stepper.step(z, 0.1 * units.time).ok());
       }
-      const Extended t = Extended(z.q()[2]) / Extended(units.time), h = 1e-5L;
-      auto later = same.extended(here, t + h), earlier = same.extended(here, t - h);
-      REQUIRE(reference.step(later, 0.1L).ok());
-      REQUIRE(reference.step(earlier, 0.1L).ok());
-      for (int i = 0; i < 2; ++i) {
-        const auto slope = (later.p()[i] - earlier.p()[i]) / (2 * h);
-        const double found = by_gradient.matrix()(3 + i, 2) * units.time / units.momentum();
-        CHECK(std::abs(found - static_cast<double>(slope)) <= 1e-9);
-      }
-      REQUIRE(stepper.step(z, 0.1 * units.time).ok());
     }
-  }
 }
 
 /// A satellite near the lighter of two bodies that turn, in their frame.
@@ -442,6 +444,43 @@ struct LatticeTrap {
 };
 
 }  // namespace
+
+namespace {
+
+/// An electron in a wave of light, by its momentum across the beam, which nothing changes.
+struct ElectronInWave {
+  using Scalar = double;
+  static constexpr int Dof = 1;
+  double mass, speed_of_light, frequency, strength;
+  void gradient(double t, In<double, 1>, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
+    const double u = p[0] / (mass * speed_of_light) - strength * std::sin(frequency * t);
+    dHdq[0] = 0;
+    dHdp[0] = speed_of_light * u / std::sqrt(1 + u * u);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("A tangent map by differences is right from zero where no force acts, in SI units", "[chaos]") {
+  for (const double strength : {1e-3, 1.0, 5.0}) {
+    CAPTURE(strength);
+    const ElectronInWave wave{9.1e-31, 3e8, 2.35e15, strength}, in_ones{1, 1, 1, strength};
+    const auto stretch = [](const ElectronInWave& h) {  // dq/dp in its own units
+      const Autonomous driven(h);
+      TangentMap map(driven, schemes::low_defect6_s13());
+      REQUIRE(map.at(driven.extended({0, 0}, 0.0), 0.3 / h.frequency) == Status::success);
+      return map.matrix()(0, 2) * h.mass * h.frequency;
+    };
+    // ∫ (1 + u²)^(-3/2) dt by Simpson's rule
+    double right = 0;
+    for (int i = 0; i <= 100; ++i) {
+      const double u = strength * std::sin(0.003 * i);
+      right += (i % 100 == 0 ? 1 : i % 2 == 1 ? 4 : 2) * std::pow(1 + u * u, -1.5) * 0.001;
+    }
+    CHECK(std::abs(stretch(in_ones) - right) < 1e-4);
+    CHECK(std::abs(stretch(wave) - right) < 1e-4);
+  }
+}
 
 TEST_CASE("Differences are right where a second derivative passes through zero", "[chaos]") {
   for (const double start : {1e-5, 2e-5, 5e-5, 1e-4}) {

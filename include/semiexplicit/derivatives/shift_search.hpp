@@ -14,14 +14,15 @@ namespace semiexplicit::detail {
 /// How far each coordinate may go before a gradient changes much, as far as the state and its velocity tell:
 /// as far as the coordinates are from the origin, or the momenta; the time, as long as that takes. Whatever
 /// the units are, these lengths are in them. Of momenta at rest, but for rounding, or coordinates at
-/// the origin: as far as they change H by as much as the others do. 1 where nothing is known.
+/// the origin: as far as they change H by as much as the others do; where nothing does, and of the time, as
+/// far as the gradient follows in proportion. 1 where nothing is known.
 template <class H>
 class Lengths {
  public:
   using Scalar = typename H::Scalar;
   using Vec = typename PhasePoint<Scalar, H::Dof>::Storage;
-  static constexpr int most_attempts = 16;
-  static constexpr int most_calls = most_attempts + 1;
+  static constexpr int most_attempts = 16, most_lengths = 50;
+  static constexpr int most_calls = 3 * most_lengths;
 
   /// `gradient` is that at z; `at` and `there` are memory to work in. Returns how many gradients it took.
   int take(const H& h, const Vec& z, const Vec& gradient, Vec& at, Vec& there) {
@@ -35,12 +36,17 @@ class Lengths {
     // Momenta are rounding only at an equilibrium. Positions of a free particle tell nothing either, but a
     // guess no more.
     p_guessed_ = !(p_ > Scalar(0)) || by_p < sqrt(sqrt(Eigen::NumTraits<Scalar>::epsilon())) * by_q;
-    if (q_guessed_ != p_guessed_) {
+    if (q_guessed_ || p_guessed_) {
       at = z;
-      if (q_guessed_)
-        q_ = length_of_zeros(h, std::max(by_p, beside(h, p_, d, at, there, calls)), 0, at, there, calls);
-      else
-        p_ = length_of_zeros(h, std::max(by_q, beside(h, q_, 0, at, there, calls)), d, at, there, calls);
+      Scalar root(0);
+      if (!p_guessed_) root = std::max(by_p, beside(h, p_, d, at, there, calls));
+      if (!q_guessed_) root = std::max(by_q, beside(h, q_, 0, at, there, calls));
+      const auto guess = [&](Eigen::Index begin) {
+        if (root > Scalar(0)) return length_of_zeros(h, root, begin, at, there, calls);
+        return linear_range(h, gradient, begin, n, at, there, calls);
+      };
+      if (q_guessed_) q_ = guess(0);
+      if (p_guessed_) p_ = guess(d);
       at = z;
     }
     if constexpr (InExtendedPhaseSpace<H>) {
@@ -49,6 +55,7 @@ class Lengths {
       time_ = abs(gradient[2 * d - 1]) * smaller(dq > Scalar(0) ? Scalar(q_ / dq) : Scalar(0),
                                                  dp > Scalar(0) ? Scalar(p_ / dp) : Scalar(0));
       energy_ = std::max<Scalar>(p_ * dq, q_ * dp);
+      if (!(time_ > Scalar(0))) at = z, time_ = linear_range(h, gradient, d - 1, 1, at, there, calls);
     }
     return calls;
   }
@@ -149,6 +156,36 @@ class Lengths {
       if (ratio < Scalar(4) && ratio > Scalar(0.25)) break;
     }
     return length;
+  }
+
+  /// How far `count` entries of `at` from `begin` on are to be moved until the gradient stops to follow in
+  /// proportion: the order of magnitude. 0 where it always does. Leaves `at` as it was.
+  static Scalar linear_range(const H& h, const Vec& gradient, Eigen::Index begin, Eigen::Index count, Vec& at,
+                             Vec& there, int& calls) {
+    using std::sqrt;
+    const Eigen::Index d = at.size() / 2, n = own_dof<H>(d);
+    const Scalar visible = sqrt(Eigen::NumTraits<Scalar>::epsilon()), factor(16);
+    const Vec from = at;
+    Scalar length = Scalar(1e-30), changes[2] = {Scalar(0), Scalar(0)};
+    bool follows = true;
+    for (int k = 0; k < most_lengths && follows; ++k, length *= factor) {
+      for (Eigen::Index i = 0; i < count; ++i)
+        at[begin + i] = from[begin + i] + length * Scalar(i + 1) / Scalar(count);
+      ++calls;
+      try {
+        gradient_at(h, at.data(), there.data(), d);
+      } catch (const std::logic_error&) {
+        follows = false;
+      }
+      for (int half = 0; half < 2; ++half) {
+        const Scalar before = changes[half], now = largest_absolute((there - gradient).segment(half * d, n)),
+                     least = visible * largest_absolute(gradient.segment(half * d, n));
+        if (before > Scalar(0) && !(now > factor / 2 * before && now < factor * 2 * before)) follows = false;
+        changes[half] = now > least ? now : Scalar(0);
+      }
+    }
+    at = from;
+    return follows ? Scalar(0) : Scalar(length / (factor * factor));
   }
 
   /// Of two, where 0 says nothing.

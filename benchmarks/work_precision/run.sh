@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# run.sh [OPTION...]: what accuracy costs, all problems, about forty minutes; tables, figures and the summary in README.md
+# run.sh [OPTION...]: what accuracy costs, all problems, about an hour; tables, figures and the summary in README.md
 # of this folder. Installs what is missing, builds what is needed and runs on one core (CORE=2 chooses it). With --short:
 # a test that everything runs, its results in a temporary folder. Other options go to the program (see
 # build/release/benchmarks/bench_work_precision --help).

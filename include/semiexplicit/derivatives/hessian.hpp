@@ -116,7 +116,7 @@ class SecondDerivatives {
     const Eigen::Index d = z.size() / 2, next = static_cast<Eigen::Index>(count_ / look_again % z.size());
     gradient_at(h, z.data(), search_.here().data(), d);
     ++calls_;
-    calls_ += lengths_.take(h, z, search_.here(), at_.vector(), search_.above());
+    calls_ += lengths_.take(h, z, search_.here(), at_.vector(), search_.above(), far);
     for (Eigen::Index i = 0; i < z.size(); ++i) {
       const bool anew = far || (soon && blind_[i] != Scalar(0));
       if (!anew && !(again && i == next)) continue;

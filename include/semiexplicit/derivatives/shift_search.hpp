@@ -24,8 +24,9 @@ class Lengths {
   static constexpr int most_attempts = 16, most_lengths = 50;
   static constexpr int most_calls = 3 * most_lengths;
 
-  /// `gradient` is that at z; `at` and `there` are memory to work in. Returns how many gradients it took.
-  int take(const H& h, const Vec& z, const Vec& gradient, Vec& at, Vec& there) {
+  /// `gradient` is that at z; `at` and `there` are memory to work in; `ranges`: what nothing tells is looked
+  /// for by many gradients, else it is 1. Returns how many gradients it took.
+  int take(const H& h, const Vec& z, const Vec& gradient, Vec& at, Vec& there, bool ranges = false) {
     using std::sqrt;
     const Eigen::Index d = z.size() / 2, n = own_dof<H>(d);
     q_ = largest_absolute(z.head(n)), p_ = largest_absolute(z.segment(d, n));
@@ -43,7 +44,7 @@ class Lengths {
       if (!q_guessed_) root = std::max(by_q, beside(h, q_, 0, at, there, calls));
       const auto guess = [&](Eigen::Index begin) {
         if (root > Scalar(0)) return length_of_zeros(h, root, begin, at, there, calls);
-        return linear_range(h, gradient, begin, n, at, there, calls);
+        return ranges ? linear_range(h, gradient, begin, n, at, there, calls) : Scalar(0);
       };
       if (q_guessed_) q_ = guess(0);
       if (p_guessed_) p_ = guess(d);
@@ -55,7 +56,8 @@ class Lengths {
       time_ = abs(gradient[2 * d - 1]) * smaller(dq > Scalar(0) ? Scalar(q_ / dq) : Scalar(0),
                                                  dp > Scalar(0) ? Scalar(p_ / dp) : Scalar(0));
       energy_ = std::max<Scalar>(p_ * dq, q_ * dp);
-      if (!(time_ > Scalar(0))) at = z, time_ = linear_range(h, gradient, d - 1, 1, at, there, calls);
+      if (ranges && !(time_ > Scalar(0)))
+        at = z, time_ = linear_range(h, gradient, d - 1, 1, at, there, calls);
     }
     return calls;
   }

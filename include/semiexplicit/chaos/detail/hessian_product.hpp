@@ -158,17 +158,18 @@ class HessianProduct {
       search_now_ = Search::none;
       may_search_ = search;
       if (!search) return;
+      const bool first = count_ == 0;
       lengths_.take(h, z, search_.here(), at_.vector(), search_.above());
       // A shift is about ε^{1/3} of the length along which the gradient varies.
       using std::cbrt;
       const Scalar usual = cbrt(Eigen::NumTraits<Scalar>::epsilon());
       const bool moved = largest_absolute(z - last_) > Scalar(0);
-      const bool far = count_ == 0 || (moved && !(lengths_.along(z - last_) * 2 * part_.minCoeff() >= usual));
+      const bool far = first || (moved && !(lengths_.along(z - last_) * 2 * part_.minCoeff() >= usual));
       search_now_ = far ? Search::anew : count_ % look_again == 0 ? Search::near : Search::none;
       count_ = count_ % (std::int64_t{1} << 40) + 1;
       if (search_now_ == Search::none) return;
       if (far) last_ = z;
-      look(h, z);
+      look(h, z, first);
     }
 
     template <class Column>
@@ -230,10 +231,10 @@ class HessianProduct {
     enum class Search { none, near, anew };
     static constexpr std::int64_t look_again = 16;
 
-    /// Before a search.
-    void look(const H& h, const Vec& z) {
+    /// Before a search. Only the first is worth many gradients.
+    void look(const H& h, const Vec& z, bool first = false) {
       gradient_at(h, z.data(), search_.here().data(), z.size() / 2);
-      lengths_.take(h, z, search_.here(), at_.vector(), search_.above());
+      lengths_.take(h, z, search_.here(), at_.vector(), search_.above(), first);
     }
 
     template <class Column>

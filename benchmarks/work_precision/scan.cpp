@@ -190,7 +190,7 @@ void time_carefully(const Task& task, std::vector<Row>& rows, const ScanOptions&
 
 std::vector<Row> long_runs(const Task& task, const Task& short_task, const std::vector<Row>& rows,
                            const ScanOptions& options) {
-  const double longer = task.yardstick.end / short_task.yardstick.end;
+  const double longer = task.yardstick.end / short_task.yardstick.end, begin = cpu_seconds();
   std::vector<Row> results;
   for (const Family& family : families()) {
     std::set<const Row*> chosen;
@@ -221,6 +221,9 @@ std::vector<Row> long_runs(const Task& task, const Task& short_task, const std::
       result.timings = options.repetitions;
       results.push_back(result);
     }
+    std::cout << "  " << task.name << ", " << family.name << ": " << chosen.size() << " settings, "
+              << static_cast<int>(cpu_seconds() - begin) << " s so far\n"
+              << std::flush;
   }
   return results;
 }

@@ -75,8 +75,9 @@ Series run(const Regime& regime, const Request& request) {
     Progress progress(request.time, name);
     const auto report = integrate(stepper, z, {.dt = request.dt, .t_end = request.time}, lyapunov,
                                   every(std::min<std::int64_t>(100, request.steps()), invariants), progress);
-    std::cerr << name << formatted(": %.2g a step", 1e6 * report.seconds / static_cast<double>(report.steps))
-              << formatted(" µs, %.2f evaluations", double(report.evaluations) / double(report.steps))
+    std::cerr << name
+              << formatted(": %.2g µs a step", 1e6 * report.seconds / static_cast<double>(report.steps))
+              << formatted(", %.2f evaluations", double(report.evaluations) / double(report.steps))
               << formatted(", energy error %.1e, %.0f s", invariants["energy"].worst, report.seconds)
               << std::endl;
     mean.add(lyapunov.times(), lyapunov.series());

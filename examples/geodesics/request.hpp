@@ -43,7 +43,7 @@ struct Request {
     add_value(app, "--field", field, "magnetic field B of ernst, 1/M; 0: Schwarzschild",
               number<double>("a number from 0 on", [](double x) { return x >= 0; }));
     add_value(app, "--spin", spin, "spin a/M of kerr",
-              number<double>("a number from -1 to 1", [](double x) { return std::abs(x) < 1; }));
+              number<double>("a number between -1 and 1", [](double x) { return std::abs(x) < 1; }));
     add_value(app, "--energy", energy, "E per rest mass", positive());
     add_value(app, "--angular-momentum", l, "L per rest mass and M",
               number<double>("a number", [](double x) { return std::isfinite(x); }));

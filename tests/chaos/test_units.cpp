@@ -431,22 +431,6 @@ TEST_CASE("A tangent map by differences is right within a hill that is narrow be
 
 namespace {
 
-/// An atom in a harmonic trap and a standing wave of light, in SI units: many minima within the orbit.
-struct LatticeTrap {
-  using Scalar = double;
-  static constexpr int Dof = 1;
-  double ratio;  ///< of both curvatures
-  static constexpr double mass = 1.4e-25, wave_number = 8e6, stiffness = 5.5e-20;
-  void gradient(In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
-    dHdq[0] = stiffness * (q[0] - ratio / wave_number * std::sin(wave_number * q[0]));
-    dHdp[0] = p[0] / mass;
-  }
-};
-
-}  // namespace
-
-namespace {
-
 /// An electron in a wave of light, by its momentum across the beam, which nothing changes.
 struct ElectronInWave {
   using Scalar = double;
@@ -481,6 +465,22 @@ TEST_CASE("A tangent map by differences is right from zero where no force acts, 
     CHECK(std::abs(stretch(wave) - right) < 1e-4);
   }
 }
+
+namespace {
+
+/// An atom in a harmonic trap and a standing wave of light, in SI units: many minima within the orbit.
+struct LatticeTrap {
+  using Scalar = double;
+  static constexpr int Dof = 1;
+  double ratio;  ///< of both curvatures
+  static constexpr double mass = 1.4e-25, wave_number = 8e6, stiffness = 5.5e-20;
+  void gradient(In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
+    dHdq[0] = stiffness * (q[0] - ratio / wave_number * std::sin(wave_number * q[0]));
+    dHdp[0] = p[0] / mass;
+  }
+};
+
+}  // namespace
 
 TEST_CASE("Differences are right where a second derivative passes through zero", "[chaos]") {
   for (const double start : {1e-5, 2e-5, 5e-5, 1e-4}) {

@@ -112,11 +112,10 @@ void restore_all_or_nothing(CheckpointMemory& from, const Visit& visit, const Re
 /// refuses others. The file is written whole and flushed to the disk before it takes the place of the one
 /// before; where that fails, std::runtime_error is thrown and the old one stays. From resume(), or the first
 /// save, on it is locked as long as this object lives, and a run of another process on it is refused; two
-/// runs of one process are not kept apart. Refers
-/// to the stepper and the observers, which must outlive it. `steps` may grow from run to run, and `t_end`
-/// where the steps that it takes stay the same: it is refused where dt divides one of the times only. A
-/// checkpoint holds for the compiler and the flags that the program was built with, as the last bits of any
-/// floating-point result do.
+/// runs of one process are not kept apart. Refers to the stepper and the observers, which must outlive it.
+/// `steps` may grow from run to run, and `t_end` where the steps that it takes stay the same: it is refused
+/// where dt divides one of the times only. A checkpoint holds for the compiler and the flags that the program
+/// was built with, as the last bits of any floating-point result do.
 template <class S, class... Observers>
 class Checkpoints {
  public:

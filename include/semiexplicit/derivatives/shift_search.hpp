@@ -44,7 +44,7 @@ class Lengths {
       if (!q_guessed_) root = std::max(by_q, beside(h, q_, 0, at, there, calls));
       const auto guess = [&](Eigen::Index begin) {
         if (root > Scalar(0)) return length_of_zeros(h, root, begin, at, there, calls);
-        return ranges ? linear_range(h, gradient, begin, n, at, there, calls) : Scalar(0);
+        return ranges ? linear_range(h, z, gradient, begin, n, at, there, calls) : Scalar(0);
       };
       if (q_guessed_) q_ = guess(0);
       if (p_guessed_) p_ = guess(d);
@@ -57,7 +57,7 @@ class Lengths {
                                                  dp > Scalar(0) ? Scalar(p_ / dp) : Scalar(0));
       energy_ = std::max<Scalar>(p_ * dq, q_ * dp);
       if (ranges && !(time_ > Scalar(0)))
-        at = z, time_ = linear_range(h, gradient, d - 1, 1, at, there, calls);
+        at = z, time_ = linear_range(h, z, gradient, d - 1, 1, at, there, calls);
     }
     return calls;
   }
@@ -143,7 +143,7 @@ class Lengths {
     const Eigen::Index d = at.size() / 2, n = own_dof<H>(d);
     Scalar length(0.5);
     for (int attempt = 0; attempt < most_attempts; ++attempt) {
-      for (Eigen::Index i = 0; i < n; ++i) at[begin + i] = length * Scalar(i + 1) / Scalar(n);
+      spread(at, begin, n, length);
       ++calls;
       try {
         gradient_at(h, at.data(), there.data(), d);
@@ -160,19 +160,23 @@ class Lengths {
     return length;
   }
 
-  /// How far `count` entries of `at` from `begin` on are to be moved until the gradient stops to follow in
-  /// proportion: the order of magnitude. 0 where it always does. Leaves `at` as it was.
-  static Scalar linear_range(const H& h, const Vec& gradient, Eigen::Index begin, Eigen::Index count, Vec& at,
-                             Vec& there, int& calls) {
+  /// Sets `count` entries of `at` from `begin` on to different parts of a length.
+  static void spread(Vec& at, Eigen::Index begin, Eigen::Index count, const Scalar& length) {
+    for (Eigen::Index i = 0; i < count; ++i) at[begin + i] = length * Scalar(i + 1) / Scalar(count);
+  }
+
+  /// How far `count` entries of z from `begin` on are to be moved until the gradient stops to follow in
+  /// proportion: the order of magnitude. 0 where it always does. Leaves `at` at z there.
+  static Scalar linear_range(const H& h, const Vec& z, const Vec& gradient, Eigen::Index begin,
+                             Eigen::Index count, Vec& at, Vec& there, int& calls) {
     using std::sqrt;
     const Eigen::Index d = at.size() / 2, n = own_dof<H>(d);
     const Scalar visible = sqrt(Eigen::NumTraits<Scalar>::epsilon()), factor(16);
-    const Vec from = at;
     Scalar length = Scalar(1e-30), changes[2] = {Scalar(0), Scalar(0)};
     bool follows = true;
     for (int k = 0; k < most_lengths && follows; ++k, length *= factor) {
-      for (Eigen::Index i = 0; i < count; ++i)
-        at[begin + i] = from[begin + i] + length * Scalar(i + 1) / Scalar(count);
+      spread(at, begin, count, length);
+      at.segment(begin, count) += z.segment(begin, count);
       ++calls;
       try {
         gradient_at(h, at.data(), there.data(), d);
@@ -186,7 +190,7 @@ class Lengths {
         changes[half] = now > least ? now : Scalar(0);
       }
     }
-    at = from;
+    at.segment(begin, count) = z.segment(begin, count);
     return follows ? Scalar(0) : Scalar(length / (factor * factor));
   }
 

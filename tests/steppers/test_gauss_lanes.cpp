@@ -1,6 +1,7 @@
 #include "catch.hpp"
 
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include <semiexplicit/ensemble.hpp>
@@ -112,6 +113,35 @@ TEST_CASE("Stages in lanes: what cannot be done is refused, and the state left a
   CHECK(GaussLegendreLanes(systems::NlsLattice<double>(3)).step(small, 0.1).status == Status::invalid_state);
   PhasePoint<double, 2> singular({0, 0}, {1, 0});
   CHECK(GaussLegendreLanes(Kepler{}).step(singular, 0.1).status == Status::not_finite);
+}
+
+namespace {
+
+/// How much the energy of Kepler orbits has changed after that many steps, on average over several.
+template <class Stepper>
+double energy_drift(int steps, double dt) {
+  const auto energy = [](const PhasePoint<double, 2>& z) {
+    const auto q = z.q().cast<long double>(), p = z.p().cast<long double>();
+    return p.squaredNorm() / 2 - 1 / q.norm();
+  };
+  long double sum = 0;
+  for (const double e : {0.2, 0.21, 0.22, 0.23}) {
+    PhasePoint<double, 2> z({1 - e, 0}, {0, std::sqrt((1 + e) / (1 - e))});
+    const long double before = energy(z);
+    Stepper stepper(Kepler(), {.stages = 8});
+    for (int n = 0; n < steps; ++n) REQUIRE(stepper.step(z, dt).ok());
+    sum += energy(z) - before;
+  }
+  return static_cast<double>(sum / 4);
+}
+
+}  // namespace
+
+TEST_CASE("Rounding makes the energy of Gauss's methods walk at random, not drift", "[gauss][long]") {
+  const int steps = 80'000;
+  const double dt = 0.2, walk = std::numeric_limits<double>::epsilon() * std::sqrt(steps) * dt;
+  CHECK(std::abs(energy_drift<GaussLegendre<Kepler>>(steps, dt)) / walk < 0.8);
+  CHECK(std::abs(energy_drift<GaussLegendreLanes<Kepler>>(steps, dt)) / walk < 0.8);
 }
 
 }  // namespace test_gauss_lanes

@@ -11,7 +11,8 @@ namespace semiexplicit {
 
 /// The implicit Gauss-Legendre Runge-Kutta method: symplectic, symmetric, keeps quadratic invariants, order
 /// 2s. The strongest general rival of the semiexplicit method, and therefore written to win: extrapolated
-/// starting values, Gauss-Seidel iteration that stops at the rounding floor, compensated update.
+/// starting values, Gauss-Seidel iteration that stops at the rounding floor, compensated update. The
+/// coefficients are symplectic as they are rounded: errors by rounding are a random walk, without a drift.
 ///
 /// Newton's method takes the Hessian of H where it has one (HasHessian), else central differences of the
 /// gradient (4d calls a stage). Memory: (3s + 5) vectors of length 2d; Newton's method 2 (2ds)² numbers more,
@@ -34,7 +35,8 @@ class GaussLegendre : public detail::GaussShell<GaussLegendre<H>, H> {
   /// Throws std::invalid_argument unless 1 ≤ stages ≤ 8, max_iterations ≥ 1 and tolerance ≥ 0.
   GaussLegendre(H hamiltonian, GaussLegendreOptions options = {})
       : Shell(std::move(hamiltonian), options),
-        weights_(options.stages, options.stages),
+        extrapolation_(this->extrapolation_of_increments()),
+        quadrature_(tableau_.b),
         gradients_(Stages::Zero(small ? padded : 2 * dof(), options.stages)),
         started_(gradients_),
         displacements_(gradients_),
@@ -56,17 +58,13 @@ class GaussLegendre : public detail::GaussShell<GaussLegendre<H>, H> {
   using Stages = Eigen::Matrix<Scalar, padded, Eigen::Dynamic>;  // a column a stage
   using Dense = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
 
-  Eigen::Index size() const { return weights_.size() == 0 ? 0 : point_.size(); }
+  Eigen::Index size() const { return quadrature_.size() == 0 ? 0 : point_.size(); }
 
-  void scale_weights(const Scalar& dt) {
-    for (Eigen::Index i = 0; i < weights_.rows(); ++i)
-      for (Eigen::Index j = 0; j < weights_.cols(); ++j)
-        weights_(i, j) = tableau_.m(i, j) * (dt * tableau_.b[j]);
-  }
+  void scale_weights(const Scalar& dt) { quadrature_ = dt * tableau_.b; }
 
-  Scalar increment(Eigen::Index i, const Scalar& dt) const {
+  Scalar increment(Eigen::Index i) const {
     Scalar sum(0);
-    for (Eigen::Index j = 0; j < gradients_.cols(); ++j) sum += (dt * tableau_.b[j]) * gradients_(i, j);
+    for (Eigen::Index j = 0; j < gradients_.cols(); ++j) sum += gradients_(i, j);
     return sign_[i] * sum;
   }
 
@@ -106,13 +104,13 @@ class GaussLegendre : public detail::GaussShell<GaussLegendre<H>, H> {
       started_.swap(gradients_);
       for (Eigen::Index i = 0; i < gradients_.cols(); ++i) {
         Scalar* const to = gradients_.data() + i * gradients_.rows();
-        combine(tableau_.extrapolation, i, started_,
-                [to](Eigen::Index k, const Scalar& sum) { to[k] = sum; });
+        combine(extrapolation_, i, started_, [to](Eigen::Index k, const Scalar& sum) { to[k] = sum; });
       }
     } else {
       point_ = z.vector();
       evaluate(0);
-      for (Eigen::Index i = 1; i < gradients_.cols(); ++i) gradients_.col(i) = gradients_.col(0);
+      for (Eigen::Index i = gradients_.cols() - 1; i >= 0; --i)
+        gradients_.col(i) = quadrature_[i] * gradients_.col(0);
       ++report.gradients;
     }
     for (Eigen::Index i = 0; i < gradients_.cols(); ++i) displace(i);
@@ -129,13 +127,13 @@ class GaussLegendre : public detail::GaussShell<GaussLegendre<H>, H> {
                          [&] { return detail::sum_of_absolutes(displacements_.reshaped()); });
   }
 
-  /// Stage i's displacement dt Σ_j a_ij X_j as the gradients have it. Adds up to displaced_ by how much that
-  /// differs from what it was.
+  /// Stage i's displacement Σ_j m_ij (dt b_j X_j) as the gradients have it. Adds up to displaced_ by how much
+  /// that differs from what it was.
   void displace(Eigen::Index i) {
     Scalar* const displacement = displacements_.data() + i * displacements_.rows();
     const Scalar* const sign = sign_.data();
     Scalar* const displaced = displaced_.data();
-    combine(weights_, i, gradients_, [=](Eigen::Index k, const Scalar& sum) {
+    combine(tableau_.m, i, gradients_, [=](Eigen::Index k, const Scalar& sum) {
       using std::abs;
       displaced[k] += abs(sign[k] * sum - displacement[k]);
       displacement[k] = sign[k] * sum;
@@ -146,6 +144,7 @@ class GaussLegendre : public detail::GaussShell<GaussLegendre<H>, H> {
     const Scalar* const displacement = displacements_.data() + i * displacements_.rows();
     for (Eigen::Index k = 0; k < point_.size(); ++k) point_[k] = z.vector()[k] + displacement[k];
     evaluate(i);
+    gradients_.col(i) *= quadrature_[i];
   }
 
   /// Gradient i at point_. Its halves are exchanged, so that with sign_ it is the vector field X = (∂H/∂p,
@@ -192,7 +191,7 @@ class GaussLegendre : public detail::GaussShell<GaussLegendre<H>, H> {
       // An infinite entry would make the correction zero, which looks like the end.
       if (!detail::all_finite(work.hessian)) return std::numeric_limits<Scalar>::quiet_NaN();
       for (Eigen::Index i = 0; i < stages; ++i) {
-        const Scalar factor = weights_(i, j);
+        const Scalar factor = tableau_.m(i, j) * quadrature_[j];
         for (Eigen::Index column = 0; column < n; ++column) {  // δ_ij I - dt a_ij J H''
           Scalar* const block = &work.system.matrix(i * n, j * n + column);
           for (Eigen::Index k = 0; k < d; ++k) {
@@ -204,7 +203,7 @@ class GaussLegendre : public detail::GaussShell<GaussLegendre<H>, H> {
       }
     }
     for (Eigen::Index i = 0; i < stages; ++i)
-      combine(weights_, i, gradients_, [&](Eigen::Index k, const Scalar& sum) {
+      combine(tableau_.m, i, gradients_, [&](Eigen::Index k, const Scalar& sum) {
         if (k < n) work.residual[i * n + k] = sign_[k] * sum - displacements_(k, i);
       });
     work.system.factorise();
@@ -214,8 +213,9 @@ class GaussLegendre : public detail::GaussShell<GaussLegendre<H>, H> {
     return detail::sum_of_absolutes(work.correction);
   }
 
-  Dense weights_;  ///< dt a_ij
-  Stages gradients_, started_, displacements_;
+  Dense extrapolation_;
+  Vector<Scalar, Eigen::Dynamic> quadrature_;   ///< dt b_j
+  Stages gradients_, started_, displacements_;  ///< the gradients times dt b_j
   Column sign_, displaced_;
   Vec point_;
   std::optional<Newton> newton_;

@@ -44,8 +44,10 @@ class GaussLegendreLanes : public detail::GaussShell<GaussLegendreLanes<H>, H> {
       throw std::invalid_argument(
           "GaussLegendreLanes: only StageSolver::fixed_point; GaussLegendre has Newton's method");
     for (int j = 0; j < 8; ++j) extrapolation_[j] = weight_[j] = Scalar(0);
-    for (int j = 0; j < options.stages; ++j)
+    for (int j = 0; j < options.stages; ++j) {
       extrapolation_[j] = column([&](int i) { return tableau_.extrapolation(i, j); });
+      weight_[j] = column([&](int i) { return tableau_.m(i, j); });
+    }
   }
 
  private:
@@ -67,12 +69,10 @@ class GaussLegendreLanes : public detail::GaussShell<GaussLegendreLanes<H>, H> {
   Eigen::Index size() const { return static_cast<Eigen::Index>(gradients_.size()); }
 
   void scale_weights(const Scalar& dt) {
-    for (int j = 0; j < options_.stages; ++j)
-      weight_[j] = column([&](int i) { return tableau_.m(i, j) * (dt * tableau_.b[j]); });
     quadrature_ = column([&](int j) { return dt * tableau_.b[j]; });
   }
 
-  Scalar increment(Eigen::Index i, const Scalar&) const {
+  Scalar increment(Eigen::Index i) const {
     const Eigen::Index d = dof();
     return i < d ? reduce(quadrature_ * gradients_[at(d + i)]) : -reduce(quadrature_ * gradients_[at(i - d)]);
   }
@@ -153,6 +153,7 @@ class GaussLegendreLanes : public detail::GaussShell<GaussLegendreLanes<H>, H> {
   void move(const State& z, Many& moved, Many& displaced) {
     const std::size_t d = at(dof());
     const Scalar* const state = z.vector().data();
+    const Many quadrature = quadrature_;
     Many weight[std::size_t(Stages)];
     for (int j = 0; j < Stages; ++j) weight[j] = weight_[j];
     const auto put = [&](std::size_t i, const Many& displacement) {
@@ -163,13 +164,14 @@ class GaussLegendreLanes : public detail::GaussShell<GaussLegendreLanes<H>, H> {
       points_[i] = state[i] + displacement;
     };
     for (std::size_t i = 0; i < d; ++i) {
-      put(i, combine<Stages>(weight, gradients_[d + i]));
-      put(d + i, -combine<Stages>(weight, gradients_[i]));
+      put(i, combine<Stages>(weight, quadrature * gradients_[d + i]));
+      put(d + i, -combine<Stages>(weight, quadrature * gradients_[i]));
     }
   }
 
   std::vector<Many> gradients_, points_, displacements_;
-  Many extrapolation_[8], weight_[8], quadrature_;  ///< matrices by columns; dt is in the last two
+  Many extrapolation_[8], weight_[8];  ///< matrices by columns
+  Many quadrature_ = Scalar(0);        ///< dt b_j
 };
 
 }  // namespace semiexplicit

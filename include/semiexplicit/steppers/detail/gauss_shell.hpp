@@ -52,9 +52,9 @@ namespace detail {
 /// befriends it, and has
 ///
 ///     Eigen::Index size() const;                 // 2d, or 0 where the stages were moved from
-///     void scale_weights(const Scalar& dt);      // dt a_ij, for another dt than before
+///     void scale_weights(const Scalar& dt);      // dt b_j, for another dt than before
 ///     Status solve(const State& z, bool extrapolate, StepReport& report);  // then iterate()
-///     Scalar increment(Eigen::Index i, const Scalar& dt) const;            // dt Σ_j b_j X_ji
+///     Scalar increment(Eigen::Index i) const;    // Σ_j dt b_j X_ji
 ///     void visit_stages(Visitor& visit);  // the gradients, which the next stages are extrapolated from
 template <class Stepper, class H>
 class GaussShell {
@@ -79,7 +79,7 @@ class GaussShell {
     if (report.status == Status::not_finite && !detail::all_finite(z.vector()))
       report.status = Status::invalid_state;
     if (!report.ok()) return report;
-    if (update_.update(z, [&](Eigen::Index i) { return stages.increment(i, dt); }))
+    if (update_.update(z, [&](Eigen::Index i) { return stages.increment(i); }))
       last_dt_ = dt;
     else
       report.status = Status::not_finite;
@@ -120,6 +120,11 @@ class GaussShell {
     if (!(options.max_iterations >= 1 && options.tolerance >= 0 && std::isfinite(options.tolerance)))
       throw std::invalid_argument(std::string(Stepper::name) +
                                   ": max_iterations must be 1 or more, and tolerance 0 or more and finite");
+  }
+
+  /// The matrix that makes dt b_j X_j of the next step from those of this one.
+  auto extrapolation_of_increments() const {
+    return (tableau_.b.asDiagonal() * tableau_.extrapolation * tableau_.b.cwiseInverse().asDiagonal()).eval();
   }
 
   /// Repeats sweep(), which returns the sum of the absolute values of what it changed in the stages'

@@ -74,6 +74,8 @@ class Pilot {
     const double T = table_.time, whole = rate * T;
     const bool of_energy = problem_.options.observable.is_energy();
     watches_neighbour_ = !of_energy;
+    if (watches_neighbour_)
+      setting_.rule = StoppingRule::product(1e-14);  // unfinished solves part neighbours
     const double affordable = calls / (watches_neighbour_ ? 2 : 1) / rate;
     // What a short run leaves over makes it more faithful.
     setting_.dt /= std::clamp(affordable / T, 1.0, 6.0);
@@ -95,6 +97,7 @@ class Pilot {
     };
     const auto rising = [&] { return places.will_rise(std::max(1.0, T / table_.pilot_time)); };
     watches_neighbour_ = false;
+    setting_.rule = rule;
     beyond_calls(std::min(most, problem_.options.max_gradients / 6), whole);
     if (table_.pilot_time < T && rising())
       beyond_calls(problem_.options.max_gradients / 6, 1.5 * whole);  // dearer where it is harder
@@ -114,6 +117,7 @@ class Pilot {
     problem_.weigh(0.01 * first_dt_);
     problem_.judge_growth_of_terms(table_.pilot_time);
     judge_parting();
+    judge_response();
     return true;
   }
 
@@ -157,6 +161,7 @@ class Pilot {
     Walker<Any> walker(problem_, setting_), beside_it(problem_, setting_);
     const State start = z;
     energy_.start(z);
+    observed_apart_ = 0;
     Probe probe;
     for (std::int64_t n = 0; n < steps; ++n) {
       if (!walker.step(z, setting_.dt, probe, false)) {
@@ -169,10 +174,13 @@ class Pilot {
           !(energy_.range() <= 3 * coarse_beside(problem_.terms_of_energy(z))))
         return false;
       farthest_ = std::max(farthest_, table_.pilot_time + static_cast<double>(n + 1) * setting_.dt);
-      if (watches_neighbour_ && !beside_it.step(neighbour_, setting_.dt, probe, false)) {
+      if (!watches_neighbour_) continue;
+      if (!beside_it.step(neighbour_, setting_.dt, probe, false)) {
         cut_ = probe.cut;
         return false;
       }
+      observed_apart_ = std::max(
+          observed_apart_, static_cast<double>(norm(problem_.measured(neighbour_) - problem_.measured(z))));
     }
     // As with the first step.
     places.add({start, energy_.range() * std::pow(first_dt_ / setting_.dt, 4)});
@@ -185,19 +193,24 @@ class Pilot {
   static double beside_by() {
     return std::max(1e-6, std::sqrt(static_cast<double>(Eigen::NumTraits<Scalar>::epsilon())));
   }
-  /// A state near z.
+  /// A state near z, of another energy.
   State beside(const State& z) {
     State near = z;
     std::uint64_t random = 3;
-    const auto shift = [&](auto half, const auto& velocity) {
+    const auto shift = [&](auto half, const auto& velocity, const auto& uphill) {
       const Scalar size =
           (Scalar(norm(half)) + Scalar(setting_.dt) * Scalar(norm(velocity))) / Scalar(double(half.size()));
-      for (Eigen::Index i = 0; i < half.size(); ++i)
-        half[i] += Scalar(beside_by() * scattered(random)) * std::max(size, Scalar(1e-300));
+      for (Eigen::Index i = 0; i < half.size(); ++i) {
+        const double part = beside_by() * scattered(random);
+        half[i] += Scalar(uphill[i] > Scalar(0)   ? std::abs(part)
+                          : uphill[i] < Scalar(0) ? -std::abs(part)
+                                                  : part) *
+                   std::max(size, Scalar(1e-300));
+      }
     };
     const State velocity = problem_.velocity_at(z);
-    shift(near.q(), velocity.q());
-    shift(near.p(), velocity.p());
+    shift(near.q(), velocity.q(), (-velocity.p()).eval());
+    shift(near.p(), velocity.p(), velocity.q());
     return near;
   }
 
@@ -210,6 +223,9 @@ class Pilot {
     farthest_out_ = std::max(farthest_out_, static_cast<double>(norm(z.vector())));
     parting_.emplace_back(table_.pilot_time,
                           log - (table_.relative && farthest_out_ > 0 ? std::log(farthest_out_) : 0));
+    const double response = observed_apart_ * std::exp(std::min(500.0, parted_)) / beside_by();
+    if (std::isfinite(response) && !(in_floats && parted_ != 0))
+      responses_.emplace_back(table_.pilot_time, response);
     if (!(apart > 0) || (apart < 100 * apart_ && apart > apart_ / 100)) return;
     neighbour_.vector() = z.vector() + Scalar(apart_ / apart) * between;
     parted_ = log;
@@ -220,22 +236,39 @@ class Pilot {
   SEMIEXPLICIT_COLD void judge_parting() {
     if (parting_.size() < 8) return;
     const double watched = parting_.back().first;
-    const auto at = [&](double part) {
+    const auto until = [&](double part) {
+      double largest = parting_.front().second;
       for (const auto& [t, log] : parting_)
-        if (t >= part * watched) return log;
-      return parting_.back().second;
+        if (t <= part * watched) largest = std::max(largest, log);
+      return largest;
     };
-    const double early = at(0.25), middle = at(0.5), last = at(1);
-    if (!(last - early > 6 && last - middle > 2)) return;
+    const double early = until(0.25), middle = until(0.5), last = until(1);
+    const double least = in_floats ? 12 : 6;  // rounding parts what was brought near again
+    if (!(last - early > least && last - middle > least / 3)) return;
     table_.parting_rate = (last - early) / (0.75 * watched);
     const double epsilon = static_cast<double>(Eigen::NumTraits<Scalar>::epsilon());
     table_.horizon = std::log(1 / epsilon) / table_.parting_rate;
   }
 
+  /// What a perturbation of the states becomes in the observable, over the whole time.
+  SEMIEXPLICIT_COLD void judge_response() {
+    if (responses_.empty()) return;
+    const double watched = responses_.back().first;
+    double half = 0, all = 0;
+    for (const auto& [t, response] : responses_) {
+      all = std::max(all, response);
+      if (t <= watched / 2) half = all;
+    }
+    problem_.responds(all > 1.4 * half ? error_at_the_end(table_, all, watched, 1) : all);
+  }
+
+  inline static const StoppingRule rule = StoppingRule::product(1e-8);
+  static constexpr bool in_floats = Eigen::NumTraits<Scalar>::epsilon() > Scalar(1e-10);
+
   Problem<Any>& problem_;
   Range<Any> energy_, whole_;  ///< of a stretch, and of the run
   CostTable& table_;
-  Setting setting_{.scheme = "low_defect4_s7", .rule = StoppingRule::product(1e-8)};
+  Setting setting_{.scheme = "low_defect4_s7", .rule = rule};
   double best_step_ = 0, first_dt_ = 0, coarse_error_ = 0.003, farthest_ = 0;
   double calls_if_stuck_ = 0;
   bool watches_neighbour_ = false;
@@ -243,7 +276,9 @@ class Pilot {
   bool cut_ = false;
   State neighbour_{};
   double apart_ = 0, parted_ = 0, farthest_out_ = 0;
-  std::vector<std::pair<double, double>> parting_{};  ///< time, logarithm of how far the neighbour has parted
+  double observed_apart_ = 0;  ///< largest difference of the observables, within a stretch
+  std::vector<std::pair<double, double>> parting_{},  ///< time, logarithm of how far the neighbour has parted
+      responses_{};  ///< time, change of the observable by what was one of the whole state
 };
 
 }  // namespace semiexplicit::detail

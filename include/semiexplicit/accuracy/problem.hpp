@@ -16,6 +16,15 @@
 
 namespace semiexplicit::detail {
 
+/// What an error that grows with a power of the time, or as neighbouring orbits part, is at the end of the
+/// run that a table is about.
+inline double error_at_the_end(const CostTable& table, double error, double length, double power) {
+  const double stretch = std::max(1.0, table.time / length);
+  if (table.parting_rate > 0)
+    return error * std::exp(std::min(500.0, table.parting_rate * length * (stretch - 1)));
+  return error * std::pow(stretch, power);
+}
+
 /// What the parts of the search share: the Hamiltonian, where it starts, what is measured and in which unit,
 /// and the table that is being made.
 template <class Any>
@@ -64,6 +73,18 @@ class Problem {
     const double epsilon = static_cast<double>(Eigen::NumTraits<Scalar>::epsilon());
     return epsilon / 2 * judged.terms * std::sqrt(table.time / dt) + judged.noise;
   }
+
+  /// The same where the observable is no invariant: the perturbations of all steps, as they have grown until
+  /// the end. Those of short steps are less, as their sum is compensated.
+  double rounding_of_orbit(double dt) const {
+    const double epsilon = static_cast<double>(Eigen::NumTraits<Scalar>::epsilon());
+    return epsilon * (along_the_slope * response_ / table.unit * std::sqrt(table.time / (3 * dt)) *
+                          std::min(1.0, 3 * dt / table.time_scale) +
+                      judged.terms);
+  }
+  /// The change of the observable at the end for one of the initial state by all of itself along the gradient
+  /// of H, as far as it is linear.
+  void responds(double response) { response_ = response; }
 
   /// The size of the energy's terms at z, in its unit.
   SEMIEXPLICIT_COLD double terms_of_energy(const State& z) const {
@@ -223,8 +244,11 @@ class Problem {
     return static_cast<double>(size_of_observable(z).terms) / table.unit;
   }
 
+  /// A perturbation of random direction, in one of the same size along the gradient of H: as measured.
+  static constexpr double along_the_slope = 0.15;
+
   std::vector<double> met_{}, met_q_{}, met_p_{};
-  double weight_ = 1;
+  double weight_ = 1, response_ = 0;
   Eigen::Index observable_size_ = 0;
 };
 

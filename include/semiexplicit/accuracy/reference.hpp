@@ -91,14 +91,14 @@ class Reference {
     double fraction = 3;
     // A short stretch tells the step, for a fraction of the calls.
     for (const double share : {0.04, 0.36}) {
-      double last = 0;
+      double last = 0, last_apart = 0, last_fraction = 0;
       int no_better = 0;  // in a row: a few times it may be luck with larger steps, or none with these
       for (int attempt = 0; attempt < 24; ++attempt) {
         apart_.clear();
         std::vector<Value> coarse;
         const bool made = explore(problem, fraction, share * wish.calls, wish) &&
-                          (coarse = choose_times(wish.trial), follow(problem, fraction / 1.5));
-        const bool enough_calls = problem.table.spent_gradients - begin < 3 * wish.calls;
+                          (coarse = choose_times(wish.trial), follow(problem, fraction / 1.5, 4 * explored_));
+        const bool enough_calls = problem.table.spent_gradients - begin < 6 * wish.calls;
         if (!made) {
           if (cut_ || !enough_calls) return false;
           fraction /= 1.5;
@@ -112,12 +112,17 @@ class Reference {
         apart_.assign(times_.size(), 0);
         for (std::size_t i = 0; i < times_.size(); ++i)
           apart_[i] = static_cast<double>(norm(values_[i] - coarse[i])) / unit;
+        if (last_apart > 0 && apart() > 0)
+          order_ = std::clamp(std::log(last_apart / apart()) / std::log(last_fraction / fraction), 0.0, 8.0);
+        last_apart = apart(), last_fraction = fraction;
         const double whole = std::min(wish.length, length() * 0.36 / share);
         const double enough =
             wish.tightest / 10 * std::pow(whole / problem.table.time, 1.5) * (length() / whole);
         no_better = last > 0 && error() > 0.3 * last && error() < 1e-6 ? no_better + 1 : 0;
         const double epsilon = static_cast<double>(Eigen::NumTraits<typename Any::Scalar>::epsilon());
-        const bool rounded = no_better == (error() < 1e6 * epsilon ? 2 : 4);
+        const double by_rounding =
+            std::min(1e6 * epsilon, 100 * problem.rounding_of_orbit(problem.table.time_scale));
+        const bool rounded = no_better == (error() < by_rounding ? 2 : 4);
         if (error() <= enough || rounded || !enough_calls) break;
         last = last > 0 ? std::min(last, error()) : error();
         fraction *= std::clamp(std::pow(enough / last, 1.0 / 16), 0.3, 1 / 1.5);
@@ -139,7 +144,9 @@ class Reference {
   /// How much finer steps must be in hard places than at the start.
   double hardness() const { return hardness_; }
   /// How far the two runs are apart at worst: the error of the coarser one.
-  double error() const { return *std::max_element(apart_.begin(), apart_.end()); }
+  double apart() const { return *std::max_element(apart_.begin(), apart_.end()); }
+  /// The error of the finer one, as far as it was seen to fall with the step.
+  double error() const { return apart() * std::pow(1.5, -order_); }
   /// Whether the observable is constant as far as the reference knows: an invariant.
   SEMIEXPLICIT_COLD bool is_constant(const Problem<Any>& problem) const {
     const Value first = problem.measured(problem.z0);
@@ -148,7 +155,7 @@ class Reference {
       range = std::max(range, static_cast<double>(norm(value - first)) / problem.table.unit);
     const double rounding =
         50 * static_cast<double>(Eigen::NumTraits<typename Any::Scalar>::epsilon()) * problem.judged.terms;
-    return range <= std::max(10 * error(), rounding);
+    return range <= std::max(10 * apart(), rounding);
   }
 
   /// Runs a setting as far as `length`; the largest errors in both halves go to the probe.
@@ -159,6 +166,7 @@ class Reference {
       if (t <= length) times.push_back(t);
     const auto values = values_of_run(problem, setting, times, probe);
     note_errors(problem, times, values, values_, 1, probe);
+    probe.early += error(), probe.late += error();
     return probe;
   }
 
@@ -201,6 +209,7 @@ class Reference {
       way_.resize(most_points / 2);
       stride *= 2;
     }
+    explored_ = problem.table.spent_gradients - begin;
     goes_to_end_ = t >= wish.end;
     find_cycle(wish.whole);
     return true;
@@ -256,13 +265,16 @@ class Reference {
     return values;
   }
 
-  /// The observable at the chosen times of a run; false: a step failed.
-  SEMIEXPLICIT_COLD bool follow(Problem<Any>& problem, double fraction) {
+  /// The observable at the chosen times of a run; false: a step failed, or it took more calls than that: the
+  /// run that chose them went another way.
+  SEMIEXPLICIT_COLD bool follow(Problem<Any>& problem, double fraction, double calls) {
     PacedGauss<Any> run(problem, fraction);
     Probe probe;
     double t = 0;
-    values_ = values_along(problem, times_, run.method(), probe,
-                           [&](auto& z) { return t = run.step(z, t, times_.back(), probe); });
+    const double end = problem.table.spent_gradients + calls;
+    values_ = values_along(problem, times_, run.method(), probe, [&](auto& z) {
+      return problem.table.spent_gradients < end ? t = run.step(z, t, times_.back(), probe) : t;
+    });
     cut_ = probe.cut;
     return values_.size() == times_.size();
   }
@@ -287,7 +299,7 @@ class Reference {
   std::vector<Point> way_{};
   std::vector<double> times_{}, apart_{};
   std::vector<Value> values_{};
-  double trial_ = 0, cycle_ = 0, stuck_at_ = 0, first_scale_ = 0, hardness_ = 1;
+  double order_ = 0, explored_ = 0, trial_ = 0, cycle_ = 0, stuck_at_ = 0, first_scale_ = 0, hardness_ = 1;
   bool cut_ = false, goes_to_end_ = false;
 };
 

@@ -125,8 +125,9 @@ class Search {
       return true;
     }
     table_.reference_time = reference_.length();
-    table_.reference_error = error_at_the_end(table_, reference_.error(), reference_.length(), 1.5);
-    table_.rounding = table_.reference_error;
+    table_.rounding = problem_.rounding_of_orbit(table_.time_scale);
+    table_.reference_error =
+        error_at_the_end(table_, reference_.error(), reference_.length(), 1) + table_.rounding;
     return true;
   }
 
@@ -166,7 +167,8 @@ class Search {
     Probe seen = reference_.compare(problem_, setting, whole && to_end ? table_.time : length);
     if (!whole || !seen.works()) return seen;
     if (!to_end) {
-      const double early = seen.early, late = seen.late;
+      // What the reference tells for sure.
+      const double early = seen.early - 2 * reference_.error(), late = seen.late - 2 * reference_.error();
       seen = try_beside_finer(problem_, setting, order);
       seen.early = std::max(seen.early, early);
       seen.late = std::max(seen.late, late);
@@ -183,8 +185,16 @@ class Search {
                          (candidate.setting.is_gauss() ? 7 : 1);
     exhausted_ = exhausted_ || least > problem_.left();
     if (exhausted_) return nullptr;
-    const Probe seen = tried(candidate, dt, false);
-    if (seen.cut) return nullptr;
+    const double limit = problem_.limit;
+    if (plan_.tries_whole())  // where many evaluations a step make it dear, smaller steps are cheaper
+      problem_.limit = std::min(limit, table_.spent_gradients + 4 * plan_.whole_calls(candidate.kicks / dt));
+    Probe seen = tried(candidate, dt, false);
+    problem_.limit = limit;
+    if (seen.cut && !plan_.tries_whole()) return nullptr;
+    if (seen.cut) {
+      seen = {.status = Status::no_convergence};
+      exhausted_ = false, cut_short_ = true;
+    }
     Probe& noted = candidate.trials[dt] = seen;
     noted.confirmed = plan_.tries_whole();
     return &noted;
@@ -234,7 +244,7 @@ class Search {
     const auto larger = std::prev(here);
     const double now = whole_.error(candidate, here->second, step);
     return larger->second.works() && step < larger->first / 1.1 &&
-           now < std::max(1e-9, 4 * table_.rounding) &&
+           now < std::max({1e-9, 4 * table_.rounding, 4 * table_.reference_error}) &&
            now > 0.7 * whole_.error(candidate, larger->second, larger->first);
   }
 
@@ -330,7 +340,7 @@ class Search {
   /// Looks for the cheapest of each family: from where it is expected to both sides, for as long as it gets
   /// cheaper. `wanted` is what the user asked for, where rounding forbids that.
   SEMIEXPLICIT_COLD void search(double target, double wanted) {
-    exhausted_ = false;
+    exhausted_ = cut_short_ = false;
     best_rate_ = std::numeric_limits<double>::infinity();
     for (Family& family : families_) {
       if (family.front().setting.method == Setting::Method::midpoint && !projection_limits(target)) continue;
@@ -360,7 +370,7 @@ class Search {
     if (least <= wanted) return;
     if (rounded || target > wanted)
       table_.rounding = std::max(table_.rounding, std::nextafter(wanted, std::numeric_limits<double>::max()));
-    else if (exhausted_)
+    else if (exhausted_ || cut_short_ || table_.reference_error > wanted / 3)
       table_.unfinished = std::max(table_.unfinished, wanted);
   }
 
@@ -401,9 +411,16 @@ class Search {
       Probe& seen = chosen->trials[dt];
       whole_run = plan_.confirms_whole(seen.rate) ? 1.2 * plan_.whole_calls(seen.rate) : 0;
       const double before = table_.spent_gradients;
-      problem_.limit = std::min(options().max_gradients, problem_.limit + whole_run);
+      const double limit = std::min(options().max_gradients, problem_.limit + whole_run),
+                   dearest = whole_run > 0 ? before + 3 * whole_run : limit;
+      problem_.limit = std::min(limit, dearest);
       const Probe again = tried(*chosen, dt, true, seen.rate);
+      problem_.limit = limit;
       if (whole_run > 0) spent_on_whole_runs_ += table_.spent_gradients - before;
+      if (again.cut && dearest < limit) {  // far dearer than parts of it told
+        seen.status = Status::no_convergence;
+        continue;
+      }
       if (again.cut) return;
       if (whole_run > 0) {
         if (!(again.works() && again.range <= much_worse * target)) break;
@@ -483,8 +500,9 @@ class Search {
   Reference<Any> reference_{};
   double search_limit_ = 5.3;  ///< budgets after which even a target without a setting is given up
   double best_rate_ = 0, searched_part_ = 0, spent_on_whole_runs_ = 0;
-  int searches_ = 0;        ///< of those for the target that is searched for
-  bool exhausted_ = false;  ///< the search for a target has met the limit
+  int searches_ = 0;  ///< of those for the target that is searched for
+  /// The search for a target has met the limit, or the part of it that a trial is worth.
+  bool exhausted_ = false, cut_short_ = false;
 };
 
 }  // namespace semiexplicit::detail

@@ -8,15 +8,6 @@
 
 namespace semiexplicit::detail {
 
-/// What an error that grows with a power of the time, or as neighbouring orbits part, is at the end of the
-/// run that a table is about.
-inline double error_at_the_end(const CostTable& table, double error, double length, double power) {
-  const double stretch = std::max(1.0, table.time / length);
-  if (table.parting_rate > 0)
-    return error * std::exp(std::min(500.0, table.parting_rate * length * (stretch - 1)));
-  return error * std::pow(stretch, power);
-}
-
 /// What trials on parts of the run tell of its error as a whole.
 template <class Any>
 class WholeRun {
@@ -35,18 +26,24 @@ class WholeRun {
     const bool explicit_ = candidate.setting.method == Setting::Method::midpoint;
     const bool energy = problem_.options.observable.is_energy();
     const bool whole = is_whole(probe);
-    const double hard =
-        probe.range * (whole ? 1 : probe.spread * plan_.growth(candidate.order) * surprise(candidate, probe));
+    const double worse = whole ? 1 : surprise(candidate, probe);
+    const double hard = probe.range * (whole ? 1 : probe.spread * plan_.growth(candidate.order) * worse);
     // A symplectic method keeps the energy within bounds. The trials of another are too short to tell its
     // drift.
-    const double grown = !energy || (explicit_ && probe.confirmed) ? at_the_end(probe, explicit_) : 0;
+    const double grown =
+        !energy || (explicit_ && probe.confirmed) ? at_the_end(probe, explicit_) * (energy ? 1 : worse) : 0;
     // The energy that drifts takes the frequencies along.
     const double drift = table_.invariant      ? (whole ? 0 : probe.drift * T)
                          : explicit_ && !whole ? 0.1 * probe.drift * T * T / (2 * table_.time_scale)
                                                : 0;
-    return {std::max(hard, grown), drift, table_.invariant ? problem_.rounding(dt) : table_.reference_error,
-            whole ? !energy && probe.late > 1.4 * probe.early
-                  : grown > std::max(hard, 1.2 * std::max(probe.early, probe.late))};
+    const double rounding = table_.invariant ? problem_.rounding(dt) : problem_.rounding_of_orbit(dt);
+    const bool grows = whole ? !energy && probe.late > 1.4 * probe.early
+                             : grown > std::max(hard, 1.2 * std::max(probe.early, probe.late));
+    const double step = std::max(hard, grown);
+    // What a whole run was off holds its rounding.
+    if (whole && !table_.invariant)
+      return {step - std::min(step, rounding), drift, std::min(step, rounding), grows};
+    return {step, drift, rounding, grows};
   }
 
   /// No smaller than with any shorter step that was tried: an error that dips at one step is luck, but where

@@ -94,12 +94,13 @@ SEMIEXPLICIT_COLD CostOptionsOf<Scalar, Dof> options_for(const CostOptionsOf<Sca
 /// to T as it was seen to grow. For any other observable settings are compared with a reference, two runs
 /// with steps in the time scale of the motion that agree, from z0 on, and extrapolated likewise. A trial
 /// lasts until the motion has come back to where it is hard, as to a periapsis; where the calls do not
-/// suffice for that, every target is refused. Where neighbouring orbits part exponentially a target beyond
-/// reach is refused, and the rate given. The choice is then confirmed on more of the run, and revised: for an
-/// invariant on all of it where that takes no more calls than the budget, or ten times min_gradients. Where
-/// rare events decide (chaos, close encounters) no part of a longer run can know them: expect errors off by
-/// more than a factor of three there, and aim lower, or raise min_gradients. Resonances of the step with the
-/// motion that need long to build up, and slow instabilities, go unseen likewise.
+/// suffice for that, every target is refused. What the rounding of every step comes to at T follows from how
+/// far an orbit of another energy has parted from this one. Where neighbouring orbits part exponentially a
+/// target beyond reach is refused, and the rate given. The choice is then confirmed on more of the run, and
+/// revised: for an invariant on all of it where that takes no more calls than the budget, or ten times
+/// min_gradients. Where rare events decide (chaos, close encounters) no part of a longer run can know them:
+/// expect errors off by more than a factor of three there, and aim lower, or raise min_gradients. Resonances
+/// of the step with the motion that need long to build up, and slow instabilities, go unseen likewise.
 ///
 /// H needs an energy(q, p), which the gradient is compared with first. That of a TimeTransformed is K, near
 /// zero: for the energy of its H give that as the observable. z0 is not changed. Throws

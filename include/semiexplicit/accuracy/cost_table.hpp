@@ -82,7 +82,8 @@ struct CostTable {
   bool relative = true;        ///< false: errors are absolute, by request or because f is zero up to rounding
   double unit = 1;             ///< size of the observable that errors are relative to
   double rounding = 0;         ///< no error below this can be told from rounding, or noise
-  double reference_error = 0;  ///< of the reference over the whole time; 0 for an invariant, which has none
+  double reference_error = 0;  ///< of the reference as it grows over the whole time, with rounding; 0 for an
+                               ///< invariant, which has none
   double reference_time = 0;   ///< how far the reference went; trials are extrapolated from there
   double cycle = 0;  ///< when the motion had come back to where it is hard; 0: it is equally hard everywhere,
                      ///< or not looked for; infinite: it had not

@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <utility>
+#include <optional>
 #include <vector>
 
 #include <semiexplicit/accuracy/hard_places.hpp>
+#include <semiexplicit/accuracy/neighbour.hpp>
 #include <semiexplicit/accuracy/trial.hpp>
 #include <semiexplicit/core/cold.hpp>
 
@@ -74,8 +75,7 @@ class Pilot {
     const double T = table_.time, whole = rate * T;
     const bool of_energy = problem_.options.observable.is_energy();
     watches_neighbour_ = !of_energy;
-    if (watches_neighbour_)
-      setting_.rule = StoppingRule::product(1e-14);  // unfinished solves part neighbours
+    if (watches_neighbour_) setting_.rule = tight_rule;  // unfinished solves part neighbours
     const double affordable = calls / (watches_neighbour_ ? 2 : 1) / rate;
     // What a short run leaves over makes it more faithful.
     setting_.dt /= std::clamp(affordable / T, 1.0, 6.0);
@@ -84,10 +84,7 @@ class Pilot {
     segment_time = std::max({length / 2000, 4 * setting_.dt, least_segment});
     calls_if_stuck_ = 8 * calls;
     State z = problem_.z0;
-    if (watches_neighbour_) {
-      neighbour_ = beside(z);
-      apart_ = static_cast<double>(norm((neighbour_.vector() - z.vector()).eval()));
-    }
+    if (watches_neighbour_) neighbour_.emplace(problem_, first_dt_);
     whole_.start(z);
     bool stuck = follow_to(length, calls, z);
     const auto beyond_calls = [&](double limit, double allowed) {
@@ -97,6 +94,7 @@ class Pilot {
     };
     const auto rising = [&] { return places.will_rise(std::max(1.0, T / table_.pilot_time)); };
     watches_neighbour_ = false;
+    watched_dt_ = setting_.dt;
     setting_.rule = rule;
     beyond_calls(std::min(most, problem_.options.max_gradients / 6), whole);
     if (table_.pilot_time < T && rising())
@@ -116,8 +114,10 @@ class Pilot {
     places.rank();
     problem_.weigh(0.01 * first_dt_);
     problem_.judge_growth_of_terms(table_.pilot_time);
-    judge_parting();
-    judge_response();
+    if (neighbour_) {
+      judge_parting();
+      problem_.responds(neighbour_->response());
+    }
     return true;
   }
 
@@ -140,15 +140,16 @@ class Pilot {
     while (table_.pilot_time < length && !cut_ && segment_time / setting_.dt < 1e9 &&
            (stuck ? table_.spent_gradients - last < calls_if_stuck_
                   : table_.spent_gradients - begin < 2 * calls)) {
-      const State start = z, neighbour = neighbour_;
+      const State start = z, beside_it = watches_neighbour_ ? neighbour_->state : z;
       const Range<Any> whole = whole_;
       stuck = !segment(z);
       if (stuck) {
-        z = start, neighbour_ = neighbour, whole_ = whole;
+        z = start, whole_ = whole;
+        if (watches_neighbour_) neighbour_->state = beside_it;
         setting_.dt /= 1.5;
       } else {
         problem_.meet(z);
-        note_parting(z);
+        if (watches_neighbour_) neighbour_->note(table_.pilot_time, z);
         last = table_.spent_gradients;
       }
     }
@@ -161,7 +162,7 @@ class Pilot {
     Walker<Any> walker(problem_, setting_), beside_it(problem_, setting_);
     const State start = z;
     energy_.start(z);
-    observed_apart_ = 0;
+    if (watches_neighbour_) neighbour_->begin();
     Probe probe;
     for (std::int64_t n = 0; n < steps; ++n) {
       if (!walker.step(z, setting_.dt, probe, false)) {
@@ -175,12 +176,11 @@ class Pilot {
         return false;
       farthest_ = std::max(farthest_, table_.pilot_time + static_cast<double>(n + 1) * setting_.dt);
       if (!watches_neighbour_) continue;
-      if (!beside_it.step(neighbour_, setting_.dt, probe, false)) {
+      if (!beside_it.step(neighbour_->state, setting_.dt, probe, false)) {
         cut_ = probe.cut;
         return false;
       }
-      observed_apart_ = std::max(
-          observed_apart_, static_cast<double>(norm(problem_.measured(neighbour_) - problem_.measured(z))));
+      neighbour_->see(z);
     }
     // As with the first step.
     places.add({start, energy_.range() * std::pow(first_dt_ / setting_.dt, 4)});
@@ -189,81 +189,44 @@ class Pilot {
     return true;
   }
 
-  /// Far enough that rounding does not part the neighbours.
-  static double beside_by() {
-    return std::max(1e-6, std::sqrt(static_cast<double>(Eigen::NumTraits<Scalar>::epsilon())));
-  }
-  /// A state near z, of another energy.
-  State beside(const State& z) {
-    State near = z;
-    std::uint64_t random = 3;
-    const auto shift = [&](auto half, const auto& velocity, const auto& uphill) {
-      const Scalar size =
-          (Scalar(norm(half)) + Scalar(setting_.dt) * Scalar(norm(velocity))) / Scalar(double(half.size()));
-      for (Eigen::Index i = 0; i < half.size(); ++i) {
-        const double part = beside_by() * scattered(random);
-        half[i] += Scalar(uphill[i] > Scalar(0)   ? std::abs(part)
-                          : uphill[i] < Scalar(0) ? -std::abs(part)
-                                                  : part) *
-                   std::max(size, Scalar(1e-300));
-      }
-    };
-    const State velocity = problem_.velocity_at(z);
-    shift(near.q(), velocity.q(), (-velocity.p()).eval());
-    shift(near.p(), velocity.p(), velocity.q());
-    return near;
-  }
-
-  SEMIEXPLICIT_COLD void note_parting(const State& z) {
-    if (!watches_neighbour_) return;
-    const auto between = (neighbour_.vector() - z.vector()).eval();
-    const double apart = static_cast<double>(norm(between));
-    const double log = parted_ + (apart > 0 ? std::log(apart / apart_) : 0);
-    // Relative errors of an orbit that itself goes off as fast do not grow.
-    farthest_out_ = std::max(farthest_out_, static_cast<double>(norm(z.vector())));
-    parting_.emplace_back(table_.pilot_time,
-                          log - (table_.relative && farthest_out_ > 0 ? std::log(farthest_out_) : 0));
-    const double response = observed_apart_ * std::exp(std::min(500.0, parted_)) / beside_by();
-    if (std::isfinite(response) && !(in_floats && parted_ != 0))
-      responses_.emplace_back(table_.pilot_time, response);
-    if (!(apart > 0) || (apart < 100 * apart_ && apart > apart_ / 100)) return;
-    neighbour_.vector() = z.vector() + Scalar(apart_ / apart) * between;
-    parted_ = log;
-  }
-
-  /// Regular orbits part as t or t², by a factor of 16 at most in the last three quarters; chaotic ones as
-  /// e^{rate t}.
+  /// The rate at which neighbours part, seen again with steps of half the size: coarse ones may part them
+  /// themselves in a hard place.
   SEMIEXPLICIT_COLD void judge_parting() {
-    if (parting_.size() < 8) return;
-    const double watched = parting_.back().first;
-    const auto until = [&](double part) {
-      double largest = parting_.front().second;
-      for (const auto& [t, log] : parting_)
-        if (t <= part * watched) largest = std::max(largest, log);
-      return largest;
-    };
-    const double early = until(0.25), middle = until(0.5), last = until(1);
-    const double least = in_floats ? 12 : 6;  // rounding parts what was brought near again
-    if (!(last - early > least && last - middle > least / 3)) return;
-    table_.parting_rate = (last - early) / (0.75 * watched);
-    const double epsilon = static_cast<double>(Eigen::NumTraits<Scalar>::epsilon());
-    table_.horizon = std::log(1 / epsilon) / table_.parting_rate;
-  }
-
-  /// What a perturbation of the states becomes in the observable, over the whole time.
-  SEMIEXPLICIT_COLD void judge_response() {
-    if (responses_.empty()) return;
-    const double watched = responses_.back().first;
-    double half = 0, all = 0;
-    for (const auto& [t, response] : responses_) {
-      all = std::max(all, response);
-      if (t <= watched / 2) half = all;
+    table_.parting_rate = neighbour_->parting_rate();
+    setting_.rule = tight_rule;
+    for (int attempt = 0; attempt < 2 && table_.parting_rate > 0; ++attempt) {
+      const double end = neighbour_->time_to_part();
+      watched_dt_ /= 2;
+      Neighbour<Any> again(problem_, watched_dt_);
+      Walker<Any> walker(problem_, setting_), beside_it(problem_, setting_);
+      const auto steps = static_cast<std::int64_t>(std::ceil(std::min(segment_time, end / 64) / watched_dt_));
+      State z = problem_.z0;
+      Probe probe;
+      for (double t = 0; t < end;) {
+        again.begin();
+        for (std::int64_t n = 0; n < steps; ++n) {
+          if (!walker.step(z, watched_dt_, probe, false) ||
+              !beside_it.step(again.state, watched_dt_, probe, false))
+            return note_horizon();
+          again.see(z);
+        }
+        t += static_cast<double>(steps) * watched_dt_;
+        again.note(t, z);
+      }
+      const double before = table_.parting_rate;
+      table_.parting_rate = again.parting_rate();
+      neighbour_.emplace(again);
+      if (table_.parting_rate > 0.7 * before) break;
     }
-    problem_.responds(all > 1.4 * half ? error_at_the_end(table_, all, watched, 1) : all);
+    note_horizon();
+  }
+  void note_horizon() {
+    const double epsilon = static_cast<double>(Eigen::NumTraits<Scalar>::epsilon());
+    if (table_.parting_rate > 0) table_.horizon = std::log(1 / epsilon) / table_.parting_rate;
   }
 
-  inline static const StoppingRule rule = StoppingRule::product(1e-8);
-  static constexpr bool in_floats = Eigen::NumTraits<Scalar>::epsilon() > Scalar(1e-10);
+  inline static const StoppingRule rule = StoppingRule::product(1e-8),
+                                   tight_rule = StoppingRule::product(1e-14);
 
   Problem<Any>& problem_;
   Range<Any> energy_, whole_;  ///< of a stretch, and of the run
@@ -274,11 +237,8 @@ class Pilot {
   bool watches_neighbour_ = false;
   double largest_range_ = 1e-300;  ///< of the energy, within a stretch
   bool cut_ = false;
-  State neighbour_{};
-  double apart_ = 0, parted_ = 0, farthest_out_ = 0;
-  double observed_apart_ = 0;  ///< largest difference of the observables, within a stretch
-  std::vector<std::pair<double, double>> parting_{},  ///< time, logarithm of how far the neighbour has parted
-      responses_{};  ///< time, change of the observable by what was one of the whole state
+  std::optional<Neighbour<Any>> neighbour_{};
+  double watched_dt_ = 0;  ///< of the steps that it was watched with
 };
 
 }  // namespace semiexplicit::detail

@@ -59,9 +59,11 @@ class Plan {
                         energy ? each : std::max(trial_time / 2, std::min(trial_time, 1.05 * table_.cycle)),
                         true});
     const auto& all = pilot_.places.all();
-    for (std::size_t i = 1; i <= 2; ++i) windows_.push_back({all[all.size() * i / 3].start, each, true});
+    for (std::size_t i = 1; i <= 2; ++i)
+      windows_.push_back({problem_.on_the_energy(all[all.size() * i / 3].start), each, true});
     for (std::size_t i = 0; i < 5 && i < pilot_.places.count(); ++i)
-      windows_.push_back({pilot_.places.hardest(i), std::max(each, pilot_.segment_time), false});
+      windows_.push_back(
+          {problem_.on_the_energy(pilot_.places.hardest(i)), std::max(each, pilot_.segment_time), false});
     note_windows();
   }
   /// From now on settings are tried on the whole run.
@@ -85,11 +87,11 @@ class Plan {
   /// How far from z0 on a choice is confirmed.
   double confirming_time(double rate) const { return confirm_share * budget / rate; }
   /// What it is confirmed on: other hard stretches, and the run itself as far as the calls go.
-  SEMIEXPLICIT_COLD std::vector<Window<State>> confirming_windows(double rate) const {
+  SEMIEXPLICIT_COLD std::vector<Window<State>> confirming_windows(double rate) {
     const double length = confirms_whole(rate) ? table_.time : std::min(table_.time, confirming_time(rate));
     std::vector<Window<State>> list{{problem_.z0, length, true}};
     for (std::size_t i = 5; i < 30 && i < pilot_.places.count() && length < table_.time; ++i)
-      list.push_back({pilot_.places.hardest(i), pilot_.segment_time, false});
+      list.push_back({problem_.on_the_energy(pilot_.places.hardest(i)), pilot_.segment_time, false});
     return list;
   }
 
@@ -116,7 +118,7 @@ class Plan {
   static constexpr double trial_share = 0.45, confirm_share = 0.25;  ///< of the budget
   static constexpr double trials_a_target = 12;
 
-  const Problem<Any>& problem_;
+  Problem<Any>& problem_;
   CostTable& table_;
   const Pilot<Any>& pilot_;
   std::vector<Window<State>> windows_{};

@@ -137,6 +137,22 @@ class Problem {
     table.rounding = std::max(table.rounding, rounding(table.time_scale));
   }
 
+  /// z, which a coarse run came to, moved along the gradient to the energy of z0: other invariants, and those
+  /// of a TimeTransformed, are only there what they are on the orbit.
+  SEMIEXPLICIT_COLD State on_the_energy(State z) {
+    for (int i = 0; i < 2 && left() > 1; ++i) {
+      const State velocity = velocity_at(z);
+      const Scalar size = norm(velocity.vector());
+      const Scalar off =
+          Scalar(hamiltonian.energy(z.q(), z.p())) - Scalar(hamiltonian.energy(z0.q(), z0.p()));
+      const State from = z;
+      z.q() += Scalar(off / size) * (velocity.p() / size);
+      z.p() -= Scalar(off / size) * (velocity.q() / size);
+      if (!all_finite(z.vector())) return from;
+    }
+    return z;
+  }
+
   /// ‖X‖/‖dX/dt‖ at z, for two gradient calls: what it is in an Euler step of `h`.
   SEMIEXPLICIT_COLD double time_scale_at(const State& z, double h) {
     const State velocity = velocity_at(z);
@@ -245,7 +261,7 @@ class Problem {
   }
 
   /// A perturbation of random direction, in one of the same size along the gradient of H: as measured.
-  static constexpr double along_the_slope = 0.15;
+  static constexpr double along_the_slope = 0.1;
 
   std::vector<double> met_{}, met_q_{}, met_p_{};
   double weight_ = 1, response_ = 0;

@@ -60,7 +60,13 @@ SEMIEXPLICIT_COLD GradientGlance<typename H::Scalar> glance_at_gradient(
     const auto expected =
         judging_slope<Scalar>(along, Scalar(0), slope, Scalar(1), Scalar(1), rounding, slack);
     // Below the steps that resolve the energy: an oscillation is no noise.
-    if (k == 0) result.noise = noise_near<Scalar>(along, Scalar(0), expected.steps_from);
+    if (k == 0) {
+      result.noise = noise_near<Scalar>(along, Scalar(0), expected.steps_from);
+      // A late time says nothing about how fast H changes with it.
+      if constexpr (InExtendedPhaseSpace<H>)
+        result.noise =
+            std::min(result.noise, noise_near<Scalar>(along, Scalar(0), Scalar(expected.steps_from / 1024)));
+    }
     wrong =
         !isfinite(slope) || (expected.judges && abs(slope - expected.value) > expected.uncertainty + slack);
   }

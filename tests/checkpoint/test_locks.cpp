@@ -91,6 +91,29 @@ TEST_CASE("A process may resume a run whose first object it still holds", "[chec
   CHECK(files_in(folder.path) == 0);
 }
 
+TEST_CASE("Two runs of one process do not overwrite each other\'s checkpoint", "[checkpoint]") {
+  const Folder folder;
+  const fs::path file = folder.path / "run.checkpoint";
+  Run first(file), second(file);
+  CHECK(first.resume() == 0);
+  CHECK(second.resume() == 0);
+  first.go();
+  const std::string saved = contents(file);
+  CHECK(complaint([&] { second.go(); }) == file.string() + refusal_of_second);
+  CHECK(complaint([&] { second.checkpoints.remove(); }) == file.string() + refusal_of_second);
+  CHECK(contents(file) == saved);
+  // One that goes on from what the first has saved takes the file over, and the first is refused.
+  Run next(file);
+  CHECK(next.resume() == 20);
+  next.options.steps = 40;
+  next.go();
+  CHECK(complaint([&] { first.checkpoints.save(first.z, IntegrationReport{.steps = 25}); }) ==
+        file.string() + refusal_of_second);
+  CHECK(complaint([&] { first.checkpoints.remove(); }) == file.string() + refusal_of_second);
+  next.checkpoints.remove();
+  CHECK(files_in(folder.path) == 0);
+}
+
 TEST_CASE("A checkpoint does not take the name of the .part of a table", "[checkpoint]") {
   const Folder folder;
   const fs::path path = folder.path / "run.csv", part = folder.path / "run.csv.part";

@@ -111,11 +111,12 @@ void restore_all_or_nothing(CheckpointMemory& from, const Visit& visit, const Re
 /// Comes behind all observers that it can keep, for it saves what those before it have seen; the compiler
 /// refuses others. The file is written whole and flushed to the disk before it takes the place of the one
 /// before; where that fails, std::runtime_error is thrown and the old one stays. From resume(), or the first
-/// save, on it is locked as long as this object lives, and a run of another process on it is refused; two
-/// runs of one process are not kept apart. Refers to the stepper and the observers, which must outlive it.
-/// `steps` may grow from run to run, and `t_end` where the steps that it takes stay the same: it is refused
-/// where dt divides one of the times only. A checkpoint holds for the compiler and the flags that the program
-/// was built with, as the last bits of any floating-point result do.
+/// save, on it is locked as long as this object lives, and another run on it is refused; in this process
+/// another object may resume from it and go on, which ends this one's right to the file. Refers to the
+/// stepper and the observers, which must outlive it. `steps` may grow from run to run, and `t_end` where the
+/// steps that it takes stay the same: it is refused where dt divides one of the times only. A checkpoint
+/// holds for the compiler and the flags that the program was built with, as the last bits of any
+/// floating-point result do.
 template <class S, class... Observers>
 class Checkpoints {
  public:

@@ -106,7 +106,8 @@ class CheckpointFile {
                                   ": is a pipe or a device; give the name of a file");
     DurableFile{path_};  // what cannot be written is to be said before the run
     Descriptor lock;
-    if (!lock_.is(path_)) lock = lock_existing(path_);
+    const bool mine = lock_.is(path_);
+    if (!mine) lock = lock_existing(path_, true);
     try {
       const auto file = read_if_there(path_);
       if (!file) return false;
@@ -115,29 +116,36 @@ class CheckpointFile {
       throw std::invalid_argument("checkpoint " + path_.string() + ": " + reason.what());
     }
     if (lock) lock_ = std::move(lock);
+    takes_over_ = !mine && !lock_;
     return true;
   }
 
   /// Takes the place of what is there, whole. Throws std::runtime_error where that is a file of another kind.
   void write(std::string_view contents) {
     DurableFile file(path_);
-    if (!lock_.is(path_)) lock_ = lock_existing(path_);
+    take();
     refuse_other_kind();
     file.write(CheckpointFrame::pack(contents));
     file.commit();
     lock_ = file.release();
+    takes_over_ = false;
   }
 
   /// Does nothing where there is none. Throws std::runtime_error where another run has it open, or it is a
   /// file of another kind.
   void remove() {
-    if (!lock_.is(path_)) lock_ = lock_existing(path_);
     refuse_other_kind();
+    take();
     DurableFile::remove(path_);
     lock_ = {};
   }
 
  private:
+  /// Of another object in this process only what was read from it: that one is then refused.
+  void take() {
+    if (!lock_.is(path_)) lock_ = lock_existing(path_, takes_over_);
+  }
+
   /// Results may have been put there since, in place of the checkpoint or over it.
   void refuse_other_kind() const {
     const Destination to(path_);
@@ -153,6 +161,7 @@ class CheckpointFile {
 
   std::filesystem::path path_;
   Descriptor lock_{};
+  bool takes_over_ = false;  ///< the file was read while another object of this process had it
 };
 
 }  // namespace semiexplicit::detail

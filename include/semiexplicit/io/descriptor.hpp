@@ -212,15 +212,16 @@ class Descriptor {
                            ": another run has it open; wait for its end, or give this run another file");
 }
 
-/// Locks the file that a name leads to, so that another process is refused; empty where there is none, none
-/// that is to be locked, or where this process has locked it already. Throws std::runtime_error where another
-/// process has it.
-inline Descriptor lock_existing([[maybe_unused]] const std::filesystem::path& path) {
+/// Locks the file that a name leads to, so that others are refused; empty where there is none, none that is
+/// to be locked, or, with `shared`, where another part of this process has locked it. Throws
+/// std::runtime_error where anybody else has it.
+inline Descriptor lock_existing([[maybe_unused]] const std::filesystem::path& path,
+                                [[maybe_unused]] bool shared) {
 #if !defined(_WIN32)
   while (Descriptor file = Descriptor::open_existing(path)) {
     if (!file.regular()) break;
     if (!file.lock()) {
-      if (file.locked_here()) break;
+      if (shared && file.locked_here()) break;
       throw_other_run(path);
     }
     if (file.is(path)) return file;  // it was not replaced meanwhile

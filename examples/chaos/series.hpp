@@ -30,7 +30,8 @@ class Series {
   double exponent(std::size_t i) const { return std::pow(10.0, mean(i)); }
   double end() const { return exponent(t.size() - 1); }
 
-  /// By least squares over the last two decades; NaN where these have fewer than two points.
+  /// By least squares over the last two decades; NaN where these have fewer than two points, or a tenth of
+  /// the exponents has no logarithm: the others alone would tell another slope.
   double slope() const {
     double n = 0, x = 0, y = 0, xx = 0, xy = 0;
     for (std::size_t i = 0; i < t.size(); ++i) {
@@ -38,31 +39,39 @@ class Series {
       const double at = std::log10(t[i]);
       ++n, x += at, y += mean(i), xx += at * at, xy += at * mean(i);
     }
-    return n < 2 ? std::nan("") : (n * xy - x * y) / (n * xx - x * x);
+    return n < 2 || 10 * left_out() > late_ones() ? std::nan("") : (n * xy - x * y) / (n * xx - x * x);
   }
 
   /// The exponent at the end and the slope beside the published one, or why there is none, and what they
   /// leave out.
   std::string in_words(double published) const {
-    std::int64_t left_out = 0, all = 0;
-    for (std::size_t i = 0; i < t.size(); ++i)
-      if (late(i)) all += realizations_, left_out += realizations_ - positive_[i];
     const double at_end = end(), rate = slope();
     std::string text = std::isnan(at_end)
                            ? formatted("exponent at t = %g not measured, none is positive", t.back())
                            : formatted("exponent %.3g at t = %g", at_end, t.back());
-    text += std::isnan(rate) ? "; slope over the last two decades not measured, fewer than two times have a "
-                               "positive exponent"
+    text += std::isnan(rate) ? "; slope over the last two decades not measured, too few of the exponents "
+                               "there are positive"
                              : formatted("; slope %.3f over the last two decades", rate);
     text += formatted(", published %.2f", published);
-    if (left_out > 0)
-      text += "; " + std::to_string(left_out) + " of " + std::to_string(all) +
+    if (left_out() > 0)
+      text += "; " + std::to_string(left_out()) + " of " + std::to_string(late_ones()) +
               " exponents there are not positive and left out";
     return text;
   }
 
  private:
   bool late(std::size_t i) const { return t[i] >= t.back() / 100; }
+  std::int64_t late_ones() const {
+    std::int64_t count = 0;
+    for (std::size_t i = 0; i < t.size(); ++i) count += late(i) ? realizations_ : 0;
+    return count;
+  }
+  /// How many of these are not positive.
+  std::int64_t left_out() const {
+    std::int64_t count = 0;
+    for (std::size_t i = 0; i < t.size(); ++i) count += late(i) ? realizations_ - positive_[i] : 0;
+    return count;
+  }
   double mean(std::size_t i) const {
     return positive_[i] == 0 ? std::nan("") : logarithms_[i] / static_cast<double>(positive_[i]);
   }

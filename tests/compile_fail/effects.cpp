@@ -1,5 +1,6 @@
 // case no_mistake: compiles
 // case without_acts: an effect says what it acts on: using Acts = OnPosition<double, 2>;
+// case without_name: an effect has a name: static constexpr const char* name =
 // case without_gradient: an effect on one half needs energy(x) const and add_gradient(x, dHdx) const
 // case without_force: an effect OnMotion needs add_force(q, p, force) const
 // case disagree: must agree on the degrees of freedom
@@ -12,7 +13,9 @@ struct Mine {
 #ifndef without_acts
   using Acts = OnPosition<double, 2>;
 #endif
+#ifndef without_name
   static constexpr const char* name = "mine";
+#endif
   double energy(const auto& q) const { return q[0]; }
 #ifndef without_gradient
   void add_gradient(const auto&, auto& dHdq) const { dHdq[0] += 1; }

@@ -7,7 +7,8 @@
 // case stepper_without_state: this stepper does not say what it moves: write `using Scalar = double; using State =
 // case stepper_without_step: this stepper has no step: write `StepReport step(State& state, const Scalar& dt)`
 // case state_of_other_size: the state is of another type than the one that the stepper moves
-// case const_state: the state is of another type than the one that the stepper moves
+// case const_state: the state is const, and a run moves it: leave `const` out, or give it a copy
+// case const_stepper: the stepper is const, and a step changes it: leave `const` out
 // case saved_without_memory: shows its memory: write `template <class Visitor> void visit_memory(
 // case saved_without_options: lists its options, or a run could be resumed with others: write
 // case solver_without_options: does not list its options, so it could be resumed with others: write
@@ -148,6 +149,9 @@ int main() {
 #else
   integrate(stepper, z, options, std::ref(watch));
 #endif
+#elif defined(const_stepper)
+  const Semiexplicit stepper(systems::Product<double>(), scheme);
+  integrate(stepper, z, options, right);
 #elif defined(nested_observer)
   Semiexplicit stepper(systems::Product<double>(), scheme);
   integrate(stepper, z, options, every(10, observer));

@@ -110,7 +110,7 @@ consteval bool is_hamiltonian() {
   if constexpr (!HasScalar<H>) {
     static_assert(
         HasScalar<H>,
-        "this Hamiltonian does not say what it computes with: write `using Scalar = double;` in it");
+        "this Hamiltonian does not say what it computes with: write `using Scalar = double;` in it, public");
     return false;
   } else if constexpr (!HasDof<H>) {
     static_assert(NamesDof<H>,

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <concepts>
+#include <type_traits>
 
 #include <Eigen/Core>
 #include <semiexplicit/core/report.hpp>
@@ -81,7 +82,12 @@ consteval bool is_stepper_of() {
   static_assert(NamesScalarAndState<S>,
                 "this stepper does not say what it moves: write `using Scalar = double; using State = "
                 "PhasePoint<double, 2>;` in it");
-  if constexpr (NamesScalarAndState<S>) {
+  if constexpr (std::is_const_v<S> || std::is_const_v<State>) {
+    static_assert(!std::is_const_v<S>, "the stepper is const, and a step changes it: leave `const` out");
+    static_assert(!std::is_const_v<State>,
+                  "the state is const, and a run moves it: leave `const` out, or give it a copy");
+    return false;
+  } else if constexpr (NamesScalarAndState<S>) {
     static_assert(HasStep<S>,
                   "this stepper has no step: write `StepReport step(State& state, const Scalar& dt)` in it, "
                   "not const");

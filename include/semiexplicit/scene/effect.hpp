@@ -160,12 +160,23 @@ struct ActsOf<E> {
   using Type = typename E::Acts;
 };
 
+template <class E>
+concept HasName = requires(const E& effect) {
+  { effect.name() } -> std::convertible_to<std::string>;
+}
+|| requires(const E& effect) {
+  { effect.name } -> std::convertible_to<std::string>;
+};
+
 /// Compiles for an effect; for what is none the compiler says what is missing, and only that.
 template <class E>
 consteval bool is_effect() {
   static_assert(HasActs<E>,
                 "an effect says what it acts on: using Acts = OnPosition<double, 2>; or OnMomentum, OnEach, "
                 "OnBoth, OnMotion");
+  static_assert(
+      !HasActs<E> || HasName<E>,
+      "an effect has a name: static constexpr const char* name = \"wind\"; or std::string name() const");
   if constexpr (HasActs<E>) {
     if constexpr (ActsAs<E, OnBoth>)
       static_assert(HasCoupledMembers<E>,

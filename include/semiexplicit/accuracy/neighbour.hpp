@@ -79,7 +79,7 @@ class Neighbour {
     if (!(last - first > least && last - second > least / 4)) return 0;
     return (parting_.back().second - first) / (0.75 * watched);
   }
-  /// The time until which it takes to see that: nothing of the first perturbation is left then.
+  /// How long it takes to see that: until nothing of the first perturbation is left.
   SEMIEXPLICIT_COLD double time_to_part() const {
     for (const auto& [t, log] : parting_)
       if (log > 30) return t;

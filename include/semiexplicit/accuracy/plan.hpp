@@ -78,8 +78,10 @@ class Plan {
   /// Whether a choice that takes `rate` calls a unit of time is worth confirming on the whole run.
   bool confirms_whole(double rate) const {
     return whole_calls(rate) <= (surprised ? 10 : 1) * std::max(budget, 10 * options().min_gradients) &&
-           1.2 * whole_calls(rate) <= options().max_gradients - table_.spent_gradients;
+           at_most(whole_calls(rate)) <= options().max_gradients - table_.spent_gradients;
   }
+  /// With a margin: parts of a run tell its calls to that.
+  static double at_most(double calls) { return 1.2 * calls; }
   /// The gradient calls that it takes: what is no invariant has to be compared with something.
   double whole_calls(double rate) const {
     return (table_.invariant ? 1 : 1 + finer_steps) * rate * table_.time;

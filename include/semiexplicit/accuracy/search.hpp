@@ -185,12 +185,15 @@ class Search {
                          (candidate.setting.is_gauss() ? 7 : 1);
     exhausted_ = exhausted_ || least > problem_.left();
     if (exhausted_) return nullptr;
-    const double limit = problem_.limit;
-    if (plan_.tries_whole())  // where many evaluations a step make it dear, smaller steps are cheaper
-      problem_.limit = std::min(limit, table_.spent_gradients + 4 * plan_.whole_calls(candidate.kicks / dt));
+    // Where many evaluations a step make it dear, smaller steps are cheaper.
+    const double limit = problem_.limit, dearest = plan_.tries_whole()
+                                                       ? table_.spent_gradients + few_steps +
+                                                             4 * plan_.whole_calls(candidate.kicks / dt)
+                                                       : limit;
+    problem_.limit = std::min(limit, dearest);
     Probe seen = tried(candidate, dt, false);
     problem_.limit = limit;
-    if (seen.cut && !plan_.tries_whole()) return nullptr;
+    if (seen.cut && !(dearest < limit)) return nullptr;
     if (seen.cut) {
       seen = {.status = Status::no_convergence};
       exhausted_ = false, cut_short_ = true;
@@ -409,10 +412,10 @@ class Search {
       });
       if (chosen == nullptr || chosen->trials[dt].confirmed) return;
       Probe& seen = chosen->trials[dt];
-      whole_run = plan_.confirms_whole(seen.rate) ? 1.2 * plan_.whole_calls(seen.rate) : 0;
+      whole_run = plan_.confirms_whole(seen.rate) ? plan_.at_most(plan_.whole_calls(seen.rate)) : 0;
       const double before = table_.spent_gradients;
       const double limit = std::min(options().max_gradients, problem_.limit + whole_run),
-                   dearest = whole_run > 0 ? before + 3 * whole_run : limit;
+                   dearest = whole_run > 0 ? before + few_steps + 3 * whole_run : limit;
       problem_.limit = std::min(limit, dearest);
       const Probe again = tried(*chosen, dt, true, seen.rate);
       problem_.limit = limit;
@@ -487,6 +490,7 @@ class Search {
   static constexpr double much_harder = 4;  ///< than what comes back is, from time to time
   static constexpr double much_worse = 10;  ///< than parts of the run told: they are of no use
   static constexpr double whole_share = 3;  ///< that seeing the whole run is worth
+  static constexpr double few_steps = 1e4;  ///< in calls, however many a step may take
   static constexpr double whole_runs = 8;   ///< that a target takes where each trial is one
   static constexpr int most_searches = 3;   ///< again, for a target
 

@@ -403,4 +403,34 @@ TEST_CASE("a reference is judged by how it converges: the energy of a chain's sl
   CHECK(std::abs(energy(z.q(), z.p()) - energy(exact.q(), exact.p())) <= 3 * target * cost.unit);
 }
 
+TEST_CASE("a linear motion over thousands of periods gets no harder along the way", "[long]") {
+  const auto oscillator =
+      from_energy<1>([](const auto& q, const auto& p) { return (q[0] * q[0] + p[0] * p[0]) / 2; });
+  const PhasePoint<double, 1> z0(1, 0);
+  const auto cost =
+      cost_of_accuracy(oscillator, z0, 1e4, {.observable = observables::Coordinate{0}, .targets = {1e-6}});
+  INFO(cost.why(1e-6));
+  CHECK_FALSE(cost.changes);
+  const auto advice = cost.cheapest(1e-6);
+  REQUIRE(advice);
+  auto z = z0;
+  double worst = 0;
+  cost.run(z, *advice,
+           [&](double t, const auto& now) { worst = std::max(worst, std::abs(now.q()[0] - std::cos(t))); });
+  CHECK(worst <= 2e-6);
+}
+
+TEST_CASE("an angle that winds is rounded more and more, and advice counts that", "[long]") {
+  const auto pendulum = make_hamiltonian<double, 1>(
+      [](const auto& q, const auto& p) { return p[0] * p[0] / 2 - std::cos(q[0]); },
+      [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) { dHdq[0] = std::sin(q[0]), dHdp = p; });
+  const auto direction = [](const auto& q, const auto&) {
+    return Eigen::Vector2d(std::sin(q[0]), std::cos(q[0]));
+  };
+  const auto cost = cost_of_accuracy(pendulum, PhasePoint<double, 1>(0, 2.5), 2000,
+                                     {.observable = direction, .targets = {1e-6, 1e-10}});
+  CHECK(cost.reach(1e-6) == Reach::met);
+  CHECK(cost.reach(1e-10) == Reach::rounding);  // 3e-9 is what a run with 4e-11 of its steps' error comes to
+}
+
 }  // namespace test_long_advice

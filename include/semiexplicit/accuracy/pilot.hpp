@@ -95,7 +95,6 @@ class Pilot {
     const auto rising = [&] { return places.will_rise(std::max(1.0, T / table_.pilot_time)); };
     watches_neighbour_ = false;
     watched_dt_ = setting_.dt;
-    setting_.rule = rule;
     beyond_calls(std::min(most, problem_.options.max_gradients / 6), whole);
     if (table_.pilot_time < T && rising())
       beyond_calls(problem_.options.max_gradients / 6, 1.5 * whole);  // dearer where it is harder
@@ -193,7 +192,6 @@ class Pilot {
   /// themselves in a hard place.
   SEMIEXPLICIT_COLD void judge_parting() {
     table_.parting_rate = neighbour_->parting_rate();
-    setting_.rule = tight_rule;
     for (int attempt = 0; attempt < 2 && table_.parting_rate > 0; ++attempt) {
       const double end = neighbour_->time_to_part();
       watched_dt_ /= 2;

@@ -78,7 +78,7 @@ class Problem {
   /// the end. Those of short steps are less, as their sum is compensated.
   double rounding_of_orbit(double dt) const {
     const double epsilon = static_cast<double>(Eigen::NumTraits<Scalar>::epsilon());
-    return epsilon * (along_the_slope * response_ / table.unit * std::sqrt(table.time / (3 * dt)) *
+    return epsilon * (along_the_slope * drifts_ * response_ / table.unit * std::sqrt(table.time / (3 * dt)) *
                           std::min(1.0, 3 * dt / table.time_scale) +
                       judged.terms);
   }
@@ -103,6 +103,8 @@ class Problem {
     const State velocity = velocity_at(z);
     met_q_.push_back(static_cast<double>(norm(velocity.q())));
     met_p_.push_back(static_cast<double>(norm(velocity.p())));
+    size_q_.push_back(static_cast<double>(norm(z.q())));
+    size_p_.push_back(static_cast<double>(norm(z.p())));
   }
 
   /// The vector field at z, for a gradient call.
@@ -128,13 +130,19 @@ class Problem {
   /// Terms that grow along the way, to the time t, as where a coordinate winds or drifts, go on to grow.
   SEMIEXPLICIT_COLD void judge_growth_of_terms(double t) {
     if (met_.size() < 8) return;
-    const auto quarter = static_cast<std::ptrdiff_t>(met_.size() / 4);
-    const double first = median<double>({met_.begin(), met_.begin() + quarter}),
-                 last = median<double>({met_.end() - quarter, met_.end()});
-    const double later =
-        last > 2 * first ? last * std::max(1.0, table.time / t) / std::sqrt(3.0) : std::max(first, last);
+    const Growth terms = growth_of(met_, t);
+    const double later = terms.grows ? terms.last / std::sqrt(3.0) : terms.last;
     if (later > judged.terms && std::isfinite(later)) judged.terms = later;
     table.rounding = std::max(table.rounding, rounding(table.time_scale));
+    // A coordinate that winds or drifts is rounded more and more, which turns the motion as much as it turns
+    // while that far is gone.
+    const auto turns = [](const Growth& far, const std::vector<double>& speed,
+                          const std::vector<double>& change, const std::vector<double>& size) {
+      return far.grows ? far.last / median(speed) * (median(change) / median(size)) / std::sqrt(10.0) : 0;
+    };
+    const double turned = std::max(turns(growth_of(size_q_, t), met_q_, met_p_, size_p_),
+                                   turns(growth_of(size_p_, t), met_p_, met_q_, size_q_));
+    if (turned > 1 && std::isfinite(turned)) drifts_ = turned;
   }
 
   /// z, which a coarse run came to, moved along the gradient to the energy of z0: other invariants, and those
@@ -263,8 +271,22 @@ class Problem {
   /// A perturbation of random direction, in one of the same size along the gradient of H: as measured.
   static constexpr double along_the_slope = 0.1;
 
-  std::vector<double> met_{}, met_q_{}, met_p_{};
+  /// The last of what was met along the way to the time t; where that grows, what it comes to at T.
+  struct Growth {
+    double last;
+    bool grows;
+  };
+  Growth growth_of(const std::vector<double>& met, double t) const {
+    const auto quarter = static_cast<std::ptrdiff_t>(met.size() / 4);
+    const double first = median<double>({met.begin(), met.begin() + quarter}),
+                 last = median<double>({met.end() - quarter, met.end()});
+    if (last > 2 * first) return {last * std::max(1.0, table.time / t), true};
+    return {std::max(first, last), false};
+  }
+
+  std::vector<double> met_{}, met_q_{}, met_p_{}, size_q_{}, size_p_{};
   double weight_ = 1, response_ = 0;
+  double drifts_ = 1;  ///< how much more rounding disturbs the motion where it drifts away
   Eigen::Index observable_size_ = 0;
 };
 

@@ -116,12 +116,13 @@ class Reference {
           order_ = std::clamp(std::log(last_apart / apart()) / std::log(last_fraction / fraction), 0.0, 8.0);
         last_apart = apart(), last_fraction = fraction;
         const double whole = std::min(wish.length, length() * 0.36 / share);
-        const double enough =
-            wish.tightest / 10 * std::pow(whole / problem.table.time, 1.5) * (length() / whole);
+        // Little below what is asked for, as parts of a run may tell too little, but not below rounding.
+        const double rounding = problem.rounding_of_orbit(problem.table.time_scale);
+        const double enough = std::clamp(rounding / 3, wish.tightest / 100, wish.tightest / 10) *
+                              std::pow(whole / problem.table.time, 1.5) * (length() / whole);
         no_better = last > 0 && error() > 0.3 * last && error() < 1e-6 ? no_better + 1 : 0;
         const double epsilon = static_cast<double>(Eigen::NumTraits<typename Any::Scalar>::epsilon());
-        const double by_rounding =
-            std::min(1e6 * epsilon, 100 * problem.rounding_of_orbit(problem.table.time_scale));
+        const double by_rounding = std::min(1e6 * epsilon, 100 * rounding);
         const bool rounded = no_better == (error() < by_rounding ? 2 : 4);
         if (error() <= enough || rounded || !enough_calls) break;
         last = last > 0 ? std::min(last, error()) : error();
@@ -146,7 +147,13 @@ class Reference {
   /// How far the two runs are apart at worst: the error of the coarser one.
   double apart() const { return *std::max_element(apart_.begin(), apart_.end()); }
   /// The error of the finer one, as far as it was seen to fall with the step.
-  double error() const { return apart() * std::pow(1.5, -order_); }
+  double error() const { return error_until(length()); }
+  double error_until(double t) const {
+    double worst = 0;
+    for (std::size_t i = 0; i < times_.size(); ++i)
+      if (times_[i] <= t) worst = std::max(worst, apart_[i]);
+    return worst * std::pow(1.5, -order_);
+  }
   /// Whether the observable is constant as far as the reference knows: an invariant.
   SEMIEXPLICIT_COLD bool is_constant(const Problem<Any>& problem) const {
     const Value first = problem.measured(problem.z0);
@@ -166,7 +173,7 @@ class Reference {
       if (t <= length) times.push_back(t);
     const auto values = values_of_run(problem, setting, times, probe);
     note_errors(problem, times, values, values_, 1, probe);
-    probe.early += error(), probe.late += error();
+    probe.early += error_until(probe.length / 2), probe.late += error_until(probe.length);
     return probe;
   }
 

@@ -168,7 +168,8 @@ class Search {
     if (!whole || !seen.works()) return seen;
     if (!to_end) {
       // What the reference tells for sure.
-      const double early = seen.early - 2 * reference_.error(), late = seen.late - 2 * reference_.error();
+      const double early = seen.early - 2 * reference_.error_until(seen.length / 2),
+                   late = seen.late - 2 * reference_.error_until(seen.length);
       seen = try_beside_finer(problem_, setting, order);
       seen.early = std::max(seen.early, early);
       seen.late = std::max(seen.late, late);

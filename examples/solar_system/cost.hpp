@@ -40,7 +40,8 @@ inline Trial try_list(const System& system, const NearIntegrable<double>& list, 
                       double time, Judge judge) {
   const double steps = std::ceil(trial / dt), share = time / trial;
   Trial result{
-      .row = {.setting = {.method = Setting::Method::splitting, .scheme = list.name, .dt = trial / steps}}};
+      .row = {.setting = {.method = Setting::Method::splitting, .scheme = list.name, .dt = trial / steps},
+              .tried = trial}};
   CostRow& row = result.row;
   State z = system.start;
   Kept kept;
@@ -78,14 +79,14 @@ inline double tried_step(const System& system, int k) { return system.period / 4
 /// accident. Gradient calls and seconds are those of the trial, times time/trial.
 inline CostTable cost_of_lists(const System& system, double time, Judge judge, double enough, CostBy by) {
   constexpr std::size_t half = trials_to_half;
-  CostTable table{.by = by, .time = time, .window_time = std::min(time, 200 * system.period)};
+  CostTable table{.by = by, .time = time, .tried = std::min(time, 200 * system.period)};
   for (const auto& list : lists()) {
     std::vector<Trial> trials;
     std::size_t below = 0;  // so many in a row
     for (int k = 0; k < tried_steps && below <= half; ++k) {
       const double dt = tried_step(system, k);
-      if (dt > table.window_time) continue;
-      trials.push_back(try_list(system, list, dt, table.window_time, time, judge));
+      if (dt > table.tried) continue;
+      trials.push_back(try_list(system, list, dt, table.tried, time, judge));
       const std::size_t later = judge == Judge::perihelion ? half : 0;
       if (trials.size() <= later) continue;
       Trial& judged = *(trials.rbegin() + static_cast<std::ptrdiff_t>(later));
@@ -107,7 +108,7 @@ inline CostTable cost_of_lists(const System& system, double time, Judge judge, d
 
 inline void print_costs(std::ostream& out, const CostTable& cost, Judge judge) {
   const bool angle = judge == Judge::perihelion;
-  out << formatted("over %g years, by trials of %.4g years; ", cost.time, cost.window_time)
+  out << formatted("over %g years, by trials of %.4g years; ", cost.time, cost.tried)
       << (angle ? "error of the turn of Mercury's perihelion, arcseconds a century, by half the step\n"
                 : "largest relative error of the energy\n")
       << formatted("%-8s %10s %10s %15s %10s\n", "list", "dt, days", "error", "gradient calls", "seconds");

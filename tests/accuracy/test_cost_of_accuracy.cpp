@@ -9,6 +9,7 @@
 #include <semiexplicit/accuracy/cost_of_accuracy.hpp>
 #include <semiexplicit/derivatives.hpp>
 #include <semiexplicit/observers/invariants.hpp>
+#include <semiexplicit/steppers/gauss_legendre.hpp>
 #include <semiexplicit/systems/nls_lattice.hpp>
 #include <semiexplicit/systems/product.hpp>
 #include <semiexplicit/time/autonomous.hpp>
@@ -113,8 +114,8 @@ TEST_CASE("the same again gives the same advice") {
 TEST_CASE("what the advice costs stays near its budget") {
   const Lattice lattice;
   for (const double budget : {0.05, 0.2}) {
-    const CostTable cost =
-        cost_of_accuracy(lattice, lattice_start(), 3000, {.targets = {1e-8}, .budget = budget});
+    const CostTable cost = cost_of_accuracy(lattice, lattice_start(), 3000,
+                                            {.targets = {1e-8}, .budget = budget, .min_gradients = 1e4});
     const auto advice = cost.cheapest(1e-8);
     REQUIRE(advice);
     CHECK(cost.spent_gradients > 0);
@@ -269,7 +270,7 @@ TEST_CASE(
     const CostTable cost = cost_of_accuracy(hamiltonian, z0, T, options);
     CHECK(calls == cost.spent_gradients);
     CHECK(calls <= options.max_gradients);
-    CHECK(calls <= 7 * std::max(cost.budget, 10 * options.min_gradients));
+    CHECK(calls <= 4.6 * cost.budget);  // the coarse run to T included
     for (const double target : cost.targets) {
       CHECK((cost.reach(target) == Reach::met) == cost.cheapest(target).has_value());
       CHECK((cost.reach(target) == Reach::met) == cost.why(target).empty());
@@ -361,7 +362,7 @@ TEST_CASE(
   const CostTable single = cost_of_accuracy(systems::Product<float>(), PhasePoint<float, 1>(-3, 0), 100);
   CHECK(single.reach(1e-4) == Reach::met);
   CHECK(single.reach(1e-8) == Reach::rounding);
-  CHECK(single.spent_gradients < 5e5);
+  CHECK(single.spent_gradients <= 1.6 * single.budget);
 }
 
 TEST_CASE("no advice is given for an orbit that ends before T") {
@@ -392,8 +393,8 @@ TEST_CASE("a hard place on the way is not said to be the end of the orbit") {
   const CostTable cost =
       cost_of_accuracy(kepler, PhasePoint<double, 2>({-100, 0.2}, {1, 0}), 200, {.targets = {1e-7}});
   REQUIRE_FALSE(cost.cheapest(1e-7));
-  CHECK(contains(cost.why(1e-7), "or is too hard there for the calls of the search"));
-  CHECK(contains(cost.why(1e-7), "raise options.min_gradients"));
+  CHECK(cost.reach(1e-7) == Reach::budget);
+  CHECK(contains(cost.why(1e-7), "raise options.budget, min_gradients or max_gradients"));
 }
 
 TEST_CASE("where the motion gets harder along the way advice holds to the end, or none is given", "[long]") {
@@ -411,9 +412,8 @@ TEST_CASE("where the motion gets harder along the way advice holds to the end, o
     const auto z0 = driven.extended({1, 0}, 0.0);
     CAPTURE(late);
     int met = 0;
-    for (const double calls : {3e4, 3e5}) {
+    for (const double calls : {3e4, 3e5, 3e6}) {
       const auto cost = cost_of_accuracy(driven, z0, T, {.targets = {1e-4, 1e-6}, .min_gradients = calls});
-      CHECK(cost.changes);
       for (const double target : {1e-4, 1e-6}) {
         if (const auto advice = cost.cheapest(target)) {
           ++met;
@@ -428,11 +428,12 @@ TEST_CASE("where the motion gets harder along the way advice holds to the end, o
     // Of what is no invariant, too.
     const auto position = [](const auto& q, const auto&) { return q[0]; };
     const auto of_position = cost_of_accuracy(driven, z0, T, {.observable = position, .targets = {1e-4}});
-    CHECK(of_position.changes);
-    if (!of_position.cheapest(1e-4))
-      CHECK(contains(of_position.why(1e-4), "calls of a trial ended before"));
-    else
-      CHECK(of_position.window_time >= 0.999 * T);
+    REQUIRE(of_position.cheapest(1e-4));
+    auto z = z0, exact = z0;
+    of_position.run(z, *of_position.cheapest(1e-4));
+    GaussLegendre gauss(driven, {.stages = 8});
+    integrate(gauss, exact, {.dt = 0.05, .t_end = T});
+    CHECK(std::abs(z.q()[0] - exact.q()[0]) < 3e-4);
   }
 }
 
@@ -445,7 +446,8 @@ TEST_CASE("an observable that is NaN somewhere on the orbit is refused with the 
   const auto cost = cost_of_accuracy(pendulum, PhasePoint<double, 1>(1, 0.2), 50, {.observable = partial});
   for (const double target : cost.targets) {
     CHECK(cost.reach(target) == Reach::not_finite);
-    CHECK(contains(cost.why(target), "the observable is NaN or Inf on the orbit, at t = 2."));
+    CHECK(contains(cost.why(target), "the observable is NaN or Inf on the orbit, at t = "));
+    CHECK((cost.observable_end > 2 && cost.observable_end < 4));
   }
 }
 

@@ -89,7 +89,7 @@ TEST_CASE("a start in a hard place gives right advice, or none with the reason: 
           "[long]") {
   const auto position = [](const auto& q, const auto&) { return Eigen::Vector2d(q); };
   const auto distance = [](const auto& q, const auto&) { return Eigen::Vector2d(q.norm(), 0); };
-  const auto check = [](double e, double T, double target, const auto& f, double min_gradients = 30'000) {
+  const auto check = [](double e, double T, double target, const auto& f) {
     CAPTURE(e, T, target);
     const PhasePoint<double, 2> z0 = at_periapsis(e);
     const auto exact = [&](double t) {
@@ -97,8 +97,7 @@ TEST_CASE("a start in a hard place gives right advice, or none with the reason: 
       for (int i = 0; i < 60; ++i) angle -= (angle - e * std::sin(angle) - t) / (1 - e * std::cos(angle));
       return f(Eigen::Vector2d(std::cos(angle) - e, std::sqrt(1 - e * e) * std::sin(angle)), 0);
     };
-    const auto cost = cost_of_accuracy(
-        Kepler(), z0, T, {.observable = f, .targets = {target}, .min_gradients = min_gradients});
+    const auto cost = cost_of_accuracy(Kepler(), z0, T, {.observable = f, .targets = {target}});
     INFO(cost.why(target));
     const auto advice = cost.cheapest(target);
     if (!advice) {
@@ -115,13 +114,13 @@ TEST_CASE("a start in a hard place gives right advice, or none with the reason: 
   CHECK(check(0.97, 100, 1e-4, position));
   // With so few steps about the periapsis errors differ a hundredfold from one step to the next: only whole
   // runs tell.
-  CHECK(check(0.97, 100, 1e-2, distance, 150'000));
+  CHECK(check(0.97, 100, 1e-2, distance));
   // A revolution is too dear for a trial.
-  const auto cost = cost_of_accuracy(Kepler(), at_periapsis(0.99), 100,
-                                     {.observable = observables::Positions{}, .targets = {1e-4}});
+  const auto cost =
+      cost_of_accuracy(Kepler(), at_periapsis(0.99), 100,
+                       {.observable = observables::Positions{}, .targets = {1e-4}, .min_gradients = 1e5});
   CHECK_FALSE(cost.cheapest(1e-4));
-  CHECK(cost.cycles_unseen());
-  CHECK(cost.why(1e-4).find("before the motion came back") != std::string::npos);
+  CHECK(cost.reach(1e-4) == Reach::budget);
 }
 
 TEST_CASE("an energy that rounding hides beside its terms does not end the orbit: an inverted oscillator") {
@@ -410,7 +409,6 @@ TEST_CASE("a linear motion over thousands of periods gets no harder along the wa
   const auto cost =
       cost_of_accuracy(oscillator, z0, 1e4, {.observable = observables::Coordinate{0}, .targets = {1e-6}});
   INFO(cost.why(1e-6));
-  CHECK_FALSE(cost.changes);
   const auto advice = cost.cheapest(1e-6);
   REQUIRE(advice);
   auto z = z0;

@@ -37,7 +37,7 @@ class CallTimer {
     double from = spent, begin = cpu_seconds();
     for (std::int64_t n = 0; spent - from < enough || n < 20; ++n) {
       if (n == 10) from = spent, begin = cpu_seconds();  // warm now
-      if (walker.step(z, dt, probe, false)) continue;
+      if (walker.step(z, dt, probe)) continue;
       if (probe.cut || n == 0) break;
       z = problem_.z0;  // it ran into something: time the first steps again
     }

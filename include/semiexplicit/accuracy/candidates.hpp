@@ -16,8 +16,8 @@ namespace semiexplicit::detail {
 struct Candidate {
   Setting setting{};
   int order = 2;
-  double kicks = 1;     ///< gradient calls a step, usually
-  double surprise = 0;  ///< the error of a whole run, in what parts of it told; 0: not known
+  double kicks = 1;  ///< gradient calls a step, usually
+  double rate = 0;   ///< gradient calls a unit of time, where it met the last aim
   std::map<double, Probe, std::greater<>> trials{};
 
   bool projects() const { return setting.method == Setting::Method::semiexplicit; }

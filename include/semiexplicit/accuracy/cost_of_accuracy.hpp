@@ -75,8 +75,8 @@ SEMIEXPLICIT_COLD CostOptionsOf<Scalar, Dof> options_for(const CostOptionsOf<Sca
 }  // namespace detail
 
 /// What accuracy costs for *your* Hamiltonian and what you measure: which scheme or method, which step, how
-/// long it takes, for an error of the observable that stays below a target over the time T. Short trial runs
-/// find out; see CostOptionsOf for how much they may cost.
+/// long it takes, for an error of the observable that stays below a target over the time T. Trial runs find
+/// out; see CostOptionsOf for how much they may cost.
 ///
 ///     const auto first = [](const auto& q, const auto&) { return q[0]; };
 ///     auto cost = cost_of_accuracy(H, z0, 1000, {.observable = first});
@@ -86,21 +86,17 @@ SEMIEXPLICIT_COLD CostOptionsOf<Scalar, Dof> options_for(const CostOptionsOf<Sca
 /// Without an observable it is the energy. The error is the largest over [0, T], relative to the size of the
 /// observable (CostTable says which), or absolute by request.
 ///
-/// A coarse pilot run finds where along the way the problem is hard. For an invariant every setting is tried
-/// there, at the start, and on some ordinary stretches; from the largest range in a stretch follows the error
-/// over T, plus what unfinished solves and rounding may add. How much harder than the pilot run the rest of T
-/// gets is extrapolated from the tail of what the pilot met. Only the energy of a symplectic method is taken
-/// to stay bounded: of other invariants, as the direction of a periapsis, the range is extrapolated from z0
-/// to T as it was seen to grow. For any other observable settings are compared with a reference, two runs
-/// with steps in the time scale of the motion that agree, from z0 on, and extrapolated likewise. A trial
-/// lasts until the motion has come back to where it is hard, as to a periapsis; where the calls do not
-/// suffice for that, every target is refused. What the rounding of every step comes to at T follows from how
-/// far an orbit of another energy has parted from this one. Where neighbouring orbits part exponentially a
-/// target beyond reach is refused, and the rate given. The choice is then confirmed on more of the run, and
-/// revised: for an invariant on all of it where that takes no more calls than the budget, or ten times
-/// min_gradients. Where rare events decide (chaos, close encounters) no part of a longer run can know them:
-/// expect errors off by more than a factor of three there, and aim lower, or raise min_gradients. Resonances
-/// of the step with the motion that need long to build up, and slow instabilities, go unseen likewise.
+/// It is a race. Every setting is tried from z0 over a short stretch, the best ones over one eight times as
+/// long, and so on, to T where the gradient calls suffice: what is advised then was run as a whole, and has
+/// met the target. Else its error is extrapolated: by the power of the time that it was seen to grow with, or
+/// not at all for the energy of a symplectic method where it does not grow, and by how much finer steps must
+/// be where a coarse run, which goes ahead, found the motion harder (CostRow::tried, CostTable::harder). An
+/// invariant, the energy or whatever a tight run finds constant, is compared with its first value; anything
+/// else with two runs of Gauss-Legendre that are as good as rounding allows. A target that no run can meet,
+/// because neighbouring orbits part exponentially, is refused with the rate, and one below the rounding that
+/// adds up with the reason. What lies beyond the trials of a long run, and no coarse run shows, goes unseen:
+/// close encounters in chaos, slow instabilities, resonances of the step with the motion. Raise min_gradients
+/// there until `tried` is T.
 ///
 /// H needs an energy(q, p), which the gradient is compared with first. That of a TimeTransformed is K, near
 /// zero: for the energy of its H give that as the observable. z0 is not changed. Throws

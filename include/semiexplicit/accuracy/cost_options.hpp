@@ -19,18 +19,14 @@ struct CostOptionsOf {
   std::vector<double> targets{1e-4, 1e-6, 1e-8,
                               1e-10};  ///< errors to find the cheapest setting for; see CostTable
   bool absolute = false;               ///< errors are in the observable's own unit, instead of relative
-  /// Gradient calls to spend, as a fraction of those of the runs to the targets, added up. A guide, which
-  /// hard problems overrun by up to six or so: CostTable::spent_gradients says what it came to.
+  /// Gradient calls to spend, as a fraction of those of the runs to the targets, added up. A guide, which is
+  /// overrun by half at most.
   double budget = 0.1;
-  /// But no less: where the run is shorter, advice costs a larger part of it. Ten times as many for an
-  /// observable that is no invariant, whose errors add up over more of the run than those of the energy. A
-  /// run of no more than ten times as many, or of the budget, is made as a whole before it is advised (of
-  /// what is no invariant together with one of steps 1.5 times smaller, to compare it with), and so is every
-  /// trial, some eight a target, where parts of the run told much too little.
-  double min_gradients = 30'000;
-  /// Bound on the gradient calls that the search takes, which is kept whatever the Hamiltonian; the guide
-  /// above ends at a third of it. What it leaves unfinished counts as out of reach, and CostTable::why() says
-  /// so.
+  /// But no less, of 10 degrees of freedom or fewer; of more, in proportion, as 100,000 of 300. Where that
+  /// suffices, as it does for runs of up to some 100,000 calls, settings are tried over all of T.
+  double min_gradients = 3e6;
+  /// Bound on the gradient calls that the search takes, which is kept whatever the Hamiltonian. What it
+  /// leaves unfinished counts as out of reach, and CostTable::why() says so.
   double max_gradients = 1e7;
   CostBy by = CostBy::gradients;  ///< what is to be cheap
   /// Schemes of the semiexplicit method and of the midpoint projection, from loose to tight targets.

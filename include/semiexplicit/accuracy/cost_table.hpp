@@ -28,7 +28,6 @@ enum class CostBy {
 enum class LimitedBy {
   step,      ///< the size of the step, and the error stays bounded
   growth,    ///< the size of the step, and the error grows with the time, as that of a phase does
-  drift,     ///< what unfinished solves, or a method that is not symplectic, may add up to
   rounding,  ///< the rounding of states and gradients, or the error of the reference
   failure    ///< the setting failed: CostRow::status says why
 };
@@ -41,7 +40,7 @@ struct CostRow {
   double seconds = 0;    ///< of processor time
   LimitedBy limit = LimitedBy::step;
   Status status = Status::success;  ///< why the setting failed in a trial; the figures above are NaN then
-  bool confirmed = false;           ///< tried on more of the run than the other rows
+  double tried = 0;                 ///< how far, in time: less than the whole where calls did not suffice
   bool interpolated = false;        ///< between two trials of the same scheme, instead of tried itself
 
   bool works() const { return status == Status::success; }
@@ -68,39 +67,35 @@ struct CostTable {
   std::vector<double> targets{};
   CostBy by = CostBy::gradients;
 
-  double time = 0;         ///< T, the length of the run that is advised on
-  double time_scale = 0;   ///< characteristic time at z0 that the search started from
-  double pilot_time = 0;   ///< how far the coarse run went that found where the problem is hard
-  double window_time = 0;  ///< length of the trial runs of each setting, all windows together
-  int windows = 0;         ///< how many stretches that is
-  double growth = 1;  ///< factor from the hardest stretch of the pilot run to the hardest of the whole time
-  double budget = 0;  ///< gradient calls that the search was to take: a guide
-  double spent_gradients = 0;  ///< what the search itself took
+  double time = 0;             ///< T, the length of the run that is advised on
+  double time_scale = 0;       ///< characteristic time at z0 that the search started from
+  double tried = 0;            ///< how far the best settings were tried from z0 on: to T where calls sufficed
+  double harder = 1;           ///< how much finer steps must be in what comes after that
+  double budget = 0;           ///< gradient calls that the search was to take: a guide
+  double spent_gradients = 0;  ///< what it took
   double spent_seconds = 0;    ///< of processor time, likewise
 
   bool invariant = true;       ///< the observable is an invariant: its error is the distance from f(z0)
   bool relative = true;        ///< false: errors are absolute, by request or because f is zero up to rounding
   double unit = 1;             ///< size of the observable that errors are relative to
   double rounding = 0;         ///< no error below this can be told from rounding, or noise
-  double reference_error = 0;  ///< of the reference as it grows over the whole time, with rounding; 0 for an
-                               ///< invariant, which has none
-  double reference_time = 0;   ///< how far the reference went; trials are extrapolated from there
-  double cycle = 0;  ///< when the motion had come back to where it is hard; 0: it is equally hard everywhere,
-                     ///< or not looked for; infinite: it had not
-  double parting_rate = 0;  ///< neighbouring orbits part as e^{rate t}; 0: not so fast, or not looked for
+  double reference_error = 0;  ///< of the reference as it grows over the whole time; 0 for an invariant
+  double reference_time = 0;   ///< how far the reference went
+  double parting_rate = 0;     ///< neighbouring orbits part as e^{rate t}; 0: not seen to, or not looked for
   double horizon = std::numeric_limits<double>::infinity();         ///< when nothing of the orbit is left
   double orbit_end = std::numeric_limits<double>::infinity();       ///< time that no step tried got beyond
   double observable_end = std::numeric_limits<double>::infinity();  ///< first time that it is NaN or Inf at
   std::string exact_flow{};  ///< of a scene: what advised_flow() says at z0; no row has such a stepper
-  double unfinished = 0;     ///< the loosest target whose search ended with the calls; 0: none
-  bool changes = false;      ///< the motion gets harder, or easier, at least twofold along the coarse run
+  double unfinished = 0;     ///< the loosest target whose search ended with the calls; 0: none; infinite: all
 
-  /// Whether the calls ended before the motion had come back to where it is hard: what it does then is not
-  /// known.
-  bool cycles_unseen() const { return window_time < time && cycle > window_time; }
+  /// Whether what comes after the trials is so much harder that they tell nothing of it.
+  bool harder_ahead() const { return harder > 4; }
 
-  /// Whether the calls ended before the end of a run along which the motion gets harder or easier.
-  bool end_unseen() const { return changes && pilot_time < 0.999 * time; }
+  /// Whether a perturbation of one rounding grows to the target before the end.
+  bool parts_before(double target) const {
+    return horizon < std::numeric_limits<double>::infinity() &&
+           time > horizon + std::log(std::min(target, 1.0)) / parting_rate;
+  }
 
   /// Why a target is out of reach.
   SEMIEXPLICIT_COLD Reach reach(double target) const {
@@ -108,8 +103,9 @@ struct CostTable {
     if (cheapest(target)) return Reach::met;
     if (observable_end <= time) return Reach::not_finite;
     if (orbit_end < time) return Reach::orbit_ends;
+    if (harder_ahead()) return Reach::budget;
     if (target < rounding) return Reach::rounding;
-    return target <= unfinished || cycles_unseen() ? Reach::budget : Reach::no_step;
+    return target <= unfinished ? Reach::budget : Reach::no_step;
   }
   /// The same in words, with what to do about it; empty where the target is met.
   SEMIEXPLICIT_COLD std::string why(double target) const {
@@ -123,16 +119,13 @@ struct CostTable {
                             "its terms"
                           : " are lost in rounding, which adds up over the time");
       case Reach::budget:
-        return (cycles_unseen() ? "the gradient calls of a trial ended before the motion came back to where "
-                                  "it is hard, if it does; raise "
-                : end_unseen()  ? "the motion gets harder along the way, and the gradient calls ended before "
-                                  "its end; raise "
-                                : "the gradient calls ended; raise ") +
+        return (harder_ahead() ? "the gradient calls of a trial ended before the motion came to, or back to, "
+                                 "where it is hard; raise "
+                               : "the gradient calls ended; raise ") +
                std::string("options.budget, min_gradients or max_gradients");
       case Reach::orbit_ends:
         return "the orbit ends near t = " + in_words(orbit_end, 3) +
-               ", or is too hard there for the calls of the search: no step tried goes beyond; give a "
-               "shorter T, or raise options.min_gradients";
+               ", or is too hard there: no step goes beyond; give a shorter T";
       case Reach::not_finite:
         return "the observable is NaN or Inf on the orbit, at t = " + in_words(observable_end, 3) +
                "; give one that is finite all along";
@@ -149,32 +142,31 @@ struct CostTable {
 
   /// The cheapest setting whose error is expected to stay below `target`, or nothing where none was found:
   /// `best()` says how near one comes. For a target that is not among `targets`, where two trials of a scheme
-  /// lie far apart, the step between them is interpolated, and no run has confirmed it.
+  /// lie far apart, the step between them is interpolated, and was not tried.
   SEMIEXPLICIT_COLD std::optional<CostRow> cheapest(double target) const {
     if (!(target > 0))
       throw std::invalid_argument("CostTable::cheapest: target is not a positive error; give one");
     std::optional<CostRow> found;
-    if (parts_before(target)) return found;
+    if (parts_before(target) || harder_ahead() || unfinished >= 1) return found;
     const auto offer = [&](const CostRow& row) {
-      if (row.works() && row.error <= target && (!found || row.cost(by) < found->cost(by))) found = row;
+      if (counts(row) && row.error <= target && (!found || row.cost(by) < found->cost(by))) found = row;
     };
     for (const CostRow& row : rows) offer(row);
-    // What was searched for and tried on more of the run needs no interpolation.
-    if (found && found->confirmed && std::find(targets.begin(), targets.end(), target) != targets.end())
-      return found;
+    if (found && std::find(targets.begin(), targets.end(), target) != targets.end()) return found;
     for (std::size_t i = 1; i < rows.size(); ++i)
-      if (rows[i - 1].setting.name() == rows[i].setting.name() && rows[i - 1].works() && rows[i].works() &&
+      if (rows[i - 1].setting.name() == rows[i].setting.name() && counts(rows[i - 1]) && counts(rows[i]) &&
           rows[i - 1].error > target && rows[i].error < target / 2.5 &&
           rows[i - 1].setting.dt > 1.25 * rows[i].setting.dt)
         offer(between(rows[i - 1], rows[i], target));
     return found;
   }
 
-  /// The row of the smallest error, whatever it costs; nothing where no setting works.
+  /// The row of the smallest error, whatever it costs, of those tried farthest; nothing where no setting
+  /// works.
   SEMIEXPLICIT_COLD std::optional<CostRow> best() const {
     std::optional<CostRow> found;
     for (const CostRow& row : rows)
-      if (row.works() && (!found || row.error < found->error)) found = row;
+      if (counts(row) && (!found || row.error < found->error)) found = row;
     return found;
   }
 
@@ -182,11 +174,8 @@ struct CostTable {
   double fraction_of(const CostRow& row) const { return spent_gradients / row.gradients; }
 
  private:
-  /// Whether a perturbation of one rounding grows to the target before the end.
-  bool parts_before(double target) const {
-    return horizon < std::numeric_limits<double>::infinity() &&
-           time > horizon + std::log(std::min(target, 1.0)) / parting_rate;
-  }
+  /// Whether a row was tried as far as any, and works.
+  bool counts(const CostRow& row) const { return row.works() && row.tried >= tried; }
 
   /// The setting between two of the same scheme, a with the larger step, whose error is `target`: errors and
   /// costs follow powers of the step.
@@ -200,7 +189,6 @@ struct CostTable {
     row.seconds = mean(a.seconds, b.seconds);
     row.limit = b.limit == LimitedBy::rounding ? a.limit : b.limit;
     row.interpolated = true;
-    row.confirmed = false;
     return row;
   }
 };
@@ -226,8 +214,6 @@ SEMIEXPLICIT_COLD inline const char* words(LimitedBy limit) {
       return "step, bounded";
     case LimitedBy::growth:
       return "step, grows with t";
-    case LimitedBy::drift:
-      return "may drift";
     case LimitedBy::rounding:
       return "rounding";
     case LimitedBy::failure:
@@ -275,26 +261,15 @@ SEMIEXPLICIT_COLD inline std::ostream& operator<<(std::ostream& out, const CostT
   if (cost.rows.empty()) return out << "\nNo setting was tried over the whole time.\n" << spent;
   out << "\nAll that was tried:\n         " << header;
   for (const CostRow& row : cost.rows) out << "         " << row << '\n';
-  out << "\nEstimates. Each setting ran for a time of " << in_words(cost.window_time, 3) << " in "
-      << std::to_string(cost.windows) << " windows, " << in_words(cost.window_time / cost.time_scale, 2)
-      << " characteristic times of " << in_words(cost.time_scale, 3) << ".\n";
-  if (cost.invariant)
-    out << "An invariant: a symplectic method is taken to keep the energy within bounds, any other error "
-           "grows with "
-           "the time\nas it was seen to; times "
-        << in_words(cost.growth, 2)
-        << " for what lies beyond a coarse run to t = " << in_words(cost.pilot_time, 3)
-        << ", whose hardest stretches are among the windows.\n";
-  else
-    out << "No invariant: compared with a run that is known to " << figure(cost.reference_error, 1, 0, true)
-        << " over T, to t = " << in_words(cost.reference_time, 3)
-        << ",\nand extrapolated as the error was seen to grow"
-        << (cost.cycle > 0 && cost.window_time < cost.time
-                ? ", in trials of " + in_words(std::floor(cost.window_time / cost.cycle), 3) + " times the " +
-                      in_words(cost.cycle, 3) + " after which hard places came back"
-                : "")
-        << ";\nwhat is advised was made as a whole, beside a run with smaller steps, where that was cheap "
-           "enough.\n";
+  out << "\nThe best were tried from z0 to t = " << in_words(cost.tried, 3) << ", "
+      << in_words(cost.tried / cost.time_scale, 2) << " characteristic times of "
+      << in_words(cost.time_scale, 3);
+  if (cost.tried < cost.time)
+    out << ", and extrapolated as errors were seen to grow, times\nthe order's power of "
+        << in_words(cost.harder, 2) << " for harder places ahead";
+  out << (cost.invariant ? ". An invariant: errors are those from its first value.\n"
+                         : ". Errors are those from a run that is known to " +
+                               figure(cost.reference_error, 1, 0, true) + " over T.\n");
   return out << spent;
 }
 

@@ -71,24 +71,29 @@ class Judge {
 
   /// With the very step of the setting: tight ones lead from its steps' ends to the samples.
   Point run_exactly(const Setting& setting) const {
-    if (invariant_) return run_fitting(setting, 1e300);
+    if (invariant_ && !setting.reversible) return run_fitting(setting, 1e300);
     Point point{setting, 0, 0};
     State z = z0_;
     std::size_t k = 0;
     State last = z0_;
     double before = 0;
-    point.gradients = static_cast<double>(
-        run(h_, z, time_, setting, [&](double t, const State& now) {
-          const double between = time_ / samples_;
-          for (; static_cast<double>(k) * between <= t * (1 + 1e-12) && k < truth_.size(); ++k) {
-            State at = last;
-            const double part = static_cast<double>(k) * between - before;
-            if (part > 0)
-              run(h_, at, part, {.method = Setting::Method::gauss, .stages = 8, .dt = tight_step()});
-            note(point, k, f_of(at));
-          }
-          last = now, before = t;
-        }).gradients);
+    try {
+      point.gradients = static_cast<double>(
+          run(h_, z, time_, setting, [&](double t, const State& now) {
+            if (invariant_) return note(point, 0, f_of(now));
+            const double between = time_ / samples_;
+            for (; static_cast<double>(k) * between <= t * (1 + 1e-12) && k < truth_.size(); ++k) {
+              State at = last;
+              const double part = static_cast<double>(k) * between - before;
+              if (part > 0)
+                run(h_, at, part, {.method = Setting::Method::gauss, .stages = 8, .dt = tight_step()});
+              note(point, k, f_of(at));
+            }
+            last = now, before = t;
+          }).gradients);
+    } catch (const IntegrationError&) {
+      point.error = std::numeric_limits<double>::infinity();
+    }
     return point;
   }
 
@@ -134,10 +139,11 @@ class Judge {
   std::vector<Eigen::VectorXd> truth_{};
 };
 
-/// The cheapest of every method with steps a factor 2^(1/4) apart.
+/// The cheapest of every method with steps a factor 2^(1/4) apart; with reversible ones where `cost` tried
+/// such.
 template <class H>
 std::optional<Point> cheapest_of_all(const H& h, const PhasePoint<double, H::Dof>& z0, double T,
-                                     double target, const Judge<H>& judge) {
+                                     double target, const Judge<H>& judge, const CostTable& cost) {
   const CostOptions options;
   std::vector<Setting> settings;
   for (const std::string& name : options.schemes) {
@@ -149,6 +155,16 @@ std::optional<Point> cheapest_of_all(const H& h, const PhasePoint<double, H::Dof
   if (SeparableHamiltonian<H>)
     for (const std::string& name : options.splittings)
       settings.push_back({.method = Setting::Method::splitting, .scheme = name});
+  for (const CostRow& row : cost.rows)
+    if (row.setting.reversible) {
+      const std::size_t equal = settings.size();
+      for (std::size_t i = 0; i < equal; ++i)
+        if (settings[i].method != Setting::Method::midpoint && !settings[i].is_gauss()) {
+          settings.push_back(settings[i]);
+          settings.back().reversible = true, settings.back().pace = row.setting.pace;
+        }
+      break;
+    }
   auto gq = z0.q().eval(), gp = z0.p().eval();
   h.gradient(z0.q(), z0.p(), gq, gp);
   const double scale = std::min(T, z0.vector().norm() / std::hypot(gq.norm(), gp.norm()));
@@ -157,7 +173,8 @@ std::optional<Point> cheapest_of_all(const H& h, const PhasePoint<double, H::Dof
     int met = 0;
     for (int k = 0; k < 48 && met < 4; ++k) {
       setting.dt = 4 * scale * std::pow(2, -k / 4.0);
-      const Point point = judge.run_fitting(setting, 1);
+      if (setting.reversible) setting.dt = 4 * std::pow(2, -k / 4.0);
+      const Point point = setting.reversible ? judge.run_exactly(setting) : judge.run_fitting(setting, 1);
       if (best && point.gradients > 3 * best->gradients) break;
       if (!(point.error <= target)) continue;
       ++met;  // where the projection takes several evaluations, a smaller step may be cheaper
@@ -215,7 +232,7 @@ int main(int argc, char** argv) {
       return;
     }
     const Judge<H> judge(h, z0, T, f, cost.invariant);
-    const auto best = cheapest_of_all(h, z0, T, target, judge);
+    const auto best = cheapest_of_all(h, z0, T, target, judge, cost);
     const std::string scan =
         best ? best->setting.name() + text(", dt %.4g | %.3g", best->setting.dt, best->gradients)
              : "out of reach |";

@@ -152,6 +152,15 @@ class AnyHamiltonian : public std::conditional_t<Timed, ExtendedPhaseSpace<Scala
   AnyStepper<Scalar> (*splitting_)(const AnyHamiltonian&, const Scheme<Scalar>&) = nullptr;
 };
 
+/// The monitor function of a setting's reversible steps.
+template <class H>
+SEMIEXPLICIT_COLD monitors::TimeScale<H> pace_of(const H& hamiltonian, const Setting& setting) {
+  using Scalar = typename H::Scalar;
+  return monitors::TimeScale<H>(hamiltonian, {.length = Scalar(setting.pace.length),
+                                              .momentum = Scalar(setting.pace.momentum),
+                                              .longest = Scalar(setting.pace.longest)});
+}
+
 /// AnyHamiltonian for an H.
 template <class H>
 using Erased = AnyHamiltonian<typename H::Scalar, InExtendedPhaseSpace<H>>;

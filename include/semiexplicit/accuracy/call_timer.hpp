@@ -33,13 +33,15 @@ class CallTimer {
     Walker<Any> walker(problem_, candidate.with_step(dt));
     auto z = problem_.z0;
     Probe probe;
+    double t = 0;
     const double& spent = problem_.table.spent_gradients;
     double from = spent, begin = cpu_seconds();
     for (std::int64_t n = 0; spent - from < enough || n < 20; ++n) {
       if (n == 10) from = spent, begin = cpu_seconds();  // warm now
-      if (walker.step(z, dt, probe)) continue;
+      if (t < problem_.table.time && walker.step_on(z, t, dt, probe)) continue;
       if (probe.cut || n == 0) break;
-      z = problem_.z0;  // it ran into something: time the first steps again
+      if (candidate.setting.reversible) break;
+      z = problem_.z0, t = 0;  // it ran into something, or to the end: time the first steps again
     }
     const double calls = spent - from;
     known = calls > 0 ? (cpu_seconds() - begin) / calls : 0;

@@ -17,6 +17,7 @@ struct Candidate {
   Setting setting{};
   int order = 2;
   double kicks = 1;  ///< gradient calls a step, usually
+  double unit = 1;   ///< time that a dt of 1 stands for, usually
   double rate = 0;   ///< gradient calls a unit of time, where it met the last aim
   std::map<double, Probe, std::greater<>> trials{};
 
@@ -60,6 +61,24 @@ SEMIEXPLICIT_COLD std::vector<Family> families_for(const Problem<Any>& problem) 
          .order = 2 * stages,
          .kicks = 14.0 * stages});
   return all;
+}
+
+/// Those of these families that can go by reversible steps, with that pace; `unit`: the time that a step of 1
+/// takes, usually.
+SEMIEXPLICIT_COLD inline std::vector<Family> reversible(std::vector<Family> families,
+                                                        const monitors::TimeScaleOptions<double>& pace,
+                                                        double unit) {
+  using Method = Setting::Method;
+  // Gauss's method gains less: it loses the start of its stages where the step changes.
+  std::erase_if(families, [](const Family& f) {
+    return f.front().setting.method == Method::midpoint || f.front().setting.is_gauss();
+  });
+  for (Family& family : families)
+    for (Candidate& candidate : family) {
+      candidate.setting.reversible = true, candidate.setting.pace = pace;
+      candidate.unit = unit;
+    }
+  return families;
 }
 
 }  // namespace semiexplicit::detail

@@ -11,7 +11,8 @@
 
 namespace semiexplicit {
 
-/// Integrates z over the time T with a setting: in the fewest equal steps that are no longer than setting.dt.
+/// Integrates z over the time T with a setting: in the fewest equal steps that are no longer than setting.dt,
+/// or by ReversibleSteps.
 /// Observers, report and failures as integrate() has them. The stepper works on a Hamiltonian whose type is
 /// hidden, which saves a compiler much, and takes a small system some time: a program that is all about speed
 /// makes its own from the setting. Throws std::invalid_argument unless T and setting.dt are finite and
@@ -28,9 +29,12 @@ IntegrationReport run(const H& hamiltonian, PhasePoint<typename H::Scalar, H::Do
   if (!(setting.dt > 0 && std::isfinite(setting.dt)))
     throw std::invalid_argument("run: setting.dt is not a finite positive step; set it");
   using Scalar = typename H::Scalar;
-  detail::AnyStepperOf<Scalar, H::Dof> stepper(detail::Erased<H>(hamiltonian).stepper(setting), z.dof());
-  return integrate(stepper, z, {.dt = Scalar(setting.dt), .t_end = Scalar(T)},
-                   std::forward<Observers>(observers)...);
+  const detail::Erased<H> erased(hamiltonian);
+  detail::AnyStepperOf<Scalar, H::Dof> stepper(erased.stepper(setting), z.dof());
+  const IntegrationOptions<Scalar> options{.dt = Scalar(setting.dt), .t_end = Scalar(T)};
+  if (!setting.reversible) return integrate(stepper, z, options, std::forward<Observers>(observers)...);
+  ReversibleSteps following(std::move(stepper), detail::pace_of(hamiltonian, setting));
+  return integrate(following, z, options, std::forward<Observers>(observers)...);
 }
 
 /// A CostTable with the Hamiltonian that it is about.

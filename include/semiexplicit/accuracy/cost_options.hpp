@@ -20,11 +20,11 @@ struct CostOptionsOf {
                               1e-10};  ///< errors to find the cheapest setting for; see CostTable
   bool absolute = false;               ///< errors are in the observable's own unit, instead of relative
   /// Gradient calls to spend, as a fraction of those of the runs to the targets, added up. A guide, which is
-  /// overrun by half at most.
+  /// overrun by as much at most.
   double budget = 0.1;
-  /// But no less, of 10 degrees of freedom or fewer; of more, in proportion, as 100,000 of 300. Where that
-  /// suffices, as it does for runs of up to some 100,000 calls, settings are tried over all of T.
-  double min_gradients = 3e6;
+  /// But no less, of 10 degrees of freedom or fewer; of more, in proportion, as 167,000 of 300. Where that
+  /// suffices, as it does for runs of up to some 200,000 calls, settings are tried over all of T.
+  double min_gradients = 5e6;
   /// Bound on the gradient calls that the search takes, which is kept whatever the Hamiltonian. What it
   /// leaves unfinished counts as out of reach, and CostTable::why() says so.
   double max_gradients = 1e7;

@@ -41,7 +41,9 @@ struct CostRow {
   LimitedBy limit = LimitedBy::step;
   Status status = Status::success;  ///< why the setting failed in a trial; the figures above are NaN then
   double tried = 0;                 ///< how far, in time: less than the whole where calls did not suffice
-  bool interpolated = false;        ///< between two trials of the same scheme, instead of tried itself
+  double harder = 1;                ///< how much finer steps must be in what comes after that
+  bool lasts = true;  ///< false: not symplectic, and not tried to the end, as it has to be to be advised
+  bool interpolated = false;  ///< between two trials of the same scheme, instead of tried itself
 
   bool works() const { return status == Status::success; }
   double cost(CostBy by) const { return by == CostBy::gradients ? gradients : seconds; }
@@ -67,13 +69,13 @@ struct CostTable {
   std::vector<double> targets{};
   CostBy by = CostBy::gradients;
 
-  double time = 0;             ///< T, the length of the run that is advised on
-  double time_scale = 0;       ///< characteristic time at z0 that the search started from
-  double tried = 0;            ///< how far the best settings were tried from z0 on: to T where calls sufficed
-  double harder = 1;           ///< how much finer steps must be in what comes after that
-  double budget = 0;           ///< gradient calls that the search was to take: a guide
-  double spent_gradients = 0;  ///< what it took
-  double spent_seconds = 0;    ///< of processor time, likewise
+  double time = 0;        ///< T, the length of the run that is advised on
+  double time_scale = 0;  ///< characteristic time at z0 that the search started from
+  double tried = 0;       ///< how far the best settings were tried from z0 on: to T where calls sufficed
+  std::vector<double> tried_for{};  ///< the same for each of the targets
+  double budget = 0;                ///< gradient calls that the search was to take: a guide
+  double spent_gradients = 0;       ///< what it took
+  double spent_seconds = 0;         ///< of processor time, likewise
 
   bool invariant = true;       ///< the observable is an invariant: its error is the distance from f(z0)
   bool relative = true;        ///< false: errors are absolute, by request or because f is zero up to rounding
@@ -89,7 +91,11 @@ struct CostTable {
   double unfinished = 0;     ///< the loosest target whose search ended with the calls; 0: none; infinite: all
 
   /// Whether what comes after the trials is so much harder that they tell nothing of it.
-  bool harder_ahead() const { return harder > 4; }
+  SEMIEXPLICIT_COLD bool harder_ahead() const {
+    for (const CostRow& row : rows)
+      if (row.works() && row.harder > most_harder) return true;
+    return false;
+  }
 
   /// Whether a perturbation of one rounding grows to the target before the end.
   bool parts_before(double target) const {
@@ -103,8 +109,8 @@ struct CostTable {
     if (cheapest(target)) return Reach::met;
     if (observable_end <= time) return Reach::not_finite;
     if (orbit_end < time) return Reach::orbit_ends;
-    if (harder_ahead()) return Reach::budget;
     if (target < rounding) return Reach::rounding;
+    if (harder_ahead()) return Reach::budget;
     return target <= unfinished ? Reach::budget : Reach::no_step;
   }
   /// The same in words, with what to do about it; empty where the target is met.
@@ -147,15 +153,16 @@ struct CostTable {
     if (!(target > 0))
       throw std::invalid_argument("CostTable::cheapest: target is not a positive error; give one");
     std::optional<CostRow> found;
-    if (parts_before(target) || harder_ahead() || unfinished >= 1) return found;
+    if (parts_before(target) || unfinished >= 1 || observable_end <= time || orbit_end < time) return found;
+    const double far = tried_to(target);
     const auto offer = [&](const CostRow& row) {
-      if (counts(row) && row.error <= target && (!found || row.cost(by) < found->cost(by))) found = row;
+      if (counts(row, far) && row.error <= target && (!found || row.cost(by) < found->cost(by))) found = row;
     };
     for (const CostRow& row : rows) offer(row);
     if (found && std::find(targets.begin(), targets.end(), target) != targets.end()) return found;
     for (std::size_t i = 1; i < rows.size(); ++i)
-      if (rows[i - 1].setting.name() == rows[i].setting.name() && counts(rows[i - 1]) && counts(rows[i]) &&
-          rows[i - 1].error > target && rows[i].error < target / 2.5 &&
+      if (rows[i - 1].setting.name() == rows[i].setting.name() && counts(rows[i - 1], far) &&
+          counts(rows[i], far) && rows[i - 1].error > target && rows[i].error < target / 2.5 &&
           rows[i - 1].setting.dt > 1.25 * rows[i].setting.dt)
         offer(between(rows[i - 1], rows[i], target));
     return found;
@@ -165,8 +172,9 @@ struct CostTable {
   /// works.
   SEMIEXPLICIT_COLD std::optional<CostRow> best() const {
     std::optional<CostRow> found;
+    const double far = tried_for.empty() ? tried : *std::min_element(tried_for.begin(), tried_for.end());
     for (const CostRow& row : rows)
-      if (counts(row) && (!found || row.error < found->error)) found = row;
+      if (counts(row, far) && (!found || row.error < found->error)) found = row;
     return found;
   }
 
@@ -174,8 +182,20 @@ struct CostTable {
   double fraction_of(const CostRow& row) const { return spent_gradients / row.gradients; }
 
  private:
-  /// Whether a row was tried as far as any, and works.
-  bool counts(const CostRow& row) const { return row.works() && row.tried >= tried; }
+  static constexpr double most_harder = 4;
+
+  /// Whether a row works and was tried so far, and what is harder ahead is no harder for it.
+  static bool counts(const CostRow& row, double far) {
+    return row.works() && row.lasts && row.tried >= far &&
+           (row.setting.reversible || row.harder <= most_harder);
+  }
+  /// How far the settings for a target were tried: as those for the next tighter one that was asked for.
+  SEMIEXPLICIT_COLD double tried_to(double target) const {
+    double next = 0, far = tried;
+    for (std::size_t i = 0; i < targets.size() && i < tried_for.size(); ++i)
+      if (targets[i] <= target && targets[i] >= next) next = targets[i], far = tried_for[i];
+    return far;
+  }
 
   /// The setting between two of the same scheme, a with the larger step, whose error is `target`: errors and
   /// costs follow powers of the step.
@@ -227,7 +247,7 @@ SEMIEXPLICIT_COLD inline const char* words(LimitedBy limit) {
 /// One line: what to run, what it should give, what it costs.
 SEMIEXPLICIT_COLD inline std::ostream& operator<<(std::ostream& out, const CostRow& row) {
   using detail::column, detail::figure;
-  return out << column(row.setting.name(), 29) + ' ' + column(row.setting.solver(), 14) + ' ' +
+  return out << column(row.setting.name(), 34) + ' ' + column(row.setting.solver(), 14) + ' ' +
                     figure(row.setting.dt, 4, 10) + ' ' + figure(row.error, 1, 10, true) + ' ' +
                     figure(row.gradients, 3, 12) + ' ' + figure(row.seconds, 3, 10) + "  " +
                     detail::words(row.limit);
@@ -236,7 +256,7 @@ SEMIEXPLICIT_COLD inline std::ostream& operator<<(std::ostream& out, const CostR
 /// The advice for every target or why there is none, all that was tried, and what the figures rest on.
 SEMIEXPLICIT_COLD inline std::ostream& operator<<(std::ostream& out, const CostTable& cost) {
   using detail::column, detail::figure, detail::in_words;
-  const std::string header = column("method", 29) + ' ' + column("solver", 14) + ' ' +
+  const std::string header = column("method", 34) + ' ' + column("solver", 14) + ' ' +
                              column("dt", 10, true) + ' ' + column("error", 10, true) + ' ' +
                              column("gradients", 12, true) + ' ' + column("seconds", 10, true) +
                              "  limited by\n";
@@ -264,9 +284,7 @@ SEMIEXPLICIT_COLD inline std::ostream& operator<<(std::ostream& out, const CostT
   out << "\nThe best were tried from z0 to t = " << in_words(cost.tried, 3) << ", "
       << in_words(cost.tried / cost.time_scale, 2) << " characteristic times of "
       << in_words(cost.time_scale, 3);
-  if (cost.tried < cost.time)
-    out << ", and extrapolated as errors were seen to grow, times\nthe order's power of "
-        << in_words(cost.harder, 2) << " for harder places ahead";
+  if (cost.tried < cost.time) out << ", and extrapolated as errors were seen to grow";
   out << (cost.invariant ? ". An invariant: errors are those from its first value.\n"
                          : ". Errors are those from a run that is known to " +
                                figure(cost.reference_error, 1, 0, true) + " over T.\n");

@@ -50,6 +50,9 @@ class Pacer {
   /// The step that is asked for where the last one was, 0 where that is not known: how hard the motion is
   /// there.
   double pace() const { return pace_; }
+  /// The longest way that a step has made in q, and in p.
+  double longest_in_q() const { return longest_q_; }
+  double longest_in_p() const { return longest_p_; }
   /// How long the next step may be.
   double next() const { return dt_; }
   /// Whether it was the calls that ended the last step.

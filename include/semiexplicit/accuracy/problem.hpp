@@ -63,11 +63,29 @@ class Problem {
     return static_cast<double>(size_at(z).terms) / judged.unit;
   }
 
+  /// Whether the energy at z is anything like that at z0: where a fast motion that the observable does not
+  /// show has become unstable it is not.
+  SEMIEXPLICIT_COLD bool keeps_energy(const State& z) const {
+    const auto energy = [this](const auto& q, const auto& p) { return Scalar(hamiltonian.energy(q, p)); };
+    const Scalar before = energy(z0.q(), z0.p()), now = energy(z.q(), z.p());
+    const double off = std::abs(static_cast<double>(now - before));
+    const auto size = [&](const Scalar& value, const State& at) {
+      return std::max(std::abs(static_cast<double>(value)),
+                      static_cast<double>(reference_size(energy, value, at).terms));
+    };
+    return off <= 0.1 * size(before, z0) || off <= 0.1 * size(now, z);
+  }
+
   /// What rounding adds to the error of an invariant over the whole time by steps of dt: that of the states,
   /// which differ from the exact ones by an epsilon where the gradient is taken, step after step, and the
   /// noise of the observable.
   double rounding_of_invariant(double dt) const {
     return epsilon / 2 * judged.terms * std::sqrt(table.time / dt) + judged.noise;
+  }
+
+  /// A relative error as it is, an absolute one, which may be in any units, in the size of the terms.
+  double in_terms(double error) const {
+    return table.relative || !(judged.terms > 0) ? error : error / judged.terms;
   }
 
   /// Makes errors of the observable relative to `unit`.

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -32,7 +31,8 @@ class Scout {
       spent_ = problem_.table.spent_gradients - begin;
       if (dt == 0) break;
       time_ = dt == T - time_ ? T : time_ + dt;
-      if (pacer_.pace() > 0 && ++steps_ % stride_ == 0) {
+      ++steps_;
+      if (pacer_.pace() > 0 && ++known_ % stride_ == 0) {
         places_.push_back({time_, pacer_.pace()});
         if (places_.size() == most_places) thin();
       }
@@ -56,28 +56,56 @@ class Scout {
   }
 
   /// How much finer steps must be in the hardest place that is known than where a trial of that length was,
-  /// but for its first quarter: it may have begun in the middle of one.
+  /// but for its first quarter: it may have begun in the middle of one. Infinite where such places come back
+  /// and the trial has not seen two: what an error grows by from one to the next is not known then.
   SEMIEXPLICIT_COLD double harder_than(double length) const {
-    double seen = std::numeric_limits<double>::infinity(), least = seen;
+    const auto [least, varies] = paces();
+    const double infinity = std::numeric_limits<double>::infinity(), level = least * std::sqrt(varies);
+    double seen = infinity;
+    int visits = 0, visits_in_trial = 0;
+    bool hard = false;
     for (const Place& place : places_) {
-      least = std::min(least, place.pace);
       if (place.t > length / 4 && place.t <= length) seen = std::min(seen, place.pace);
+      if (hard ? place.pace < 1.2 * level : place.pace > level / 1.2) continue;
+      hard = !hard;
+      if (!hard) continue;
+      ++visits;
+      visits_in_trial += place.t <= length;
     }
-    return std::isfinite(seen) ? std::max(1.0, seen / least) : 1;
+    if (places_.empty()) return 1;
+    if (varies > 4 && visits_in_trial < std::min(visits, 2)) return infinity;
+    // What the paces of an even motion differ by is no hard place.
+    return std::max(1.0, seen / least / 1.3);
   }
 
-  /// The least step that it asked for, and whether it asked for far longer ones elsewhere.
-  SEMIEXPLICIT_COLD std::pair<double, bool> paces() const {
+  /// The least step that it asked for, and the most in that.
+  SEMIEXPLICIT_COLD std::pair<double, double> paces() const {
     double least = problem_.table.time, most = 0;
     for (const Place& place : places_) least = std::min(least, place.pace), most = std::max(most, place.pace);
-    return {least, most > 4 * least};
+    return {least, most / least};
   }
 
-  /// The shortest trial from `least` on that sees places hardly easier than the hardest.
-  SEMIEXPLICIT_COLD double back_where_it_is_hard(double least) const {
-    double length = least;
-    while (length < time_ && harder_than(length) > 1.5) length = std::min(time_, 1.1 * length);
-    return length;
+  /// What reversible steps follow, and what they take on an average.
+  SEMIEXPLICIT_COLD monitors::TimeScaleOptions<double> sizes() const {
+    const auto size = [](double way) { return way > 0 && std::isfinite(way) ? way : 1; };
+    double longest = 0;
+    for (const Place& place : places_) longest = std::max(longest, place.pace);
+    return {.length = size(pacer_.longest_in_q()),
+            .momentum = size(pacer_.longest_in_p()),
+            .longest = size(longest)};
+  }
+  double mean_step() const { return time_ / static_cast<double>(std::max<std::size_t>(steps_, 1)); }
+
+  /// The shortest trial of so many steps of the scout, or up to eight times as many, that sees places not far
+  /// easier than the hardest; of so many where there is none.
+  SEMIEXPLICIT_COLD double first_trial(double steps) const {
+    const auto after = [&](double n) {
+      const auto i = static_cast<std::size_t>(n);
+      return i < places_.size() ? places_[i].t : time_;
+    };
+    for (double n = steps; n < 8 * steps; n *= 1.1)
+      if (harder_than(after(n)) < 2.5) return after(n);
+    return after(steps);
   }
   /// Gradient calls a unit of time.
   double rate() const { return spent_ / time_; }
@@ -95,24 +123,23 @@ class Scout {
     double t, pace;
   };
 
-  /// The harder one of two.
+  /// The harder one of two, but among the first ones.
   SEMIEXPLICIT_COLD void thin() {
-    for (std::size_t i = 0; i < most_places / 2; ++i) {
-      const Place &a = places_[2 * i], &b = places_[2 * i + 1];
-      places_[i] = a.pace < b.pace ? a : b;
-    }
-    places_.resize(most_places / 2);
+    std::size_t filled = first_places;
+    for (std::size_t i = first_places; i + 1 < most_places; i += 2)
+      places_[filled++] = places_[i].pace < places_[i + 1].pace ? places_[i] : places_[i + 1];
+    places_.resize(filled);
     stride_ *= 2;
   }
 
-  static constexpr std::size_t most_places = 4096;
+  static constexpr std::size_t most_places = 4096, first_places = 2048;
 
   Problem<Any>& problem_;
   Pacer<Any> pacer_;
   typename Any::State z_;
   std::vector<Place> places_{};
   std::vector<double> terms_{};
-  std::size_t steps_ = 0, stride_ = 1;
+  std::size_t steps_ = 0, known_ = 0, stride_ = 1;
   double time_ = 0, last_look_ = 0, spent_ = 0;
 };
 
@@ -143,7 +170,8 @@ class Reference {
       if (!follow(length)) return false;
       const double now = apart(length);
       if (now <= enough * size_) break;
-      no_better = now > 0.3 * last && now < 1e-6 * size_ ? no_better + 1 : 0;
+      const double small = std::max(1e-6, 1e4 * Problem<Any>::epsilon) * size_;
+      no_better = now > 0.3 * last && now < small ? no_better + 1 : 0;
       last = std::min(last, now);
       if (share_ < 1e-3) break;
       share_ /= 1.5;
@@ -158,6 +186,8 @@ class Reference {
   double rate() const { return rate_; }  ///< gradient calls a unit of time
   const std::vector<Sample<Value>>& samples() const { return samples_; }
   double size() const { return size_; }  ///< largest ‖f‖
+
+  bool changes_steps() const { return varies_; }
 
   /// By how much both runs differ at worst, until t.
   SEMIEXPLICIT_COLD double apart(double t) const {
@@ -186,19 +216,24 @@ class Reference {
     std::vector<Sample<Value>> kept;
     for (std::size_t i = keep - 1; i < samples_.size(); i += keep) kept.push_back(samples_[i]);
     samples_ = kept;
-    std::tie(hardest_, varies_) = scout_.paces();
+    const auto [hardest, varies] = scout_.paces();
+    hardest_ = hardest, varies_ = varies > much_easier;
     Value coarse, fine;
-    for (int i = 1; i <= count; ++i) {  // not in step with any period
-      const double part = i == count ? 1 : (i - 0.3 * std::fmod(0.618034 * i, 1.0)) / count;
-      const double t = i == count ? length : from + part * (length - from);
-      if (time_ >= t) continue;
-      while (time_ < t) {
-        if (!step(length)) return false;
-        problem_.measure(fine_, fine);
-        if (all_finite(fine)) continue;
+    // At times in step with no period, and where the motion is hard after so many steps, too.
+    const double usual = (length - from) / (count * scout_.mean_step());
+    double steps = 0;
+    int next = 1;
+    for (double planned = 0; time_ < length;) {
+      for (; next < count && planned <= time_; ++next)
+        planned = from + (next - 0.3 * std::fmod(0.618034 * next, 1.0)) / count * (length - from);
+      if (!step(length)) return false;
+      problem_.measure(fine_, fine);
+      if (!all_finite(fine)) {
         problem_.table.observable_end = time_;
         return false;
       }
+      if (time_ < std::min(planned, length) && (!varies_ || ++steps < usual)) continue;
+      steps = 0;
       problem_.measure(coarse_, coarse);
       samples_.push_back({time_, fine, static_cast<double>(norm(coarse - fine))});
       size_ = std::max(size_, static_cast<double>(norm(fine)));

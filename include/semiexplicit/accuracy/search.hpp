@@ -5,6 +5,7 @@
 #include <functional>
 #include <iterator>
 #include <limits>
+#include <map>
 #include <utility>
 #include <vector>
 
@@ -36,28 +37,38 @@ class Search {
   SEMIEXPLICIT_COLD void run() {
     if (!scout()) return;
     table_.time_scale = scout_.time_scale();
+    double runs = 0;  // usually
+    for (const Goal& goal : goals_)
+      runs += 1.5 * std::pow(problem_.in_terms(goal.target) / 1e-4, -0.12) * scout_.rate() * table_.time;
+    set_budget(runs);
+    // Where they are sure to win they come first: what is dearer is not tried further.
+    if (const double varies = scout_.paces().second; !timed && varies > 4) {
+      const auto following = reversible(families_, scout_.sizes(), scout_.mean_step());
+      families_.insert(varies > 12 ? families_.begin() : families_.end(), following.begin(), following.end());
+    }
     for (double length = first_length(); length > 0; length = next_length()) {
       if (!scout()) return;
       problem_.limit = std::min(options().max_gradients, overrun * table_.budget + scout_.spent());
-      if (!see_as_far_as(length)) break;
-      const double before = std::exchange(table_.tried, length);
-      cut_ = false;
-      look_ahead();
-      for (Goal& goal : goals_) {
-        if (table_.parts_before(goal.target)) continue;
-        goal.aim = std::max(goal.target, 2 * table_.rounding);
-        if (&goal != &goals_.front() && goal.aim == (&goal - 1)->aim)
-          goal.racers = (&goal - 1)->racers;
-        else
-          race(goal);
-      }
-      if (cut_ && before > 0) {  // not all have been tried as far
-        table_.tried = before;
-        look_ahead();
-        break;
-      }
-      if (length >= table_.time) break;
+      table_.tried = length;
+      cut_ = !see_as_far_as(length);
+      race_all();
+      if (cut_ || length >= table_.time) break;
     }
+    // What is harder ahead counts in full now, and what was tried roughly is tried well.
+    counts_harder_ = true;
+    problem_.limit = std::min(options().max_gradients, problem_.limit + 0.1 * table_.budget);
+    for (Goal& goal : goals_) {
+      cut_ = false;
+      table_.tried = goal.tried;
+      if (goal.tried > 0 && goal.tried < table_.time && !table_.parts_before(goal.target)) race(goal);
+    }
+    for (const double target : table_.targets)
+      for (const Goal& goal : goals_)
+        if (goal.target == target) {
+          table_.tried_for.push_back(goal.tried);
+          break;
+        }
+    table_.tried = goals_.front().tried;
     if (table_.tried < table_.time && suspected_rate_ > 0) parts(suspected_rate_);
     if (table_.tried < std::min(table_.time, least_scales * table_.time_scale) ||
         (timed && scout_.time() < table_.time))
@@ -73,6 +84,7 @@ class Search {
     double target;
     double aim = 0;  ///< no less than rounding allows
     std::vector<std::pair<double, Candidate*>> racers{};
+    double tried = 0;      ///< how far they all were
     bool stalled = false;  ///< smaller steps no longer made errors smaller
   };
 
@@ -91,21 +103,24 @@ class Search {
                     options().min_gradients * std::min(1.0, 10.0 / static_cast<double>(problem_.z0.dof())));
   }
 
+  /// By the gradient calls of a run to each target.
+  void set_budget(double runs) {
+    table_.budget =
+        std::min(options().max_gradients / overrun, std::max(least_calls(), options().budget * runs));
+  }
+
   SEMIEXPLICIT_COLD double first_length() const {
     const double calls = first_share * table_.budget / (first_trials * static_cast<double>(goals_.size()));
-    const double scale = table_.time_scale;
-    return scout_.back_where_it_is_hard(
-        std::min(scout_.time(), std::clamp(calls / scout_.rate(), 10 * scale, 60 * scale)));
+    return scout_.first_trial(std::clamp(calls / (scout_.rate() * scout_.mean_step()), 10.0, 60.0));
   }
   /// What is worth seeing next; 0: nothing, or the calls do not suffice. All of T is worth a smaller race.
   SEMIEXPLICIT_COLD double next_length() {
     const double once = racing_rate(1);
     if (once == 0) return 0;
-    table_.budget = std::min(options().max_gradients / overrun,
-                             std::max(least_calls(), options().budget * once * table_.time));
+    set_budget(once * table_.time);
     const double left = table_.budget - (table_.spent_gradients - scout_.spent());
     const auto affordable = [&](std::size_t racers) {
-      const double of_reference = table_.invariant ? 0 : reference_.rate();
+      const double of_reference = options().observable.is_energy() ? 0 : reference_.rate();
       return left / (trials_a_racer * racing_rate(racers) + of_reference);
     };
     if (table_.tried * stretch >= table_.time && scout_.time() >= table_.time)
@@ -114,8 +129,13 @@ class Search {
         for (Goal& goal : goals_) goal.racers.resize(std::min(goal.racers.size(), racers));
         return table_.time;
       }
-    const double length = std::min({affordable(most_racers), stretch * table_.tried, scout_.time()});
-    return length > 1.5 * table_.tried ? length : 0;
+    for (std::size_t racers = most_racers; racers > 0; --racers) {
+      const double length = std::min({affordable(racers), stretch * table_.tried, scout_.time()});
+      if (!(length > 1.5 * table_.tried)) continue;
+      for (Goal& goal : goals_) keep(goal.racers, racers);
+      return length;
+    }
+    return 0;
   }
   /// Gradient calls a unit of time of so many racers for each target.
   SEMIEXPLICIT_COLD double racing_rate(std::size_t racers) const {
@@ -131,10 +151,7 @@ class Search {
       problem_.judged.terms = std::max(problem_.judged.terms, scout_.terms());
       table_.rounding = problem_.rounding_of_invariant(table_.time_scale);
     } else {
-      if (!reference_.go(length, 0.1 * goals_.back().target * length / table_.time)) {
-        table_.unfinished = everything;
-        return false;
-      }
+      if (!reference_.go(length, 0.1 * goals_.back().target * length / table_.time)) return false;
       table_.invariant = reference_.is_constant();
       problem_.judge_by_first();
       if (table_.invariant)
@@ -144,7 +161,13 @@ class Search {
     }
     return true;
   }
-  void look_ahead() { table_.harder = table_.tried < table_.time ? scout_.harder_than(table_.tried) : 1; }
+  /// How much harder it gets behind a trial. Where the race may go on to that, it need not be counted in
+  /// full.
+  SEMIEXPLICIT_COLD double harder_behind(double length) const {
+    if (!(length < table_.time)) return 1;
+    if (length != looked_from_) looked_from_ = length, harder_ = scout_.harder_than(length);
+    return counts_harder_ ? harder_ : std::min(harder_, 1.3);
+  }
 
   /// What the reference is worth at T.
   SEMIEXPLICIT_COLD void judge_reference(double length) {
@@ -164,11 +187,19 @@ class Search {
     for (const auto& sample : reference_.samples())
       if (sample.apart / unit > goals_.front().target / 3) end = std::min(end, sample.t);
     const bool lost = end < length || apart(length) > goals_.front().target / 3;
-    const double rate = std::log(apart(end) / apart(end / 2)) / (end / 2);
+    // Exponential is what grows as much in each third: close passages make single jumps.
+    const double first = apart(end / 3), second = apart(2 * end / 3), last = apart(end);
+    const double rate = std::log(last / first) / (2 * end / 3);
+    const bool exponential = std::min(second / first, last / second) > much;
     const double power = std::log(apart(length) / apart(length / 4)) / std::log(4.0);
-    if (lost && rate * end / 2 > std::log(much)) parts(rate);
-    suspected_rate_ = !lost && power > 4 ? rate : 0;
-    table_.reference_error = table_.rounding = apart(length) * grown(length, std::clamp(power, 1.5, 12.0));
+    if (lost && exponential) parts(rate);
+    suspected_rate_ = !lost && exponential ? rate : 0;
+    // A random walk of the energy moves the phase by the power 3/2, and more where steps change.
+    const double least = 1.5, most_power = suspected_rate_ > 0          ? 12.0
+                                           : reference_.changes_steps() ? 2.0
+                                                                        : least;
+    table_.reference_error = apart(length) * grown(length, std::clamp(power, least, most_power));
+    table_.rounding = more_rounding * table_.reference_error;
     table_.reference_time = length;
   }
 
@@ -188,22 +219,40 @@ class Search {
   /// The error at T that a trial stands for.
   SEMIEXPLICIT_COLD double error_of(const Candidate& candidate, const Probe& probe, double dt) const {
     const double T = table_.time;
-    double error = probe.error;
-    error += table_.invariant ? problem_.judged.noise : reference_.apart(probe.length) / table_.unit;
-    if (!(probe.length < T * (1 - 1e-12))) return error;
+    // What rounding has made of it grows in its own way.
+    const double known = table_.invariant ? problem_.rounding_of_invariant(dt) * std::sqrt(probe.length / T)
+                                          : reference_.apart(probe.length) / table_.unit;
+    if (!(probe.length < T * (1 - 1e-12)))
+      return probe.error + (table_.invariant ? problem_.judged.noise : known);
+    const double error = std::max(0.0, probe.error - 2 * known),
+                 early = std::max(0.0, probe.early - 2 * known);
     // Only the energy, and of a symplectic method, is kept within bounds.
-    const bool bounded =
-        options().observable.is_energy() && candidate.setting.method != Setting::Method::midpoint;
-    const double power = probe.early > 0 ? std::log(probe.error / probe.early) / std::log(4.0) : 0;
+    const bool bounded = options().observable.is_energy() && is_symplectic(candidate);
+    const double power = early > 0 ? std::log(error / early) / std::log(4.0) : 0;
     double growth = grown(probe.length, std::clamp(power, 0.0, bounded ? 1.0 : 3.0));
     // What comes back with the motion may hide growth of its own size.
     if (!bounded) growth = std::max(growth, 1 + hidden_growth * (T / probe.length - 1));
-    return error * growth * std::pow(table_.harder, candidate.order) +
+    const double harder = candidate.setting.reversible
+                              ? 1
+                              : std::pow(std::min(harder_behind(probe.asked), 1e3), candidate.order);
+    return error * growth * harder +
            (table_.invariant ? problem_.rounding_of_invariant(dt) : table_.rounding);
   }
   bool grows(const Candidate& candidate, const Probe& probe) const {
     return !options().observable.is_energy() ||
-           (candidate.setting.method == Setting::Method::midpoint && probe.error > 1.4 * probe.early);
+           (!is_symplectic(candidate) && probe.error > 1.4 * probe.early);
+  }
+  static bool is_symplectic(const Candidate& candidate) {
+    return candidate.setting.method != Setting::Method::midpoint && !candidate.setting.reversible;
+  }
+  double longest_step(const Candidate& candidate) const {
+    return candidate.setting.reversible ? most_scales : table_.time;
+  }
+
+  /// Whether steps are known to go on to T as they were seen to: what is not symplectic may become unstable,
+  /// and reversible steps fail where their densities come to swing.
+  bool lasts(const Candidate& candidate, const Probe& probe) const {
+    return is_symplectic(candidate) || !(probe.length < table_.time * (1 - 1e-12));
   }
 
   bool is_current(const Probe& probe) const { return probe.asked >= table_.tried; }
@@ -257,8 +306,9 @@ class Search {
     if (high_works) return std::clamp(by_order(known.high), known.high / 5, known.high / 1.1);
     if (known.has_high()) return known.high / 1.6;
     const Bracket before = bracket(candidate, aim, false);
-    if (before.has_low()) return before.low;
-    return before.has_high() ? before.high / 1.6 : first_step(candidate, aim);
+    if (before.has_low()) return std::min(1.5 * before.low, by_order(before.low));
+    if (!before.has_high()) return first_step(candidate, aim);
+    return candidate.trials[before.high].works() ? by_order(before.high) : before.high / 1.6;
   }
   /// Where to begin: with a step as dear as the cheapest known one that meets the aim, or nearly.
   SEMIEXPLICIT_COLD double first_step(const Candidate& candidate, double aim) {
@@ -269,8 +319,9 @@ class Search {
       });
       if (std::isfinite(least)) break;
     }
-    const double usual = 20 * std::pow(aim / 1e-4, -0.1) / table_.time_scale;
-    return std::min(table_.time, candidate.kicks / (std::isfinite(least) ? least : usual));
+    const double usual = 20 * std::pow(problem_.in_terms(aim) / 1e-4, -0.1) / table_.time_scale;
+    return std::min(longest_step(candidate),
+                    candidate.kicks / (std::isfinite(least) ? least : usual) / candidate.unit);
   }
 
   /// Whether steps below that one no longer lower the error: rounding.
@@ -281,7 +332,7 @@ class Search {
     const auto larger = std::prev(here);
     const double now = error_of(candidate, here->second, step);
     return larger->second.works() && is_current(larger->second) && step < larger->first / 1.1 &&
-           now < std::max(1e-9, 10 * table_.rounding) &&
+           (problem_.in_terms(now) < 1e-9 || now < 10 * table_.rounding) &&
            now > 0.7 * error_of(candidate, larger->second, larger->first);
   }
 
@@ -296,8 +347,9 @@ class Search {
           (known.high / known.low < 1.12 || error_of(candidate, trials[known.low], known.low) > aim / 2.5 ||
            (candidate.projects() && trials[known.low].evaluations > 1.3)))
         break;  // near enough; or larger steps take more evaluations still
-      if (known.has_low() && known.low >= table_.time) break;
-      const double dt = std::min(next_step(candidate, known, aim), table_.time);
+      const double longest = longest_step(candidate);
+      if (known.has_low() && known.low >= longest) break;
+      const double dt = std::min(next_step(candidate, known, aim), longest);
       const double from = known.has_low() ? known.low : known.high;
       if (std::isfinite(from) && trials[from].works() &&
           (!candidate.projects() || trials[from].evaluations < 1.3)) {
@@ -310,7 +362,14 @@ class Search {
         goal.stalled = true;
         return infinity;
       }
-      if (trial(candidate, dt, aim) == nullptr) break;
+      const Probe* const seen = trial(candidate, dt, aim);
+      if (seen == nullptr) break;
+      if (!first_race_ || !seen->works()) continue;
+      // Near enough to tell what the aim would cost.
+      const double off = error_of(candidate, *seen, dt) / aim;
+      if (!(off > 0.25 && off < 4) || (candidate.projects() && seen->evaluations > 1.3)) continue;
+      candidate.rate = seen->rate * std::pow(off / 0.7, 1.0 / candidate.order);
+      return cost_of(candidate, *seen) * candidate.rate / seen->rate;
     }
     double cheapest = infinity, dt = 0;
     for (const auto& [step, seen] : trials) {
@@ -325,7 +384,7 @@ class Search {
     const double single = options().by == CostBy::seconds ? seconds_per_call(candidate) : 1.0;
     for (int attempt = 0; attempt < 5 && candidate.projects() && trials[dt].evaluations >= 1.1; ++attempt) {
       dt /= trials[dt].evaluations > 1.5 ? 1.3 : 1.12;
-      if (candidate.kicks / dt * single > std::min(cheapest, 1.2 * best)) break;
+      if (candidate.kicks / (dt * candidate.unit) * single > std::min(cheapest, 1.2 * best)) break;
       const Probe* const smaller = trial(candidate, dt, aim);
       if (smaller == nullptr || !smaller->works()) break;
       if (error_of(candidate, *smaller, dt) <= aim && cost_of(candidate, *smaller) < cheapest)
@@ -351,17 +410,43 @@ class Search {
         for (auto& [step, seen] : candidate.trials) use(candidate, step, seen);
   }
 
+  /// So many of the cheapest first, one more where none is symplectic.
+  SEMIEXPLICIT_COLD static void keep(std::vector<std::pair<double, Candidate*>>& racers, std::size_t count) {
+    count = std::min(count, racers.size());
+    const auto symplectic = [](const auto& racer) { return is_symplectic(*racer.second); };
+    const auto first = std::find_if(racers.begin(), racers.end(), symplectic);
+    const auto place = static_cast<std::size_t>(first - racers.begin());
+    if (first != racers.end() && place >= count) std::swap(racers[count++], *first);
+    racers.resize(count);
+  }
+  SEMIEXPLICIT_COLD void race_all() {
+    for (Goal& goal : goals_) {
+      if (cut_ || table_.parts_before(goal.target)) continue;
+      goal.aim = std::max(goal.target, 2 * table_.rounding);
+      if (&goal != &goals_.front() && goal.aim == (&goal - 1)->aim)
+        goal.racers = (&goal - 1)->racers, goal.tried = (&goal - 1)->tried;
+      else
+        race(goal);
+    }
+  }
   /// Whoever is in the race for the goal, all at first, is tried on the stretch; the best stay.
   SEMIEXPLICIT_COLD void race(Goal& goal) {
     std::vector<std::pair<double, Candidate*>> results;
     double best = std::numeric_limits<double>::infinity();
+    // What is symplectic is advice also where the calls end before T, and looked for although it is dearer.
+    double best_symplectic = best;
     const auto enter = [&](Candidate& candidate) {
-      const double cost = solve(candidate, goal, best);
+      const bool symplectic = is_symplectic(candidate);
+      const double cost = solve(
+          candidate, goal,
+          symplectic && table_.tried < table_.time ? std::min(best_symplectic, much_dearer * best) : best);
       best = std::min(best, cost);
+      if (symplectic) best_symplectic = std::min(best_symplectic, cost);
       if (std::isfinite(cost)) results.emplace_back(cost, &candidate);
       return cost;
     };
     const bool first = goal.racers.empty();
+    first_race_ = first && table_.tried < table_.time;
     for (const auto& racer : goal.racers) enter(*racer.second);
     if (first || results.empty())
       for (Family& family : families_) enter_family(family, goal.aim, enter);
@@ -369,14 +454,17 @@ class Search {
     std::size_t stay = 0;
     while (stay < results.size() && stay < (first ? most_racers : 3) && results[stay].first <= 1.5 * best)
       ++stay;
-    results.resize(stay);
+    if (cut_ && goal.tried > 0) return;  // not all have been tried as far
+    keep(results, stay);
     goal.racers = results;
+    goal.tried = table_.tried;
   }
   /// From where in a family the aim is expected to be met best, by figures from many problems, to both sides,
   /// for as long as it gets cheaper.
   SEMIEXPLICIT_COLD void enter_family(Family& family, double aim, const auto& enter) {
     if (!options().observable.is_energy()) aim *= table_.tried / table_.time;  // it grows
-    const double place = (-std::log10(aim) - 4) / 2 + (family.front().setting.is_gauss() ? 1 : 0);
+    const double place =
+        (-std::log10(problem_.in_terms(aim)) - 4) / 2 + (family.front().setting.is_gauss() ? 1 : 0);
     const auto middle =
         static_cast<std::size_t>(std::clamp(std::round(place), 0.0, static_cast<double>(family.size() - 1)));
     const double here = enter(family[middle]);
@@ -394,13 +482,13 @@ class Search {
   SEMIEXPLICIT_COLD void judge(const Goal& goal) {
     double least = std::numeric_limits<double>::infinity();
     for_each_trial([&](const Candidate& candidate, double step, const Probe& seen) {
-      if (seen.works() && is_current(seen)) least = std::min(least, error_of(candidate, seen, step));
+      if (seen.works() && seen.asked >= goal.tried) least = std::min(least, error_of(candidate, seen, step));
     });
     if (least <= goal.target) return;
     if (goal.stalled || goal.aim > goal.target)
       table_.rounding =
           std::max(table_.rounding, std::nextafter(goal.target, std::numeric_limits<double>::max()));
-    else if (cut_ || table_.harder_ahead())
+    else if (cut_)
       table_.unfinished = std::max(table_.unfinished, goal.target);
   }
 
@@ -413,8 +501,10 @@ class Search {
                   .seconds = nan,
                   .limit = LimitedBy::failure,
                   .status = seen.status,
-                  .tried = seen.asked};
-      if (seen.works()) {
+                  .tried = seen.asked,
+                  .harder = harder_behind(seen.asked)};
+      if (seen.works() && !lasts(candidate, seen)) row.lasts = false;
+      if (row.works()) {
         row.error = error_of(candidate, seen, step);
         row.gradients = seen.rate * table_.time;
         row.seconds = row.gradients * seconds_per_call(candidate);
@@ -427,17 +517,20 @@ class Search {
   }
 
   static constexpr double everything = 1e300;
+  static constexpr double most_scales = 4;    ///< of the local time, that a reversible step may take
   static constexpr double scout_share = 0.2;  ///< of the budget
   static constexpr double first_share = 0.3;  ///< of the budget, for the first race
   static constexpr double first_trials =
       120;  ///< that it takes for a target, each in so many of the scout's calls
-  static constexpr double to_the_end = 3;       ///< budgets that a coarse run to T is worth
+  static constexpr double to_the_end = 0.5;     ///< budgets that a coarse run to T is worth
   static constexpr double overrun = 1.5;        ///< of the budget, at most
   static constexpr double stretch = 8;          ///< from one race to the next
   static constexpr double trials_a_racer = 3;   ///< usually
-  static constexpr double least_scales = 20;    ///< that a trial has to last
-  static constexpr double much = 100;           ///< in half the time: no power of it
+  static constexpr double least_scales = 8;     ///< that a trial has to last
+  static constexpr double much = 20;            ///< for a power of the time, from third to third
   static constexpr double hidden_growth = 0.4;  ///< in a trial, of the error that it saw
+  static constexpr double more_rounding = 2;    ///< than the reference's, whose steps are few
+  static constexpr double much_dearer = 20;
   static constexpr std::size_t most_racers = 5;
   static constexpr int most_trials = 8;
 
@@ -448,6 +541,8 @@ class Search {
   Reference<Any> reference_;
   CallTimer<Any> timer_;
   std::vector<Goal> goals_{};
+  mutable double looked_from_ = 0, harder_ = 1;
+  bool counts_harder_ = false, first_race_ = false;
   double suspected_rate_ = 0;  ///< at which neighbouring orbits may part
   bool cut_ = false;           ///< a trial met the limit of calls
 };

@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include <semiexplicit/accuracy/problem.hpp>
 #include <semiexplicit/core/cold.hpp>
 #include <semiexplicit/integrate.hpp>
+#include <semiexplicit/time/reversible_steps.hpp>
 
 namespace semiexplicit::detail {
 
@@ -33,29 +36,37 @@ struct Probe {
 template <class Any>
 class Walker {
  public:
+  using Scalar = typename Any::Scalar;
   using State = typename Any::State;
 
   SEMIEXPLICIT_COLD Walker(Problem<Any>& problem, const Setting& setting)
       : problem_(problem),
-        projects_(setting.method == Setting::Method::semiexplicit),
-        stepper_(problem.hamiltonian.stepper(setting)) {}
+        setting_(setting),
+        stepper_(problem.hamiltonian.stepper(setting)),
+        most_(static_cast<double>(stepper_.max_gradients())) {}
 
-  /// False: it failed, or the calls may not suffice.
+  /// A step of the given time. False: it failed, or the calls may not suffice.
   bool step(State& z, double dt, Probe& probe) {
-    if (static_cast<double>(stepper_.max_gradients()) > problem_.left()) {
-      probe.cut = true;
-      return false;
+    if (!affordable(1, probe)) return false;
+    return count(stepper_.step(z, Scalar(dt)), dt, probe);
+  }
+  /// The same as the setting has them: the next of a run from z0 on, not beyond T, by equal ones of dt or a
+  /// reversible one. t is the time after it.
+  bool step_on(State& z, double& t, double dt, Probe& probe) {
+    if (!setting_.reversible) {
+      if (!step(z, dt, probe)) return false;
+      const double T = problem_.table.time, n = ++taken_;
+      t = n * dt < T * (1 - 1e-12) ? n * dt : T;
+      return true;
     }
-    const StepReport report = stepper_.step(z, static_cast<typename Any::Scalar>(dt));
-    problem_.spend(static_cast<double>(report.gradients));
-    probe.status = report.status;
-    if (!report.ok()) return false;
-    // The first step of some has nothing to start from: it counts where there is no other.
-    if (steps_++ == 1) time_ = 0, calls_ = evaluations_ = 0;
-    time_ += dt, calls_ += report.gradients, evaluations_ += report.evaluations;
-    if (projects_ && evaluations_ > most_evaluations * std::max<std::int64_t>(steps_, 4))
-      probe.status = Status::no_convergence;
-    return probe.works();
+    if (!affordable(4, probe)) return false;  // a start tries to both sides
+    if (!following_) {
+      following_.emplace(std::move(stepper_), pace_of(problem_.hamiltonian, setting_));
+      following_->begin(z, Scalar(t));
+    }
+    const StepReport report = following_->step_until(z, Scalar(setting_.dt), Scalar(problem_.table.time));
+    t = static_cast<double>(following_->time());
+    return count(report, static_cast<double>(following_->taken()), probe);
   }
 
   void finish(Probe& probe) const {
@@ -66,15 +77,34 @@ class Walker {
   }
 
  private:
+  bool affordable(double steps, Probe& probe) const {
+    probe.cut = steps * most_ > problem_.left();
+    return !probe.cut;
+  }
+  bool count(const StepReport& report, double dt, Probe& probe) {
+    problem_.spend(static_cast<double>(report.gradients));
+    probe.status = report.status;
+    if (!report.ok()) return false;
+    // The first step of some has nothing to start from: it counts where there is no other.
+    if (steps_++ == 1) time_ = 0, calls_ = evaluations_ = 0;
+    time_ += dt, calls_ += report.gradients, evaluations_ += report.evaluations;
+    if (setting_.method == Setting::Method::semiexplicit &&
+        evaluations_ > most_evaluations * std::max<std::int64_t>(steps_, 4))
+      probe.status = Status::no_convergence;
+    return probe.works();
+  }
+
   /// A projection takes more a step only where half the step takes less than half as many, and right below
   /// steps at which it fails.
   static constexpr std::int64_t most_evaluations = 30;
 
   Problem<Any>& problem_;
-  bool projects_;
-  AnyStepper<typename Any::Scalar> stepper_;
+  Setting setting_;
+  AnyStepper<Scalar> stepper_;
+  double most_;  ///< gradient calls a step
+  std::optional<ReversibleSteps<AnyStepper<Scalar>, monitors::TimeScale<Any>>> following_{};
   std::int64_t steps_ = 0, calls_ = 0, evaluations_ = 0;
-  double time_ = 0;
+  double time_ = 0, taken_ = 0;
 };
 
 /// The observable where a reference knows it.
@@ -95,7 +125,7 @@ SEMIEXPLICIT_COLD Probe try_setting(Problem<Any>& problem, const Setting& settin
                                     double hopeless) {
   Probe probe;
   Walker<Any> walker(problem, setting), between(problem, setting);
-  const double T = problem.table.time, steps = steps_between(0.0, T, setting.dt), dt = T / steps;
+  const double T = problem.table.time, dt = T / steps_between(0.0, T, setting.dt);
   const double unit = problem.judged.unit;
   auto z = problem.z0, at = z;
   auto value = problem.first;
@@ -107,9 +137,8 @@ SEMIEXPLICIT_COLD Probe try_setting(Problem<Any>& problem, const Setting& settin
     return probe.error <= hopeless && probe.works();
   };
   auto next = samples.begin();
-  for (double n = 1; n <= steps && probe.length < length * (1 - 1e-12); ++n) {
-    if (!walker.step(z, dt, probe)) break;
-    const double t = n == steps ? T : n * dt;
+  double t = 0;
+  while (t < length * (1 - 1e-12) && walker.step_on(z, t, dt, probe)) {
     probe.length = t;
     if (samples.empty() && !note(t, z, problem.first)) break;
     bool goes_on = true;
@@ -117,6 +146,7 @@ SEMIEXPLICIT_COLD Probe try_setting(Problem<Any>& problem, const Setting& settin
       at.vector() = z.vector();
       const double back = next->t - t;
       goes_on = (back == 0 || between.step(at, back, probe)) && note(next->t, at, next->value);
+      if (goes_on && !problem.keeps_energy(at)) probe.status = Status::not_finite, goes_on = false;
     }
     if (!goes_on) break;
   }

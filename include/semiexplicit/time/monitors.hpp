@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include <semiexplicit/core/extended_phase_space.hpp>
 #include <semiexplicit/core/hamiltonian_door.hpp>
 #include <semiexplicit/core/phase_point.hpp>
 #include <semiexplicit/time/pace.hpp>
@@ -164,6 +165,79 @@ class FieldSize {
  private:
   H hamiltonian_;
   mutable PhasePoint<Scalar, Dof> at_, gradient_;
+};
+
+/// In what TimeScale counts a state.
+template <class Scalar>
+struct TimeScaleOptions {
+  Scalar length = Scalar(1), momentum = Scalar(1);  ///< about by how much q and p change along the orbit
+  Scalar longest = Scalar(1);  ///< about the longest time scale of the orbit, which g stays below
+};
+
+/// g = 1/(‖Ẋ‖/‖X‖ + 1/longest), X being the vector field and Ẋ its change along the motion: the time in which
+/// the motion becomes another one, of any Hamiltonian. r^{3/2} of a circular Kepler orbit. A value is two
+/// gradient calls, and there is no gradient: for ReversibleSteps. One of dynamic size works in memory of its
+/// own. Of a driven system the time and its momentum do not count.
+template <class H>
+class TimeScale {
+ public:
+  using Scalar = typename semiexplicit::detail::HamiltonianDoor<H>::Scalar;
+  static constexpr int Dof = semiexplicit::detail::HamiltonianDoor<H>::Dof;
+  using Options = TimeScaleOptions<Scalar>;
+
+  /// Throws std::invalid_argument unless all options are positive and finite.
+  explicit TimeScale(H hamiltonian, Options options = {})
+      : hamiltonian_(std::move(hamiltonian)),
+        options_(options),
+        at_(dof_of(hamiltonian_)),
+        here_(at_),
+        ahead_(at_) {
+    using std::isfinite;
+    for (const Scalar& size : {options.length, options.momentum, options.longest})
+      if (!(size > Scalar(0) && isfinite(size)))
+        throw std::invalid_argument(
+            "monitors::TimeScale: length, momentum or longest is not positive and finite; give sizes of the "
+            "orbit");
+  }
+
+  template <class Q, class P>
+  Scalar value(const Q& q, const P& p) const {
+    using std::sqrt;
+    at_.q() = q;
+    at_.p() = p;
+    field(here_);
+    const Scalar speed = size(here_), h = 100 * sqrt(Eigen::NumTraits<Scalar>::epsilon()) / speed;
+    at_.vector() += h * here_.vector();
+    field(ahead_);
+    ahead_.vector() -= here_.vector();
+    return 1 / (size(ahead_) / (h * speed) + 1 / options_.longest);
+  }
+  /// Gradient calls of a value.
+  std::int64_t gradients() const { return 2; }
+
+ private:
+  /// X where at_ is.
+  void field(PhasePoint<Scalar, Dof>& velocity) const {
+    semiexplicit::detail::gradient_at(hamiltonian_, at_.vector().data(), velocity.vector().data(), at_.dof());
+    for (Eigen::Index i = 0; i < at_.dof(); ++i) {
+      const Scalar force = -velocity.q()[i];
+      velocity.q()[i] = velocity.p()[i];
+      velocity.p()[i] = force;
+    }
+  }
+  Scalar size(const PhasePoint<Scalar, Dof>& velocity) const {
+    using std::sqrt;
+    Scalar squares(0);
+    for (Eigen::Index i = 0; i < semiexplicit::detail::own_dof<H>(velocity.dof()); ++i) {
+      const Scalar x = velocity.q()[i] / options_.length, y = velocity.p()[i] / options_.momentum;
+      squares += x * x + y * y;
+    }
+    return sqrt(squares);
+  }
+
+  H hamiltonian_;
+  Options options_;
+  mutable PhasePoint<Scalar, Dof> at_, here_, ahead_;
 };
 
 /// g = 1/Σ_{i<j} 1/D²ᵢⱼ with the distances D of point vortices, of which each pair turns at a rate like 1/D²:

@@ -57,7 +57,7 @@ class Scout {
 
   /// How much finer steps must be in the hardest place that is known than where a trial of that length was,
   /// but for its first quarter: it may have begun in the middle of one. Infinite where such places come back
-  /// and the trial has not seen two: what an error grows by from one to the next is not known then.
+  /// and the trial has not seen four: what an error grows by from one to the next is not known then.
   SEMIEXPLICIT_COLD double harder_than(double length) const {
     const auto [least, varies] = paces();
     const double infinity = std::numeric_limits<double>::infinity(), level = least * std::sqrt(varies);
@@ -73,7 +73,7 @@ class Scout {
       visits_in_trial += place.t <= length;
     }
     if (places_.empty()) return 1;
-    if (varies > 4 && visits_in_trial < std::min(visits, 2)) return infinity;
+    if (varies > 4 && visits_in_trial < std::min(visits, 4)) return infinity;
     // What the paces of an even motion differ by is no hard place.
     return std::max(1.0, seen / least / 1.3);
   }

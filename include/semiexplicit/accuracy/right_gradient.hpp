@@ -8,6 +8,7 @@
 #include <string>
 
 #include <semiexplicit/core/cold.hpp>
+#include <semiexplicit/core/extended_phase_space.hpp>
 #include <semiexplicit/core/reference_size.hpp>
 #include <semiexplicit/derivatives/check_gradient.hpp>
 

@@ -488,7 +488,7 @@ class Search {
     if (goal.stalled || goal.aim > goal.target)
       table_.rounding =
           std::max(table_.rounding, std::nextafter(goal.target, std::numeric_limits<double>::max()));
-    else if (cut_)
+    else if (cut_ || goal.tried < table_.time)
       table_.unfinished = std::max(table_.unfinished, goal.target);
   }
 

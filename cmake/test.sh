@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# test.sh [--all]: installs what is missing, builds the tests by clang++ and runs them. --all does more instead: the tests,
-# benchmarks, packages and compilers' messages by g++, the formatting, the documentation, and the tests by clang++ with the
-# address and undefined-behaviour sanitizers.
+# test.sh [--all]: installs what is missing, builds the tests by clang++ and runs them. --all does the rest: packages, the
+# compilers' messages, the formatting, the documentation, everything compiled by g++ and the most of it run, and the tests by
+# clang++ with the address and undefined-behaviour sanitizers.
 set -euo pipefail
 # shellcheck source=cmake/stage.sh
 source "$(dirname "${BASH_SOURCE[0]}")/stage.sh"
@@ -47,7 +47,7 @@ fi
 bash cmake/install-dependencies.sh check
 stage "Formatting"
 check_format
-build_and_test dev
+build_and_test gcc
 stage "Documentation"
 bash cmake/docs.sh
 build_and_test asan

@@ -75,6 +75,15 @@ class DoubledStep {
       return update_.update(
           z, [moved = moved_.data()](Eigen::Index i) { return moved[i] / 2; },
           [this](bool ok) { return on_all_ranks<Scalar>(hamiltonian_, ok); });
+    if constexpr (fits_on_stack(Dof)) {
+      StackPoint<Scalar, Dof> next;
+      for_each_index(twice_of(next.d), [&](Eigen::Index i) {
+        next.data[i] = apart<std::integral_constant<int, Dof>, Scalar>(z.vector()[i] + moved_[i] / 2);
+      });
+      if (!on_all_ranks<Scalar>(hamiltonian_, all_finite(next.data, 2 * Dof))) return false;
+      next.store(z.vector().data());
+      return true;
+    }
     moved_ = z.vector() + Scalar(0.5) * moved_;
     if (!on_all_ranks<Scalar>(hamiltonian_, all_finite(moved_))) return false;
     z.vector() = moved_;

@@ -28,7 +28,11 @@ SEMIEXPLICIT_INLINE void for_each_index(std::integral_constant<int, N>, const F&
 template <class Size>
 inline constexpr bool is_small_constant = false;
 template <int D>
+#if defined(__clang__)
 inline constexpr bool is_small_constant<std::integral_constant<int, D>> = D <= 8;
+#else
+inline constexpr bool is_small_constant<std::integral_constant<int, D>> = D <= 4;
+#endif
 
 /// 2d, a constant where d is one.
 inline Eigen::Index twice_of(Eigen::Index d) { return 2 * d; }

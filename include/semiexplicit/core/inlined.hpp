@@ -12,6 +12,8 @@
 #define SEMIEXPLICIT_NOINLINE __attribute__((noinline))
 #define SEMIEXPLICIT_INLINE __attribute__((always_inline)) inline
 #define SEMIEXPLICIT_INLINE_CALLS __attribute__((flatten))
+// Inlined by every compiler that optimises, whatever its size.
+#define SEMIEXPLICIT_INTO_CALLER __attribute__((always_inline)) inline
 // What calls a user's term, which has to become one piece with the loop over terms, and what a term is made
 // of.
 #define SEMIEXPLICIT_CALL_OF_TERM __attribute__((always_inline, flatten))
@@ -22,6 +24,7 @@
 #define SEMIEXPLICIT_NOINLINE __attribute__((noinline))
 #define SEMIEXPLICIT_INLINE inline
 #define SEMIEXPLICIT_INLINE_CALLS
+#define SEMIEXPLICIT_INTO_CALLER __attribute__((always_inline)) inline
 #define SEMIEXPLICIT_CALL_OF_TERM __attribute__((noclone, flatten))
 #define SEMIEXPLICIT_INTO_TERM __attribute__((always_inline)) inline
 #define SEMIEXPLICIT_INLINE_LAMBDA __attribute__((always_inline))
@@ -30,6 +33,7 @@
 #define SEMIEXPLICIT_NOINLINE
 #define SEMIEXPLICIT_INLINE inline
 #define SEMIEXPLICIT_INLINE_CALLS
+#define SEMIEXPLICIT_INTO_CALLER inline
 #define SEMIEXPLICIT_CALL_OF_TERM
 #define SEMIEXPLICIT_INTO_TERM inline
 #define SEMIEXPLICIT_INLINE_LAMBDA

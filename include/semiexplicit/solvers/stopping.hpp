@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include <semiexplicit/core/inlined.hpp>
 #include <semiexplicit/core/ranks.hpp>
 #include <semiexplicit/core/solver.hpp>
 
@@ -50,7 +51,8 @@ struct StoppingRule {
   }
   /// The same with a function that gives ‖z‖, which is called if the rule needs it.
   template <class Scalar, std::invocable SizeOfState>
-  bool accepts(const Scalar& e, const Scalar& size_m, const SizeOfState& size_of_state) const {
+  SEMIEXPLICIT_INTO_CALLER bool accepts(const Scalar& e, const Scalar& size_m,
+                                        const SizeOfState& size_of_state) const {
     const Scalar bound = static_cast<Scalar>(tolerance);
     if (kind == Kind::paper) return e < bound;
     if (e == Scalar(0)) return true;
@@ -157,9 +159,10 @@ class Convergence {
   Convergence(const StoppingRule& rule, int max_iterations) : rule_(rule), max_iterations_(max_iterations) {}
 
   /// Takes the next correction's size; true: stop, report() says why. `residual` knows the sizes of state and
-  /// rounding.
+  /// rounding. Inlined, so that the bookkeeping of a single evaluation is in registers: in memory it is
+  /// written number by number and then copied as a whole, which waits for the last of them.
   template <class Residual>
-  bool done(const Scalar& e, const Scalar& size_m, const Residual& residual) {
+  SEMIEXPLICIT_INTO_CALLER bool done(const Scalar& e, const Scalar& size_m, const Residual& residual) {
     using std::isfinite;
     using std::sqrt;
     ++report_.evaluations;

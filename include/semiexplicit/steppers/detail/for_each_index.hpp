@@ -24,14 +24,21 @@ SEMIEXPLICIT_INLINE void for_each_index(std::integral_constant<int, N>, const F&
   else for (Eigen::Index i = 0; i < N; ++i) f(i);
 }
 /// Whether a number of degrees of freedom is a constant, and so small that a loop over it gains nothing by
-/// vectors.
+/// vectors. With g++ the two copies also have to fit into the registers: 16 of them, or 32.
 template <class Size>
 inline constexpr bool is_small_constant = false;
 template <int D>
-#if defined(__clang__)
+#if defined(__clang__) || defined(__AVX512VL__)
 inline constexpr bool is_small_constant<std::integral_constant<int, D>> = D <= 8;
 #else
 inline constexpr bool is_small_constant<std::integral_constant<int, D>> = D <= 4;
+#endif
+/// And whether the sum of the increments, as long as a copy, fits in beside them.
+template <class Size>
+inline constexpr bool sums_are_small = is_small_constant<Size>;
+#if !defined(__clang__)
+template <int D>
+inline constexpr bool sums_are_small<std::integral_constant<int, D>> = D <= 4;
 #endif
 
 /// 2d, a constant where d is one.

@@ -51,16 +51,17 @@ template <class Scalar, class Number, class Size, class... Sum>
 SEMIEXPLICIT_INLINE void add_halves(const Scalar& t, const Number* __restrict dHdq,
                                     const Number* __restrict dHdp, Number* __restrict to, Size size,
                                     Eigen::Index d, Sum* __restrict... sum) {
+  using OfSum = std::conditional_t<sums_are_small<Size>, Size, Eigen::Index>;
   const Scalar minus_t = -t;
   for_each_index(size, [&](Eigen::Index i) {
     const Number& slope = dHdp[i];
     add_multiple<Size>(to[i], t, slope);
-    (add_multiple<Size>(sum[i], t, slope), ...);
+    (add_multiple<OfSum>(sum[i], t, slope), ...);
   });
   for_each_index(size, [&](Eigen::Index i) {
     const Number& slope = dHdq[i];
     add_multiple<Size>(to[d + i], minus_t, slope);
-    (add_multiple<Size>(sum[d + i], minus_t, slope), ...);
+    (add_multiple<OfSum>(sum[d + i], minus_t, slope), ...);
   });
 }
 /// The same with both halves of the gradient in a row.

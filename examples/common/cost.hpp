@@ -79,7 +79,7 @@ struct CostRequest {
   template <class H, class State>
   bool answer(const H& hamiltonian, const State& z0, Method& method, Settings& settings,
               const std::string& file, const std::string& title, const AngleTarget& angle = {}) {
-    CostOptions options{.by = cost_by()};
+    CostOptions options{.by = cost_by(), .reversible = false};  // the programs' steps are of one size
     if (!with_gauss) options.gauss_stages.clear();
     double target = accuracy;
     if (angle.direction) {

@@ -503,6 +503,46 @@ TEST_CASE("Lyapunov exponents under reversible steps are those of the motion", "
   CHECK(lyapunov.exponents()[1] == Approx(-1).epsilon(1e-8));
 }
 
+TEST_CASE(
+    "The time scale of any Hamiltonian is r^(3/2) of a circular orbit, in any units, and steps follow it",
+    "[reversible steps]") {
+  const Kepler h;
+  for (const double r : {0.1, 1.0, 30.0}) {
+    const monitors::TimeScale scale(h, {.length = r, .momentum = 1 / std::sqrt(r), .longest = 1e12});
+    CHECK(scale.value(Eigen::Vector2d(r, 0), Eigen::Vector2d(0, 1 / std::sqrt(r))) ==
+          Approx(std::pow(r, 1.5)).epsilon(1e-5));
+    const monitors::TimeScale capped(h, {.length = 1, .momentum = 1, .longest = 2});
+    CHECK(capped.value(Eigen::Vector2d(r, 0), Eigen::Vector2d(0, 1 / std::sqrt(r))) ==
+          Approx(1 / (std::pow(r, -1.5) + 0.5)).epsilon(1e-5));
+  }
+  // The same in units of one's own: lengths in 1e-11, momenta in 1e20.
+  const auto in_units = make_hamiltonian<double, 2>(
+      [](const auto& q, const auto& p) { return 1e9 * Kepler().energy(q * 1e11, p * 1e-20); },
+      [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+        const Eigen::Vector2d x = q * 1e11, y = p * 1e-20;
+        Eigen::Vector2d a, b;
+        Kepler().gradient(x, y, a, b);
+        dHdq = 1e20 * a, dHdp = 1e-11 * b;  // the same motion: {x, y} = 1e-9
+      });
+  const monitors::TimeScale one(h, {.longest = 5.0});
+  const monitors::TimeScale other(in_units, {.length = 1e-11, .momentum = 1e20, .longest = 5.0});
+  const Eigen::Vector2d q(0.3, -0.2), p(0.5, 1.9);
+  CHECK(other.value(q * 1e-11, p * 1e20) == Approx(one.value(q, p)).epsilon(1e-5));
+  CHECK(one.gradients() == 2);
+  CHECK_THROWS_AS(monitors::TimeScale(h, {.length = 0.0}), std::invalid_argument);
+
+  // An orbit of e = 0.9: a few hundred steps each, and no drift of the energy.
+  PhasePoint<double, 2> z({0.1, 0}, {0, std::sqrt(19.0)});
+  ReversibleSteps stepper(Semiexplicit(h, schemes::low_defect8_s20()),
+                          monitors::TimeScale(h, {.momentum = 4.0, .longest = 3.0}));
+  Invariants invariants(h);
+  const IntegrationReport run =
+      integrate(stepper, z, {.dt = 0.25, .t_end = 200 * std::acos(-1.0)}, invariants);
+  CHECK(run.ok());
+  CHECK(run.steps < 100 * 100);
+  CHECK(invariants["energy"].worst < 1e-7);
+}
+
 TEST_CASE("The ready monitor functions have the values and gradients that they say", "[reversible steps]") {
   const Eigen::Vector4d q(0.3, -0.4, 1.2, 0.5), p(0.1, 0.2, -0.3, 0.7);
   const double r = std::hypot(0.9, 0.9);

@@ -68,7 +68,8 @@ SEMIEXPLICIT_COLD CostOptionsOf<Scalar, Dof> options_for(const CostOptionsOf<Sca
                                     .by = options.by,
                                     .schemes = options.schemes,
                                     .gauss_stages = options.gauss_stages,
-                                    .splittings = options.splittings};
+                                    .splittings = options.splittings,
+                                    .reversible = options.reversible};
   if (!options.observable.is_energy())
     result.observable = [f = options.observable](const In<Scalar, Dof>& q, const In<Scalar, Dof>& p) {
       return f(PhasePoint<Scalar, OtherDof>(q, p), own_dof<H>(q.size()));

@@ -37,6 +37,9 @@ struct CostOptionsOf {
   /// loose to tight.
   std::vector<std::string> splittings{"blanes_moan4", "blanes_moan6", "sofroniou_spaletta8",
                                       "sofroniou_spaletta10"};
+  /// Also the semiexplicit method and splittings by ReversibleSteps with monitors::TimeScale, where the time
+  /// scales along the orbit differ by more than four and H does not depend on the time.
+  bool reversible = true;
 };
 
 /// Options to be kept in a variable, whatever the Hamiltonian: an observable then sees columns of dynamic

@@ -5,7 +5,6 @@
 #include <functional>
 #include <iterator>
 #include <limits>
-#include <map>
 #include <utility>
 #include <vector>
 
@@ -42,7 +41,7 @@ class Search {
       runs += 1.5 * std::pow(problem_.in_terms(goal.target) / 1e-4, -0.12) * scout_.rate() * table_.time;
     set_budget(runs);
     // Where they are sure to win they come first: what is dearer is not tried further.
-    if (const double varies = scout_.paces().second; !timed && varies > 4) {
+    if (const double varies = scout_.paces().second; options().reversible && !timed && varies > 4) {
       const auto following = reversible(families_, scout_.sizes(), scout_.mean_step());
       families_.insert(varies > 12 ? families_.begin() : families_.end(), following.begin(), following.end());
     }
@@ -450,7 +449,8 @@ class Search {
     for (const auto& racer : goal.racers) enter(*racer.second);
     if (first || results.empty())
       for (Family& family : families_) enter_family(family, goal.aim, enter);
-    std::sort(results.begin(), results.end());
+    std::stable_sort(results.begin(), results.end(),
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
     std::size_t stay = 0;
     while (stay < results.size() && stay < (first ? most_racers : 3) && results[stay].first <= 1.5 * best)
       ++stay;

@@ -42,8 +42,8 @@ struct CostRow {
   Status status = Status::success;  ///< why the setting failed in a trial; the figures above are NaN then
   double tried = 0;                 ///< how far, in time: less than the whole where calls did not suffice
   double harder = 1;                ///< how much finer steps must be in what comes after that
-  bool lasts = true;  ///< false: not symplectic, and not tried to the end, as it has to be to be advised
-  bool interpolated = false;  ///< between two trials of the same scheme, instead of tried itself
+  bool lasts = true;                ///< false: it has to be tried to the end to be advised, and was not
+  bool interpolated = false;        ///< between two trials of the same scheme, instead of tried itself
 
   bool works() const { return status == Status::success; }
   double cost(CostBy by) const { return by == CostBy::gradients ? gradients : seconds; }
@@ -89,6 +89,8 @@ struct CostTable {
   double observable_end = std::numeric_limits<double>::infinity();  ///< first time that it is NaN or Inf at
   std::string exact_flow{};  ///< of a scene: what advised_flow() says at z0; no row has such a stepper
   double unfinished = 0;     ///< the loosest target whose search ended with the calls; 0: none; infinite: all
+
+  static constexpr double most_harder = 4;  ///< CostRow::harder that a row is advised with
 
   /// Whether what comes after the trials is so much harder that they tell nothing of it.
   SEMIEXPLICIT_COLD bool harder_ahead() const {
@@ -182,8 +184,6 @@ struct CostTable {
   double fraction_of(const CostRow& row) const { return spent_gradients / row.gradients; }
 
  private:
-  static constexpr double most_harder = 4;
-
   /// Whether a row works and was tried so far, and what is harder ahead is no harder for it.
   static bool counts(const CostRow& row, double far) {
     return row.works() && row.lasts && row.tried >= far &&

@@ -41,9 +41,11 @@ class Search {
       runs += 1.5 * std::pow(problem_.in_terms(goal.target) / 1e-4, -0.12) * scout_.rate() * table_.time;
     set_budget(runs);
     // Where they are sure to win they come first: what is dearer is not tried further.
-    if (const double varies = scout_.paces().second; options().reversible && !timed && varies > 4) {
+    varies_ = scout_.paces().second;
+    if (options().reversible && !timed && varies_ > 4) {
       const auto following = reversible(families_, scout_.sizes(), scout_.mean_step());
-      families_.insert(varies > 12 ? families_.begin() : families_.end(), following.begin(), following.end());
+      families_.insert(varies_ > much_varied ? families_.begin() : families_.end(), following.begin(),
+                       following.end());
     }
     for (double length = first_length(); length > 0; length = next_length()) {
       if (!scout()) return;
@@ -118,9 +120,9 @@ class Search {
     if (once == 0) return 0;
     set_budget(once * table_.time);
     const double left = table_.budget - (table_.spent_gradients - scout_.spent());
+    const double of_reference = options().observable.is_energy() ? 0 : reference_.rate();  // which goes on
     const auto affordable = [&](std::size_t racers) {
-      const double of_reference = options().observable.is_energy() ? 0 : reference_.rate();
-      return left / (trials_a_racer * racing_rate(racers) + of_reference);
+      return (left + of_reference * table_.tried) / (trials_a_racer * racing_rate(racers) + of_reference);
     };
     if (table_.tried * stretch >= table_.time && scout_.time() >= table_.time)
       for (std::size_t racers = most_racers; racers > 0; --racers) {
@@ -248,10 +250,14 @@ class Search {
     return candidate.setting.reversible ? most_scales : table_.time;
   }
 
-  /// Whether steps are known to go on to T as they were seen to: what is not symplectic may become unstable,
-  /// and reversible steps fail where their densities come to swing.
+  /// Whether steps go on to T as they were seen to before. What is not symplectic may become unstable, and
+  /// reversible steps fail where their densities come to swing; where few of many equal ones fall into the
+  /// hard places, errors differ from one passage to the next.
+  bool goes_on(const Candidate& candidate) const {
+    return is_symplectic(candidate) && varies_ <= (options().observable.is_energy() ? 1000 : 100);
+  }
   bool lasts(const Candidate& candidate, const Probe& probe) const {
-    return is_symplectic(candidate) || !(probe.length < table_.time * (1 - 1e-12));
+    return goes_on(candidate) || !(probe.length < table_.time * (1 - 1e-12));
   }
 
   bool is_current(const Probe& probe) const { return probe.asked >= table_.tried; }
@@ -357,6 +363,11 @@ class Search {
         const double power = candidate.setting.is_gauss() ? 0.6 : 1.0;
         if (cost_of(candidate, trials[from]) * std::pow(from / dt, power) > 1.15 * best) return infinity;
       }
+      // Nor where its kicks alone are far dearer.
+      const double single = options().by == CostBy::seconds ? seconds_per_call(candidate) : 1.0;
+      if ((candidate.setting.is_gauss() ? 0.4 : 1) * candidate.kicks / (dt * candidate.unit) * single >
+          3 * best)
+        return infinity;
       if (!known.has_low() && known.has_high() && stalls(candidate, known.high)) {
         goal.stalled = true;
         return infinity;
@@ -409,11 +420,11 @@ class Search {
         for (auto& [step, seen] : candidate.trials) use(candidate, step, seen);
   }
 
-  /// So many of the cheapest first, one more where none is symplectic.
-  SEMIEXPLICIT_COLD static void keep(std::vector<std::pair<double, Candidate*>>& racers, std::size_t count) {
+  /// So many of the cheapest first, one more where none is advice before T.
+  SEMIEXPLICIT_COLD void keep(std::vector<std::pair<double, Candidate*>>& racers, std::size_t count) const {
     count = std::min(count, racers.size());
-    const auto symplectic = [](const auto& racer) { return is_symplectic(*racer.second); };
-    const auto first = std::find_if(racers.begin(), racers.end(), symplectic);
+    const auto first = std::find_if(racers.begin(), racers.end(),
+                                    [this](const auto& racer) { return goes_on(*racer.second); });
     const auto place = static_cast<std::size_t>(first - racers.begin());
     if (first != racers.end() && place >= count) std::swap(racers[count++], *first);
     racers.resize(count);
@@ -432,15 +443,14 @@ class Search {
   SEMIEXPLICIT_COLD void race(Goal& goal) {
     std::vector<std::pair<double, Candidate*>> results;
     double best = std::numeric_limits<double>::infinity();
-    // What is symplectic is advice also where the calls end before T, and looked for although it is dearer.
-    double best_symplectic = best;
+    // What is advice also where the calls end before T is looked for although it is dearer.
+    double best_before_end = best;
     const auto enter = [&](Candidate& candidate) {
-      const bool symplectic = is_symplectic(candidate);
-      const double cost = solve(
-          candidate, goal,
-          symplectic && table_.tried < table_.time ? std::min(best_symplectic, much_dearer * best) : best);
+      const bool before_end = goes_on(candidate) && table_.tried < table_.time;
+      const double cost =
+          solve(candidate, goal, before_end ? std::min(best_before_end, much_dearer * best) : best);
       best = std::min(best, cost);
-      if (symplectic) best_symplectic = std::min(best_symplectic, cost);
+      if (before_end) best_before_end = std::min(best_before_end, cost);
       if (std::isfinite(cost)) results.emplace_back(cost, &candidate);
       return cost;
     };
@@ -482,7 +492,9 @@ class Search {
   SEMIEXPLICIT_COLD void judge(const Goal& goal) {
     double least = std::numeric_limits<double>::infinity();
     for_each_trial([&](const Candidate& candidate, double step, const Probe& seen) {
-      if (seen.works() && seen.asked >= goal.tried) least = std::min(least, error_of(candidate, seen, step));
+      if (seen.works() && seen.asked >= goal.tried && lasts(candidate, seen) &&
+          (candidate.setting.reversible || harder_behind(seen.asked) <= CostTable::most_harder))
+        least = std::min(least, error_of(candidate, seen, step));
     });
     if (least <= goal.target) return;
     if (goal.stalled || goal.aim > goal.target)
@@ -522,15 +534,15 @@ class Search {
   static constexpr double first_share = 0.3;  ///< of the budget, for the first race
   static constexpr double first_trials =
       120;  ///< that it takes for a target, each in so many of the scout's calls
-  static constexpr double to_the_end = 0.5;     ///< budgets that a coarse run to T is worth
-  static constexpr double overrun = 1.5;        ///< of the budget, at most
-  static constexpr double stretch = 8;          ///< from one race to the next
-  static constexpr double trials_a_racer = 3;   ///< usually
-  static constexpr double least_scales = 8;     ///< that a trial has to last
-  static constexpr double much = 20;            ///< for a power of the time, from third to third
-  static constexpr double hidden_growth = 0.4;  ///< in a trial, of the error that it saw
-  static constexpr double more_rounding = 2;    ///< than the reference's, whose steps are few
-  static constexpr double much_dearer = 20;
+  static constexpr double to_the_end = 0.5;      ///< budgets that a coarse run to T is worth
+  static constexpr double overrun = 1.5;         ///< of the budget, at most
+  static constexpr double stretch = 8;           ///< from one race to the next
+  static constexpr double trials_a_racer = 2.5;  ///< usually
+  static constexpr double least_scales = 8;      ///< that a trial has to last
+  static constexpr double much = 20;             ///< for a power of the time, from third to third
+  static constexpr double hidden_growth = 0.4;   ///< in a trial, of the error that it saw
+  static constexpr double more_rounding = 2;     ///< than the reference's, whose steps are few
+  static constexpr double much_dearer = 20, much_varied = 12;
   static constexpr std::size_t most_racers = 5;
   static constexpr int most_trials = 8;
 
@@ -543,6 +555,7 @@ class Search {
   std::vector<Goal> goals_{};
   mutable double looked_from_ = 0, harder_ = 1;
   bool counts_harder_ = false, first_race_ = false;
+  double varies_ = 1;          ///< how far paces differ along the way
   double suspected_rate_ = 0;  ///< at which neighbouring orbits may part
   bool cut_ = false;           ///< a trial met the limit of calls
 };

@@ -66,14 +66,9 @@ class Problem {
   /// Whether the energy at z is anything like that at z0: where a fast motion that the observable does not
   /// show has become unstable it is not.
   SEMIEXPLICIT_COLD bool keeps_energy(const State& z) const {
-    const auto energy = [this](const auto& q, const auto& p) { return Scalar(hamiltonian.energy(q, p)); };
-    const Scalar before = energy(z0.q(), z0.p()), now = energy(z.q(), z.p());
-    const double off = std::abs(static_cast<double>(now - before));
-    const auto size = [&](const Scalar& value, const State& at) {
-      return std::max(std::abs(static_cast<double>(value)),
-                      static_cast<double>(reference_size(energy, value, at).terms));
-    };
-    return off <= 0.1 * size(before, z0) || off <= 0.1 * size(now, z);
+    const Scalar now = hamiltonian.energy(z.q(), z.p());
+    const double off = std::abs(static_cast<double>(now - first_energy_));
+    return off <= 0.1 * first_energy_size_ || off <= 0.1 * size_of_energy(now, z);
   }
 
   /// What rounding adds to the error of an invariant over the whole time by steps of dt: that of the states,
@@ -162,11 +157,20 @@ class Problem {
   /// Returns the noise of the energy.
   SEMIEXPLICIT_COLD Scalar check_gradient_and_energy() {
     using std::isfinite;
-    if (!isfinite(hamiltonian.energy(z0.q(), z0.p())))
+    first_energy_ = hamiltonian.energy(z0.q(), z0.p());
+    if (!isfinite(first_energy_))
       throw std::invalid_argument(
           "cost_of_accuracy: the energy at z0 is NaN or Inf; give another initial state");
+    first_energy_size_ = size_of_energy(first_energy_, z0);
     return require_right_gradient("cost_of_accuracy", hamiltonian, z0, velocity_at(z0), table.time_scale,
                                   table.spent_gradients);
+  }
+
+  /// The energy at z, or the terms that it is a sum of, whichever is larger.
+  SEMIEXPLICIT_COLD double size_of_energy(const Scalar& value, const State& z) const {
+    const auto energy = [this](const auto& q, const auto& p) { return Scalar(hamiltonian.energy(q, p)); };
+    return std::max(std::abs(static_cast<double>(value)),
+                    static_cast<double>(reference_size(energy, value, z).terms));
   }
 
   /// Of ‖f‖ as of a number.
@@ -180,6 +184,9 @@ class Problem {
     };
     return reference_size(size, size(z.q(), z.p()), z);
   }
+
+  Scalar first_energy_{};
+  double first_energy_size_ = 0;
 };
 
 }  // namespace semiexplicit::detail

@@ -88,11 +88,10 @@ class Scout {
   /// What reversible steps follow, and what they take on an average.
   SEMIEXPLICIT_COLD monitors::TimeScaleOptions<double> sizes() const {
     const auto size = [](double way) { return way > 0 && std::isfinite(way) ? way : 1; };
-    double longest = 0;
-    for (const Place& place : places_) longest = std::max(longest, place.pace);
+    const auto [least, varies] = paces();
     return {.length = size(pacer_.longest_in_q()),
             .momentum = size(pacer_.longest_in_p()),
-            .longest = size(longest)};
+            .longest = size(least * varies)};
   }
   double mean_step() const { return time_ / static_cast<double>(std::max<std::size_t>(steps_, 1)); }
 

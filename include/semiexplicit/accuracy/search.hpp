@@ -364,7 +364,7 @@ class Search {
         if (cost_of(candidate, trials[from]) * std::pow(from / dt, power) > 1.15 * best) return infinity;
       }
       // Nor where its kicks alone are far dearer.
-      const double single = options().by == CostBy::seconds ? seconds_per_call(candidate) : 1.0;
+      const double single = cost_of_call(candidate);
       if ((candidate.setting.is_gauss() ? 0.4 : 1) * candidate.kicks / (dt * candidate.unit) * single >
           3 * best)
         return infinity;
@@ -391,7 +391,7 @@ class Search {
     if (dt == 0) return infinity;
     // Where the projection takes several evaluations, a smaller step may be cheaper; with one it costs
     // `single` a kick.
-    const double single = options().by == CostBy::seconds ? seconds_per_call(candidate) : 1.0;
+    const double single = cost_of_call(candidate);
     for (int attempt = 0; attempt < 5 && candidate.projects() && trials[dt].evaluations >= 1.1; ++attempt) {
       dt /= trials[dt].evaluations > 1.5 ? 1.3 : 1.12;
       if (candidate.kicks / (dt * candidate.unit) * single > std::min(cheapest, 1.2 * best)) break;
@@ -408,9 +408,13 @@ class Search {
     return timer_.seconds_per_call(candidate,
                                    table_.budget * (options().by == CostBy::seconds ? 0.003 : 0.0005));
   }
-  /// Cost a unit of time, in what is to be cheap.
+  /// Cost of a gradient call, in what is to be cheap.
+  double cost_of_call(const Candidate& candidate) {
+    return options().by == CostBy::seconds ? seconds_per_call(candidate) : 1.0;
+  }
+  /// And of a unit of time.
   SEMIEXPLICIT_COLD double cost_of(Candidate& candidate, const Probe& seen) {
-    return seen.rate * (options().by == CostBy::seconds ? seconds_per_call(candidate) : 1.0);
+    return seen.rate * cost_of_call(candidate);
   }
 
   template <class Use>

@@ -83,12 +83,12 @@ int run(const M& metric, Request& request, const CLI::App& app, const std::strin
   const std::int64_t middle = request.orbits / 2;
   if (request.cost.wanted(app) && answer(request, scene, start(middle), region)) return 0;
 
+  const std::filesystem::path csv = settings.output / "geodesics.csv",
+                              png = settings.output / "geodesics.png";
+  request.checkpoint.prepare(settings, {csv, png});
   const FinishedBlocks finished(request.checkpoint.file, request.in_words());
   const auto lock = request.checkpoint.wanted() ? finished.lock() : nullptr;
   const std::vector<Orbit> orbits = section(request, scene, start, region, finished);
-  settings.make_output_folder();
-  const std::filesystem::path csv = settings.output / "geodesics.csv",
-                              png = settings.output / "geodesics.png";
   CsvWriter writer(csv, {"orbit", "r", "p_r", "chaotic", "log10_gali2"});
   double number = 0;
   for (const Orbit& orbit : orbits) {

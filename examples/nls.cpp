@@ -111,8 +111,7 @@ int main(int argc, char** argv) {
     const std::string name = compare ? "nls_comparison" : "nls";
     const std::filesystem::path csv = settings.output / (name + ".csv"),
                                 png = settings.output / (name + ".png");
-    checkpoint.refuse_outputs({csv, png});
-    settings.make_output_folder();
+    checkpoint.prepare(settings, {csv, png});
 
     const Rows rows =
         compare ? geometrically_spaced(steps, settings.samples) : evenly_spaced(steps, settings.samples);

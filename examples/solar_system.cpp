@@ -28,13 +28,13 @@ using namespace examples;
 
 int audit(const Request& request) {
   const double dt = request.settings.dt, time = request.settings.time;
+  request.checkpoint.prepare(request.settings, {request.file(".csv"), request.file(".png")});
   const auto& list = list_called(request.list);
   const PerihelionTable table = clemence(request.effects, list, dt, time);
   if (request.cost.chosen)
     request.cost.compare_with_figure(
         by_half_the_step(table.curves.back().second.rate(),
                          perihelion_of("half the step", request.effects, list, dt / 2, time).rate()));
-  request.settings.make_output_folder();
   write_perihelion(request.file(".csv"), table);
   std::cout << "data: " << request.file(".csv").string() << '\n';
   if (!request.settings.no_plot)
@@ -54,8 +54,7 @@ std::string why(Status status) {
 int run(Request& request, const System& system) {
   Settings& settings = request.settings;
   const std::int64_t steps = settings.fit_steps();
-  request.checkpoint.refuse_outputs({request.file(".csv"), request.file(".png")});
-  settings.make_output_folder();
+  request.checkpoint.prepare(settings, {request.file(".csv"), request.file(".png")});
   std::vector<std::string> columns{"t"};
   for (const std::string& name : system.names) columns.insert(columns.end(), {"e_" + name, "i_" + name});
   columns.emplace_back("energy_error");

@@ -78,7 +78,7 @@ inline Measurement<3> gyration(const Choice& c) {
           [=](std::ostream& out, const Run&) {
             const std::string coarse = too_coarse(turning->largest());
             const std::string why = !alone ? "the formula holds for uniform_field alone"
-                                    : !(radius > 0)
+                                    : !(Velocity(c).across > 1e-12 * Velocity(c).all)
                                         ? "nothing moves across the field; give another --pitch or --energy"
                                     : !coarse.empty() ? coarse
                                     : std::abs(turning->turned()) < 2 * std::numbers::pi

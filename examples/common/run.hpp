@@ -66,18 +66,24 @@ struct CheckpointRequest {
   }
 
   bool wanted() const { return !file.empty(); }
-  /// Throws std::invalid_argument where the file is one that the run writes as well, a picture with its
-  /// script: it would be lost when the checkpoint is removed.
-  void refuse_outputs(const std::vector<std::filesystem::path>& outputs) const {
+  /// Makes the folder of the outputs of a run, a picture with its script. Throws std::runtime_error where one
+  /// of them cannot be written, which would be told behind the run only, and std::invalid_argument where one
+  /// is the file of the checkpoint: it would be lost when that is removed.
+  void prepare(const Settings& settings, const std::vector<std::filesystem::path>& outputs) const {
     std::vector<std::filesystem::path> all = outputs;
     for (const auto& output : outputs)
-      if (output.extension() == ".png") all.push_back(std::filesystem::path(output).replace_extension("gp"));
+      if (output.extension() == ".png") {
+        if (settings.no_plot) all.pop_back();
+        all.push_back(std::filesystem::path(output).replace_extension("gp"));
+      }
     std::error_code none;
     for (const auto& output : all)
       if (wanted() &&
           (behind_links(file) == behind_links(output) || std::filesystem::equivalent(file, output, none)))
         throw std::invalid_argument("--checkpoint: '" + file.string() + "' is where " + output.string() +
                                     " goes, a result of the run; give another name");
+    settings.make_output_folder();
+    for (const auto& output : all) DurableFile(output, DurableFile::Uncommitted::kept);
   }
   /// The run is done and its files are there.
   void finish() const {

@@ -70,12 +70,11 @@ void show_audit(const RuntimeScene<double, Dof>& scene, const PhasePoint<double,
 
 /// A start that is not finite, or where the energy is not.
 template <int Dof>
-void refuse_start(const RuntimeScene<double, Dof>& scene, const PhasePoint<double, Dof>& z0) {
+void refuse_start(const RuntimeScene<double, Dof>& scene, const PhasePoint<double, Dof>& z0,
+                  const std::string& suspects) {
   if (!z0.vector().allFinite() || !std::isfinite(scene.energy(z0.q(), z0.p())))
     throw std::invalid_argument(
-        "these values make no start: its position, momentum or energy is not finite; is one of them zero "
-        "that "
-        "must not be, or too large?");
+        "these values make no start: its position, momentum or energy is not finite; " + suspects);
 }
 
 /// Says which effects are on and what they make of the method; chooses it where the user has not.
@@ -142,9 +141,10 @@ struct SceneRun {
   const PhasePoint<double, Dof>& start;
   const Invariants<double, Dof>& invariants;
   double dt;
-  std::int64_t steps, samples;
+  std::int64_t steps;
+  const Rows& rows;
   const CheckpointRequest& checkpoint;
-  Every<ViewCsv<Dof>&>& path;
+  ViewCsv<Dof>& path;
   const Measurement<Dof>& of_companion;
 };
 
@@ -159,9 +159,9 @@ struct OnHamiltonian {
 };
 template <class H>
 Run OnHamiltonian<H>::run(const H& hamiltonian, const SceneRun<Dof>& what, Measurement<Dof>& measurement) {
-  return run_method(what.method, hamiltonian, what.start, what.invariants, what.dt,
-                    evenly_spaced(what.steps, what.samples), what.steps, what.checkpoint,
-                    FigureErrors<Dof>(measurement, what.of_companion), what.path, measurement);
+  return run_method(what.method, hamiltonian, what.start, what.invariants, what.dt, what.rows, what.steps,
+                    what.checkpoint, FigureErrors<Dof>(measurement, what.of_companion), what.path,
+                    measurement);
 }
 template <class H>
 bool OnHamiltonian<H>::answer(const H& hamiltonian, const PhasePoint<double, Dof>& start, CostRequest& cost,
@@ -226,7 +226,7 @@ int run_scene_program(const SceneProgram<Dof>& program, int argc, char** argv, c
         with_hamiltonian([](const auto& h) { return Invariants<double, Dof>(h); });
     if (program.add_invariants) program.add_invariants(invariants, choice);
     request.refuse_idle_parameters(choice);
-    refuse_start(scene, z0);
+    refuse_start(scene, z0, request.suspects(choice));
 
     if (request.audit)
       refuse_options(app, "--audit",
@@ -251,11 +251,10 @@ int run_scene_program(const SceneProgram<Dof>& program, int argc, char** argv, c
     const std::filesystem::path csv = settings.output / (program.name + ".csv"),
                                 path_csv = settings.output / (program.name + "_trajectory.csv"),
                                 png = settings.output / (program.name + ".png");
-    checkpoint.refuse_outputs({csv, path_csv, png});
-    settings.make_output_folder();
+    checkpoint.prepare(settings, {csv, path_csv, png});
     const View<Dof> view = program.view(choice);
-    ViewCsv<Dof> path(path_csv, view);
-    auto some_of_path = every(stride(steps, settings.samples), path);
+    const Rows rows = evenly_spaced(steps, settings.samples);
+    ViewCsv<Dof> path(path_csv, view, rows);
     Measurement<Dof> measurement, of_companion;
     if (preset.measure) {
       measurement = preset.measure(choice);
@@ -266,8 +265,8 @@ int run_scene_program(const SceneProgram<Dof>& program, int argc, char** argv, c
     checkpoint.run.precision(17);
     for (const auto& [parameter, value] : choice.values) checkpoint.run << ", " << parameter << ' ' << value;
     checkpoint.run << "; " << steps << " steps, samples " << settings.samples;
-    const SceneRun<Dof> what{method,           z0,         invariants,   settings.dt, steps,
-                             settings.samples, checkpoint, some_of_path, of_companion};
+    const SceneRun<Dof> what{method, z0,         invariants, settings.dt, steps,
+                             rows,   checkpoint, path,       of_companion};
     const auto go = [&]<class H>(const H& hamiltonian) {
       return OnHamiltonian<H>::run(hamiltonian, what, measurement);
     };

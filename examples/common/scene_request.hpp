@@ -134,6 +134,18 @@ class SceneRequest {
     }
   }
 
+  /// Which options can be why there is no start: those that are zero, else those that were given.
+  std::string suspects(const Choice& choice) const {
+    std::vector<std::string> zeros, given;
+    for (const auto& [name, value] : choice.values)
+      if (value == 0 && choice.used->count(name) > 0) zeros.push_back("--" + name);
+    for (const auto& [name, text] : texts_)
+      if (!text.empty()) given.push_back("--" + name);
+    return zeros.empty()
+               ? "one of these is too large, or a start where a force has no bound: " + joined(given)
+               : "one of these is zero and must not be: " + joined(zeros);
+  }
+
  private:
   void print_presets(std::ostream& out) const {
     for (const auto& preset : program_.presets) {

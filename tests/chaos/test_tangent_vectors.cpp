@@ -159,7 +159,7 @@ TEST_CASE("Tangent vectors are the dense map times vectors", "[chaos]") {
     const Semiexplicit by_product(WithProduct<double, 5>{}, scheme, tight);
     CHECK(error_of_vectors(by_product, exact, z, dt) <= 3e-15);
     const Semiexplicit by_duals(systems::NlsLattice<double, 5>(), scheme, tight);
-    for (const Eigen::Index count : {1, 3, 6, 9, 10})
+    for (const Eigen::Index count : {1, 6, 9})
       CHECK(error_of_vectors(by_duals, exact, z, dt, count) <= 3e-15);
     const Semiexplicit by_hessian(exact, scheme, tight);
     CHECK(error_of_vectors(by_hessian, exact, z, dt) <= 3e-15);
@@ -248,21 +248,21 @@ TEST_CASE("Differences along vectors suit angles that have wound up, and one tha
     z.p()[i] = 0.2 + 0.1 * i;
   }
   const auto allowed = [](double q) { return 3e-8 + 100 * std::pow(2.2e-16 * q, 2.0 / 3); };
-  CHECK(error_by_differences(z, 100) <= allowed(0));
+  CHECK(error_by_differences(z, 40) <= allowed(0));
   for (const double turns : {1e2, 1e4, 1e6}) {
     CAPTURE(turns);
     auto wound = z;
     wound.q().head<7>().array() += turns * 2 * std::acos(-1.0);
-    CHECK(error_by_differences(wound, 100) <= allowed(6.3 * turns));
+    CHECK(error_by_differences(wound, 40) <= allowed(6.3 * turns));
     auto one = z;  // only one has wound up
     one.q()[3] += turns * 2 * std::acos(-1.0);
-    CHECK(error_by_differences(one, 100) <= allowed(6.3 * turns));
+    CHECK(error_by_differences(one, 40) <= allowed(6.3 * turns));
   }
   for (const double far : {1e6, 1e12}) {
     auto uncoupled = z;
     uncoupled.q()[7] = far;
     CAPTURE(far);
-    CHECK(error_by_differences(uncoupled, 100) <= allowed(0));
+    CHECK(error_by_differences(uncoupled, 40) <= allowed(0));
   }
 }
 
@@ -317,8 +317,8 @@ TEST_CASE("A gradient that throws out of its domain is differentiated up to the 
   LyapunovExponents growth(stepper, 1);
   LyapunovExponents exact_growth(with_hessian, 1);
   auto there = z;
-  REQUIRE(integrate(stepper, there, {.dt = 0.002, .steps = 2000}, growth).ok());
-  REQUIRE(integrate(with_hessian, z, {.dt = 0.002, .steps = 2000}, exact_growth).ok());
+  REQUIRE(integrate(stepper, there, {.dt = 0.002, .steps = 500}, growth).ok());
+  REQUIRE(integrate(with_hessian, z, {.dt = 0.002, .steps = 500}, exact_growth).ok());
   REQUIRE(growth.exponents()[0] == Approx(exact_growth.exponents()[0]).epsilon(1e-6));
 }
 

@@ -121,6 +121,21 @@ TEST_CASE("A checkpoint with any byte changed, cut short or lengthened is refuse
   CHECK_THROWS_AS(run.refusal_of_file(), std::runtime_error);
 }
 
+TEST_CASE("Of long lists the entry that differs is told", "[checkpoint]") {
+  const std::string begin = "run: a program with a name of some length; 4000 steps, samples 1000, ",
+                    end = ", mass 1, charge 1, spin 0.5, gm 398600.44";
+  const auto told = [&](const std::string& there, const std::string& here) {
+    return detail::difference_of_lines(begin + there + end, begin + here + end);
+  };
+  CHECK(told("e 0.5", "e 0.55") == "'e 0.5' there, 'e 0.55' here");
+  CHECK(told("e 0.5", "a 3") == "'e 0.5' there, 'a 3' here");
+  CHECK(told("e 0.5", "e 0.5").empty());
+  CHECK(detail::difference_of_lines(begin + "e" + end, begin) == "'e' there, '' here");
+  CHECK(
+      detail::difference_of_lines(begin + end, "x" + begin + end) ==
+      "'run: a program with a name of some length' there, 'xrun: a program with a name of some length' here");
+}
+
 TEST_CASE("A checkpoint of another run is refused, by what differs", "[checkpoint]") {
   const Interrupted run;
   using Point = PhasePoint<double, 1>;

@@ -1,9 +1,9 @@
-# cmake -D PROGRAM=... -D "ARGUMENTS=..." -D FOLDER=... [-D EXIT_CODE=0] [-D COMPLAINT=regex] [-D FILE=... [-D HEADER=...]]
+# cmake -D PROGRAM=... -D "ARGUMENTS=..." -D FOLDER=... [-D EXIT_CODE=0] [-D COMPLAINT=regex] [-D FILE=... [-D HEADER=...] [-D LAST=regex]]
 #       [-D ABSENT=...] [-D PRINTS=regex] [-D LACKS=regex] [-D PATH=...] -P check.cmake
 #
 # Runs PROGRAM in FOLDER, emptied before, and fails unless it ends with EXIT_CODE; writes one line that matches COMPLAINT
 # to stderr, or nothing where none is given; prints what matches PRINTS, and nothing that matches LACKS; leaves FILE, whose
-# first line is HEADER; leaves neither ABSENT nor half a file. PATH replaces the search path.
+# first line is HEADER and the last matches LAST; leaves neither ABSENT nor half a file. PATH replaces the search path.
 if(NOT DEFINED EXIT_CODE)
   set(EXIT_CODE 0)
 endif()
@@ -44,6 +44,10 @@ if(DEFINED FILE)
     message(FATAL_ERROR "${FILE} begins with '${header}' instead of '${HEADER}'.")
   elseif(count LESS 3)
     message(FATAL_ERROR "${FILE} has next to nothing in it.")
+  endif()
+  list(GET rows -1 last)
+  if(DEFINED LAST AND NOT last MATCHES "${LAST}")
+    message(FATAL_ERROR "${FILE} ends with '${last}', which does not match '${LAST}'.")
   endif()
 endif()
 if(DEFINED ABSENT AND EXISTS "${FOLDER}/${ABSENT}")

@@ -5,7 +5,7 @@ set -euo pipefail
 mpiexec=$1 program=$2 folder=$3
 # shellcheck source=tests/examples/killed_process.sh
 source "$(dirname "${BASH_SOURCE[0]}")/killed_process.sh"
-settings=(--members 1501 --block 16 --time 60 --no-plot)
+settings=(--members 1501 --block 16 --time 30 --no-plot)
 
 "$program" "${settings[@]}" --output whole
 

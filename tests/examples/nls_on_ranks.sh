@@ -20,8 +20,8 @@ for n in 1 2 3; do
     awk '{ seen = 1; bad = !($1 < 1e-6 && $2 < 1e-12) } END { exit bad || !seen }' || fail "$n processes: the invariants drift"
 done
 
-settings=(--sites 3000 --dt 0.005 --time 8 --checkpoint 100 --output "$folder/saved")
-timeout 200 "$mpiexec" -n 2 "$program" --sites 3000 --dt 0.005 --time 8 >whole.log
+settings=(--sites 3000 --dt 0.005 --time 4 --checkpoint 50 --output "$folder/saved")
+timeout 200 "$mpiexec" -n 2 "$program" --sites 3000 --dt 0.005 --time 4 >whole.log
 "$mpiexec" -n 2 "$program" "${settings[@]}" >killed.log 2>&1 &
 launcher=$!
 for _ in $(seq 3000); do
@@ -52,7 +52,7 @@ refuses "is not a checkpoint"
 rm saved/*step999999*
 timeout 200 "$mpiexec" -n 2 "$program" "${settings[@]}" >resumed.log 2>&1 || fail "$(cat resumed.log)"
 cat resumed.log
-common=$(sed -nE 's/^resumed: ([0-9]+) of 1600 steps .*/\1/p' resumed.log)
+common=$(sed -nE 's/^resumed: ([0-9]+) of 800 steps .*/\1/p' resumed.log)
 [ -n "$common" ] && [ "$common" -gt 0 ] && [ "$common" -lt "$latest" ] || fail "it went on from step '$common', not before $latest"
 [ "$(figures resumed.log)" = "$(figures whole.log)" ] || fail "the resumed run has other figures: $(cat whole.log)"
 [ -z "$(ls saved)" ] || fail "checkpoints were left behind"

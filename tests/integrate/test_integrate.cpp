@@ -274,7 +274,7 @@ TEST_CASE("A run ends at t_end exactly, with the fewest equal steps no longer th
   // 0.1 is no binary fraction, and 1 / 0.1 ten steps all the same; so at a late time, and back.
   z = z0;
   CHECK(run({.dt = 0.1, .t_end = 1}, z).steps == 10);
-  CHECK(run({.dt = 1e-3, .t_end = 1000}, z).steps == 1'000'000);
+  CHECK(run({.dt = 1e-3, .t_end = 100}, z).steps == 100'000);
   report = run({.dt = 0.1, .t0 = 1e9, .t_end = 1e9 + 1}, z);
   CHECK(report.steps == 10);
   CHECK(report.t == 1e9 + 1);

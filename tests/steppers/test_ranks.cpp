@@ -168,7 +168,7 @@ Point point(const State& z) {
 /// A run of the whole, and one in blocks, by the stepper that make(H) gives.
 template <class Make>
 void compare(const Make& make, double k, double dt, Eigen::Index at_rest = 0) {
-  constexpr int steps = 20;
+  constexpr int steps = 6;
   auto whole = make(Chain{all_sites, k});
   typename decltype(whole)::State z(state(0, all_sites, at_rest));
   const IntegrationReport expected = integrate(whole, z, {.dt = dt, .steps = steps});

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <concepts>
 #include <cstddef>
 #include <limits>
@@ -164,10 +165,22 @@ inline std::pair<std::string, std::string> first_other_lines(const std::string& 
   }
 }
 
-/// That in words; empty: nowhere.
+/// That in words; empty: nowhere. Of long lists, with commas, the first entry that differs.
 inline std::string difference_of_lines(const std::string& there, const std::string& here) {
-  const auto [line_there, line_here] = first_other_lines(there, here);
-  return line_there.empty() ? "" : "'" + line_there + "' there, '" + line_here + "' here";
+  auto [line_there, line_here] = first_other_lines(there, here);
+  if (line_there.empty()) return "";
+  constexpr std::size_t is_long = 80;
+  if (std::max(line_there.size(), line_here.size()) > is_long) {
+    const auto other =
+        std::mismatch(line_there.begin(), line_there.end(), line_here.begin(), line_here.end());
+    const auto equal = static_cast<std::size_t>(other.first - line_there.begin());
+    const std::size_t comma = equal == 0 ? std::string::npos : line_there.find_last_of(",;", equal - 1);
+    const std::size_t begin = comma == std::string::npos ? 0 : line_there.find_first_not_of(' ', comma + 1);
+    for (std::string* const line : {&line_there, &line_here})
+      *line = line->substr(std::min(begin, line->size()),
+                           std::max(line->find_first_of(",;", equal), begin) - begin);
+  }
+  return "'" + line_there + "' there, '" + line_here + "' here";
 }
 
 /// The values of all functions that describe() lists, at one state.

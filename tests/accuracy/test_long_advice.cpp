@@ -433,4 +433,135 @@ TEST_CASE("an angle that winds is rounded more and more, and advice counts that"
   CHECK(cost.reach(1e-10) == Reach::rounding);  // 3e-9 is what a run with 4e-11 of its steps' error comes to
 }
 
+namespace {
+
+/// Three stiff springs between soft ones, as in I.5.1 of Hairer, Lubich, Wanner, Geometric Numerical
+/// Integration (2006).
+struct StiffSprings {
+  using Scalar = double;
+  static constexpr int Dof = 6;
+  static constexpr double stiff = 50;
+  static Eigen::Vector4d soft(const In<double, 6>& q) {
+    return {q[0] - q[3], q[1] - q[4] - q[0] - q[3], q[2] - q[5] - q[1] - q[4], q[2] + q[5]};
+  }
+  double energy(const In<double, 6>& q, const In<double, 6>& p) const {
+    return (p.squaredNorm() + stiff * stiff * q.tail(3).squaredNorm()) / 2 + soft(q).array().pow(4).sum() / 4;
+  }
+  void gradient(const In<double, 6>& q, const In<double, 6>& p, Out<double, 6> dHdq,
+                Out<double, 6> dHdp) const {
+    const Eigen::Vector4d f = soft(q).array().cube();
+    for (int i = 0; i < 3; ++i) {
+      dHdq[i] = i < 2 ? f[i] - f[i + 1] : f[2] + f[3];
+      dHdq[3 + i] = stiff * stiff * q[3 + i] - f[i] + (i < 2 ? -f[i + 1] : f[3]);
+    }
+    dHdp = p;
+  }
+};
+
+/// A light body in the frame of the Earth and the Moon.
+struct AboutTwoBodies {
+  using Scalar = double;
+  static constexpr int Dof = 2;
+  static constexpr double moon = 0.0121505;
+  double energy(const In<double, 2>& q, const In<double, 2>& p) const {
+    const double x = q[0] + moon;
+    return p.squaredNorm() / 2 + q[1] * p[0] - q[0] * p[1] - (1 - moon) / std::hypot(x, q[1]) -
+           moon / std::hypot(x - 1, q[1]);
+  }
+  void gradient(const In<double, 2>& q, const In<double, 2>& p, Out<double, 2> dHdq,
+                Out<double, 2> dHdp) const {
+    const double x = q[0] + moon, earth = (1 - moon) / std::pow(std::hypot(x, q[1]), 3),
+                 other = moon / std::pow(std::hypot(x - 1, q[1]), 3);
+    dHdq << -p[1] + earth * x + other * (x - 1), p[0] + (earth + other) * q[1];
+    dHdp << p[0] + q[1], p[1] - q[0];
+  }
+};
+
+/// A charge in a magnetic field and a round trough: it turns fast, and drifts slowly.
+struct Charge {
+  using Scalar = double;
+  static constexpr int Dof = 2;
+  double field = 100;
+  double energy(const In<double, 2>& q, const In<double, 2>& p) const {
+    return (Eigen::Vector2d(p[0] + field / 2 * q[1], p[1] - field / 2 * q[0]).squaredNorm() +
+            q.squaredNorm()) /
+           2;
+  }
+  void gradient(const In<double, 2>& q, const In<double, 2>& p, Out<double, 2> dHdq,
+                Out<double, 2> dHdp) const {
+    dHdp << p[0] + field / 2 * q[1], p[1] - field / 2 * q[0];
+    dHdq << q[0] - field / 2 * dHdp[1], q[1] + field / 2 * dHdp[0];
+  }
+};
+
+}  // namespace
+
+TEST_CASE("chaos that a trial does not show is seen in a neighbouring orbit", "[long]") {
+  PhasePoint<double, 6> z0;
+  z0.q() << 1, 0, 0, 0.02, 0, 0;
+  z0.p() << 1, 0, 0, 1, 0, 0;
+  const auto cost = cost_of_accuracy(StiffSprings(), z0, 1000, {.observable = observables::Coordinate{0}});
+  for (const double target : cost.targets) {
+    CAPTURE(target, cost.why(target));
+    CHECK(cost.reach(target) == Reach::orbits_part);
+  }
+}
+
+TEST_CASE("an orbit that comes close to a body is tried to the end before it is advised", "[long]") {
+  const PhasePoint<double, 2> z0({0.8369, 0}, {0, 0.8369});
+  const double T = 100;
+  const auto cost = cost_of_accuracy(AboutTwoBodies(), z0, T, {.observable = observables::Trajectory{}});
+  const Setting tight{.method = Setting::Method::gauss, .stages = 8, .dt = 0.01};
+  for (const double target : cost.targets)
+    if (const auto advice = cost.cheapest(target)) {
+      CAPTURE(target, *advice);
+      auto z = z0, exact = z0;
+      cost.run(z, *advice);
+      run(AboutTwoBodies(), exact, T, tight);
+      CHECK((z.vector() - exact.vector()).norm() <= 3 * target * cost.unit);
+    }
+  CHECK(cost.cheapest(1e-4));
+}
+
+TEST_CASE("a coarse run that is carried over a saddle does not end the orbit", "[long]") {
+  // Just below the energy of escape, 1/6, from which no orbit gets away.
+  const auto henon_heiles = make_hamiltonian<double, 2>(
+      [](const auto& q, const auto& p) {
+        return (p.squaredNorm() + q.squaredNorm()) / 2 + q[0] * q[0] * q[1] - q[1] * q[1] * q[1] / 3;
+      },
+      [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+        dHdq[0] = q[0] + 2 * q[0] * q[1], dHdq[1] = q[1] + q[0] * q[0] - q[1] * q[1];
+        dHdp = p;
+      });
+  const PhasePoint<double, 2> z0({0, -0.1}, {std::sqrt(2 * (0.1665 - 0.005 - 0.001 / 3)), 0});
+  const auto cost = cost_of_accuracy(henon_heiles, z0, 1e5, {.targets = {1e-6}});
+  CHECK(cost.orbit_end > cost.time);
+  CHECK(cost.cheapest(1e-6));
+}
+
+TEST_CASE("a coordinate that has grown in a trial need not go on to grow: a charge that drifts in a circle",
+          "[long]") {
+  const PhasePoint<double, 2> z0({1, 0}, {0.1, 50});
+  const auto cost = cost_of_accuracy(Charge(), z0, 3 * 2 * std::acos(-1) * 100,
+                                     {.observable = observables::Coordinate{1}, .targets = {1e-5}});
+  CHECK(cost.unit == Approx(1.001).epsilon(0.01));
+}
+
+TEST_CASE(
+    "reversible steps that only fail take nothing away from other methods: a fall from an unstable circle",
+    "[long]") {
+  const auto schwarzschild = from_energy<3>([](const auto& q, const auto& p) {  // of (r, phi, t)
+    const auto f = 1 - 2 / q[0];
+    return (f * p[0] * p[0] + p[1] * p[1] / (q[0] * q[0]) - p[2] * p[2] / f) / 2;
+  });
+  const double r = 4.0001;
+  const PhasePoint<double, 3> z0({r, 0, 0}, {0, 4, std::sqrt((1 - 2 / r) * (1 + 16 / (r * r)))});
+  const auto cost = cost_of_accuracy(schwarzschild, z0, 2000);
+  for (const double target : cost.targets) {
+    CAPTURE(target);
+    REQUIRE(cost.cheapest(target));
+    CHECK(cost.cheapest(target)->gradients < 1e4);
+  }
+}
+
 }  // namespace test_long_advice

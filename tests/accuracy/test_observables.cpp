@@ -110,7 +110,8 @@ TEST_CASE("advice on a trajectory whose phase error grows over ten times the tri
 TEST_CASE("growth of an error that its oscillation hides in a trial is not left out") {
   const auto momentum = [](const auto&, const auto& p) { return p[0]; };
   check_advice(VaryingMass(), PhasePoint<double, 1>(2, 0), 2000, 1e-8, 0.05,
-               {.observable = momentum, .targets = {1e-4, 1e-6, 1e-8, 1e-10}},
+               // Gauss's method with eight stages costs the same, and would be far better than asked for.
+               {.observable = momentum, .targets = {1e-4, 1e-6, 1e-8, 1e-10}, .gauss_stages = {}},
                [](const auto& z) { return z.p(); });
 }
 

@@ -10,14 +10,18 @@
 namespace semiexplicit::detail {
 
 /// Steps that follow the motion: an explicit method of the fourth order makes each whole and in two halves,
-/// and what these differ by is a hundredth of the way.
+/// and what these differ by is a small part of the way.
 template <class Any>
 class Pacer {
  public:
   using State = typename Any::State;
 
-  SEMIEXPLICIT_COLD explicit Pacer(Problem<Any>& problem)
-      : in_one_(problem, method), in_halves_(problem, method), dt_(rounded(problem.table.time_scale / 16)) {}
+  /// `tolerance`: what a step may be off by, as a part of its way.
+  SEMIEXPLICIT_COLD explicit Pacer(Problem<Any>& problem, double tolerance = 1e-2)
+      : in_one_(problem, method),
+        in_halves_(problem, method),
+        tolerance_(tolerance),
+        dt_(rounded(problem.table.time_scale / 16)) {}
 
   /// A step from z at the time t, no longer than `left`: moves z and returns how long it is; 0 where none
   /// works, or the calls ended.
@@ -62,11 +66,11 @@ class Pacer {
   /// The error of the step made whole, as a part of what is allowed.
   SEMIEXPLICIT_COLD double error_of(const State& whole, const State& next, const State& before) const {
     const Eigen::Index d = own_dof<Any>(next.dof());  // a late time says nothing
-    const auto of_half = [d](const auto& a, const auto& b, const auto& from, double longest) {
+    const auto of_half = [this, d](const auto& a, const auto& b, const auto& from, double longest) {
       const auto size = [d](const auto& v) { return static_cast<double>(norm(v.head(d).eval())); };
       const double error = size(a - b);
       if (error <= 32 * Problem<Any>::epsilon * size(b)) return 1e-9;  // rounding says nothing
-      return error / (0.01 * (size(b - from) + 0.03 * longest));
+      return error / (tolerance_ * (size(b - from) + 0.03 * longest));
     };
     return std::max(of_half(whole.q(), next.q(), before.q(), longest_q_),
                     of_half(whole.p(), next.p(), before.p(), longest_p_));
@@ -88,7 +92,7 @@ class Pacer {
   static constexpr int most_attempts = 60, most_refused = 6;  ///< at a kink no step is short enough
 
   Walker<Any> in_one_, in_halves_;
-  double dt_, pace_ = 0, longest_q_ = 0, longest_p_ = 0;
+  double tolerance_, dt_, pace_ = 0, longest_q_ = 0, longest_p_ = 0;
   bool cut_ = false;
 };
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -18,32 +19,23 @@ namespace semiexplicit::detail {
 template <class Any>
 class Scout {
  public:
-  explicit Scout(Problem<Any>& problem) : problem_(problem), pacer_(problem), z_(problem.z0) {}
+  explicit Scout(Problem<Any>& problem) : problem_(problem) { restart(); }
 
   /// Goes on to T, as far as `calls` in all go; to the end also where that takes no more than `most`. False:
-  /// no step goes on.
+  /// no step goes on, nor does one of finer runs, with which it is seen whether the orbit ends or the errors
+  /// have taken it there.
   SEMIEXPLICIT_COLD bool go(double calls, double most) {
-    const double T = problem_.table.time, limit = problem_.limit;
-    const double begin = problem_.table.spent_gradients - spent_;
-    while (time_ < T) {
-      problem_.limit = std::min(limit, begin + (spent_ * T <= most * time_ ? most : calls));
-      const double dt = pacer_.step(z_, time_, T - time_);
-      spent_ = problem_.table.spent_gradients - begin;
-      if (dt == 0) break;
-      time_ = dt == T - time_ ? T : time_ + dt;
-      ++steps_;
-      if (pacer_.pace() > 0 && ++known_ % stride_ == 0) {
-        places_.push_back({time_, pacer_.pace()});
-        if (places_.size() == most_places) thin();
+    while (!follow(calls, most)) {
+      const bool again = std::abs(time_ - ended_) < 0.05 * time_;
+      if (again || tolerance_ < 1e-5) {
+        problem_.table.orbit_end = time_;
+        return false;
       }
-      if (time_ < 2 * last_look_) continue;
-      last_look_ = time_;
-      terms_.push_back(problem_.terms_at(z_));
+      ended_ = time_;
+      tolerance_ /= 100;
+      restart();
     }
-    problem_.limit = limit;
-    if (time_ >= T || pacer_.cut()) return true;
-    problem_.table.orbit_end = time_;
-    return false;
+    return true;
   }
   double spent() const { return spent_; }  ///< gradient calls
   double time() const { return time_; }    ///< how far it went
@@ -89,8 +81,8 @@ class Scout {
   SEMIEXPLICIT_COLD monitors::TimeScaleOptions<double> sizes() const {
     const auto size = [](double way) { return way > 0 && std::isfinite(way) ? way : 1; };
     const auto [least, varies] = paces();
-    return {.length = size(pacer_.longest_in_q()),
-            .momentum = size(pacer_.longest_in_p()),
+    return {.length = size(pacer_->longest_in_q()),
+            .momentum = size(pacer_->longest_in_p()),
             .longest = size(least * varies)};
   }
   double mean_step() const { return time_ / static_cast<double>(std::max<std::size_t>(steps_, 1)); }
@@ -109,6 +101,12 @@ class Scout {
   /// Gradient calls a unit of time.
   double rate() const { return spent_ / time_; }
 
+  /// The largest ‖f‖ up to T: what grows goes on to grow.
+  double largest_at_end() const {
+    const double T = problem_.table.time;
+    return largest_ * (time_ < T && largest_ > 1.3 * largest_before_ ? T / time_ : 1);
+  }
+
   /// The size of the terms at T: what grows goes on to grow, as where a coordinate winds.
   SEMIEXPLICIT_COLD double terms() const {
     if (terms_.size() < 4) return 0;
@@ -122,6 +120,40 @@ class Scout {
     double t, pace;
   };
 
+  SEMIEXPLICIT_COLD void restart() {
+    pacer_.emplace(problem_, tolerance_);
+    z_ = problem_.z0;
+    places_.clear(), terms_.clear();
+    steps_ = known_ = 0, stride_ = 1;
+    time_ = last_look_ = largest_ = largest_before_ = 0;
+  }
+
+  SEMIEXPLICIT_COLD bool follow(double calls, double most) {
+    const double T = problem_.table.time, limit = problem_.limit;
+    const double begin = problem_.table.spent_gradients - spent_;
+    typename Problem<Any>::Value value;
+    while (time_ < T) {
+      problem_.limit = std::min(limit, begin + (spent_ * T <= most * time_ ? most : calls));
+      const double dt = pacer_->step(z_, time_, T - time_);
+      spent_ = problem_.table.spent_gradients - begin;
+      if (dt == 0) break;
+      time_ = dt == T - time_ ? T : time_ + dt;
+      ++steps_;
+      if (pacer_->pace() > 0 && ++known_ % stride_ == 0) {
+        places_.push_back({time_, pacer_->pace()});
+        if (places_.size() == most_places) thin();
+      }
+      problem_.measure(z_, value);
+      if (const double size = static_cast<double>(norm(value)); std::isfinite(size))
+        largest_ = std::max(largest_, size);
+      if (time_ < 2 * last_look_) continue;
+      last_look_ = time_, largest_before_ = largest_;
+      terms_.push_back(problem_.terms_at(z_));
+    }
+    problem_.limit = limit;
+    return time_ >= T || pacer_->cut();
+  }
+
   /// The harder one of two, but among the first ones.
   SEMIEXPLICIT_COLD void thin() {
     std::size_t filled = first_places;
@@ -134,12 +166,13 @@ class Scout {
   static constexpr std::size_t most_places = 4096, first_places = 2048;
 
   Problem<Any>& problem_;
-  Pacer<Any> pacer_;
-  typename Any::State z_;
+  std::optional<Pacer<Any>> pacer_{};
+  typename Any::State z_{};
   std::vector<Place> places_{};
   std::vector<double> terms_{};
   std::size_t steps_ = 0, known_ = 0, stride_ = 1;
-  double time_ = 0, last_look_ = 0, spent_ = 0;
+  double time_ = 0, last_look_ = 0, spent_ = 0, tolerance_ = 1e-2, ended_ = -1;
+  double largest_ = 0, largest_before_ = 0;  ///< ‖f‖, and until the last look
 };
 
 /// The observable along two runs by Gauss-Legendre with eight stages that are as good as rounding allows,
@@ -185,6 +218,7 @@ class Reference {
   double rate() const { return rate_; }  ///< gradient calls a unit of time
   const std::vector<Sample<Value>>& samples() const { return samples_; }
   double size() const { return size_; }  ///< largest ‖f‖
+  double time() const { return time_; }  ///< how far both runs went
 
   bool changes_steps() const { return varies_; }
 

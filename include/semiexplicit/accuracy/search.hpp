@@ -10,6 +10,7 @@
 
 #include <semiexplicit/accuracy/call_timer.hpp>
 #include <semiexplicit/accuracy/candidates.hpp>
+#include <semiexplicit/accuracy/neighbour.hpp>
 #include <semiexplicit/accuracy/reference.hpp>
 
 namespace semiexplicit::detail {
@@ -25,6 +26,7 @@ class Search {
         families_(families_for(problem)),
         scout_(problem),
         reference_(problem, scout_),
+        neighbour_(problem),
         timer_(problem) {
     auto targets = options().targets;
     std::sort(targets.begin(), targets.end(), std::greater<>());
@@ -49,19 +51,26 @@ class Search {
     }
     for (double length = first_length(); length > 0; length = next_length()) {
       if (!scout()) return;
-      problem_.limit = std::min(options().max_gradients, overrun * table_.budget + scout_.spent());
+      problem_.limit =
+          std::min(options().max_gradients,
+                   std::max(overrun * table_.budget + scout_.spent(),
+                            table_.spent_gradients + (length < table_.time ? 0 : table_.budget)));
       table_.tried = length;
       cut_ = !see_as_far_as(length);
       race_all();
       if (cut_ || length >= table_.time) break;
     }
+    const bool looked = look_beside();
     // What is harder ahead counts in full now, and what was tried roughly is tried well.
     counts_harder_ = true;
-    problem_.limit = std::min(options().max_gradients, problem_.limit + 0.1 * table_.budget);
+    problem_.limit = std::min(options().max_gradients,
+                              std::max(problem_.limit, table_.spent_gradients) + 0.4 * table_.budget);
     for (Goal& goal : goals_) {
       cut_ = false;
       table_.tried = goal.tried;
-      if (goal.tried > 0 && goal.tried < table_.time && !table_.parts_before(goal.target)) race(goal);
+      if (goal.tried > 0 && goal.tried < table_.time && !goal.racers.empty() &&
+          !table_.parts_before(goal.target))
+        race(goal);
     }
     for (const double target : table_.targets)
       for (const Goal& goal : goals_)
@@ -71,7 +80,7 @@ class Search {
         }
     table_.tried = goals_.front().tried;
     if (table_.tried < table_.time && suspected_rate_ > 0) parts(suspected_rate_);
-    if (table_.tried < std::min(table_.time, least_scales * table_.time_scale) ||
+    if (!looked || table_.tried < std::min(table_.time, least_scales * table_.time_scale) ||
         (timed && scout_.time() < table_.time))
       table_.unfinished = everything;
     for (const Goal& goal : goals_) judge(goal);
@@ -87,6 +96,7 @@ class Search {
     std::vector<std::pair<double, Candidate*>> racers{};
     double tried = 0;      ///< how far they all were
     bool stalled = false;  ///< smaller steps no longer made errors smaller
+    bool cut = false;      ///< its share of the calls ended before its last race
   };
 
   /// What depends on the time has to be seen to the end.
@@ -121,17 +131,17 @@ class Search {
     set_budget(once * table_.time);
     const double left = table_.budget - (table_.spent_gradients - scout_.spent());
     const double of_reference = options().observable.is_energy() ? 0 : reference_.rate();  // which goes on
-    const auto affordable = [&](std::size_t racers) {
-      return (left + of_reference * table_.tried) / (trials_a_racer * racing_rate(racers) + of_reference);
+    const auto affordable = [&](std::size_t racers, double calls) {
+      return (calls + of_reference * table_.tried) / (trials_a_racer * racing_rate(racers) + of_reference);
     };
     if (table_.tried * stretch >= table_.time && scout_.time() >= table_.time)
       for (std::size_t racers = most_racers; racers > 0; --racers) {
-        if (overrun * affordable(racers) < table_.time) continue;
+        if (overrun * affordable(racers, std::max(left, table_.budget / overrun)) < table_.time) continue;
         for (Goal& goal : goals_) goal.racers.resize(std::min(goal.racers.size(), racers));
         return table_.time;
       }
     for (std::size_t racers = most_racers; racers > 0; --racers) {
-      const double length = std::min({affordable(racers), stretch * table_.tried, scout_.time()});
+      const double length = std::min({affordable(racers, left), stretch * table_.tried, scout_.time()});
       if (!(length > 1.5 * table_.tried)) continue;
       for (Goal& goal : goals_) keep(goal.racers, racers);
       return length;
@@ -172,12 +182,9 @@ class Search {
 
   /// What the reference is worth at T.
   SEMIEXPLICIT_COLD void judge_reference(double length) {
-    const double T = table_.time, most = T / length;
-    double half = 0;
-    for (const auto& sample : reference_.samples())
-      if (sample.t <= length / 2) half = std::max(half, static_cast<double>(norm(sample.value)));
     if (!options().absolute) {
-      const double size = reference_.size() * (reference_.size() > 1.6 * half ? most : 1);
+      const double size =
+          length < table_.time ? std::max(reference_.size(), scout_.largest_at_end()) : reference_.size();
       problem_.measure_in(size > 0 ? size : 1);
       table_.relative = size > 0;
     }
@@ -204,6 +211,29 @@ class Search {
     table_.reference_time = length;
   }
 
+  /// Where the calls end before T: what becomes of a neighbouring orbit, as far as a budget goes. False: the
+  /// orbit cannot be followed by steps that met a target.
+  SEMIEXPLICIT_COLD bool look_beside() {
+    if (options().observable.is_energy() || table_.invariant || table_.parting_rate > 0) return true;
+    for (const Goal& goal : goals_) {
+      if (goal.tried == 0 || goal.tried >= table_.time) continue;
+      table_.tried = goal.tried;
+      const auto racer = std::find_if(goal.racers.begin(), goal.racers.end(), [&](const auto& one) {
+        return goes_on(*one.second) && bracket(*one.second, goal.aim, true).has_low();
+      });
+      if (racer == goal.racers.end()) continue;
+      const double dt = bracket(*racer->second, goal.aim, true).low;
+      problem_.limit =
+          std::min(options().max_gradients, table_.spent_gradients + beside_share * table_.budget);
+      const auto sizes = scout_.sizes();
+      const bool followed = neighbour_.go(racer->second->with_step(dt), sizes.length, sizes.momentum);
+      if (neighbour_.time() < table_.time && neighbour_.rate() > 0) parts(neighbour_.rate());
+      judge_reference(reference_.time());
+      return followed;
+    }
+    return true;
+  }
+
   /// Neighbouring orbits part at that rate.
   void parts(double rate) {
     table_.parting_rate = rate;
@@ -212,7 +242,8 @@ class Search {
 
   /// By how much what grows with that power of the time, or as neighbouring orbits part, grows until T.
   double grown(double length, double power) const {
-    const double by_power = std::pow(table_.time / length, power);
+    const double by_power =
+        std::max(std::pow(table_.time / length, power), neighbour_.growth_from(length) / 2);
     if (!(table_.parting_rate > 0)) return by_power;
     return std::max(by_power, std::exp(std::min(500.0, table_.parting_rate * (table_.time - length))));
   }
@@ -252,9 +283,10 @@ class Search {
 
   /// Whether steps go on to T as they were seen to before. What is not symplectic may become unstable, and
   /// reversible steps fail where their densities come to swing; where few of many equal ones fall into the
-  /// hard places, errors differ from one passage to the next.
+  /// hard places, errors differ from one passage to the next, and what a drive does but once is no passage.
   bool goes_on(const Candidate& candidate) const {
-    return is_symplectic(candidate) && varies_ <= (options().observable.is_energy() ? 1000 : 100);
+    const double most = timed ? 4 : options().observable.is_energy() ? 1000 : 100;
+    return is_symplectic(candidate) && varies_ <= most;
   }
   bool lasts(const Candidate& candidate, const Probe& probe) const {
     return goes_on(candidate) || !(probe.length < table_.time * (1 - 1e-12));
@@ -341,6 +373,14 @@ class Search {
            now > 0.7 * error_of(candidate, larger->second, larger->first);
   }
 
+  /// Whether all of four steps failed: reversible ones do, however short, where the motion gets harder within
+  /// few of them.
+  static bool only_fails(const Candidate& candidate) {
+    return candidate.trials.size() >= 4 &&
+           std::none_of(candidate.trials.begin(), candidate.trials.end(),
+                        [](const auto& trial) { return trial.second.works() || trial.second.cut; });
+  }
+
   /// The least cost a unit of time of a candidate that meets the goal; infinity where it does not, or cannot
   /// be worth it beside `best`.
   SEMIEXPLICIT_COLD double solve(Candidate& candidate, Goal& goal, double best) {
@@ -354,6 +394,7 @@ class Search {
         break;  // near enough; or larger steps take more evaluations still
       const double longest = longest_step(candidate);
       if (known.has_low() && known.low >= longest) break;
+      if (candidate.setting.reversible && only_fails(candidate)) return infinity;
       const double dt = std::min(next_step(candidate, known, aim), longest);
       const double from = known.has_low() ? known.low : known.high;
       if (std::isfinite(from) && trials[from].works() &&
@@ -434,13 +475,23 @@ class Search {
     racers.resize(count);
   }
   SEMIEXPLICIT_COLD void race_all() {
+    const double limit = problem_.limit, begin = table_.spent_gradients;
+    // What cannot be met takes no more than its share of the calls, and the first race not all of them.
+    const double end =
+        goals_.front().tried > 0 ? limit : std::min(limit, begin + most_of_first * table_.budget);
+    double left = static_cast<double>(goals_.size());
     for (Goal& goal : goals_) {
-      if (cut_ || table_.parts_before(goal.target)) continue;
+      const double share = (end - table_.spent_gradients) / left--;
+      if (cut_ || table_.parts_before(goal.target) || (goal.cut && goal.racers.empty())) continue;
       goal.aim = std::max(goal.target, 2 * table_.rounding);
       if (&goal != &goals_.front() && goal.aim == (&goal - 1)->aim)
-        goal.racers = (&goal - 1)->racers, goal.tried = (&goal - 1)->tried;
-      else
+        goal.racers = (&goal - 1)->racers, goal.tried = (&goal - 1)->tried, goal.cut = (&goal - 1)->cut;
+      else {
+        problem_.limit = std::min(limit, table_.spent_gradients + 1.5 * share);
         race(goal);
+        goal.cut = std::exchange(cut_, false);
+        problem_.limit = limit;
+      }
     }
   }
   /// Whoever is in the race for the goal, all at first, is tried on the stretch; the best stay.
@@ -504,7 +555,7 @@ class Search {
     if (goal.stalled || goal.aim > goal.target)
       table_.rounding =
           std::max(table_.rounding, std::nextafter(goal.target, std::numeric_limits<double>::max()));
-    else if (cut_ || goal.tried < table_.time)
+    else if (cut_ || goal.cut || goal.tried < table_.time)
       table_.unfinished = std::max(table_.unfinished, goal.target);
   }
 
@@ -533,13 +584,15 @@ class Search {
   }
 
   static constexpr double everything = 1e300;
-  static constexpr double most_scales = 4;    ///< of the local time, that a reversible step may take
-  static constexpr double scout_share = 0.2;  ///< of the budget
-  static constexpr double first_share = 0.3;  ///< of the budget, for the first race
+  static constexpr double most_scales = 4;      ///< of the local time, that a reversible step may take
+  static constexpr double scout_share = 0.2;    ///< of the budget
+  static constexpr double most_of_first = 0.7;  ///< of the budget, that the first race may take
+  static constexpr double first_share = 0.3;    ///< of the budget, for the first race
   static constexpr double first_trials =
       120;  ///< that it takes for a target, each in so many of the scout's calls
   static constexpr double to_the_end = 0.5;      ///< budgets that a coarse run to T is worth
   static constexpr double overrun = 1.5;         ///< of the budget, at most
+  static constexpr double beside_share = 1.5;    ///< of the budget, for a neighbouring orbit
   static constexpr double stretch = 8;           ///< from one race to the next
   static constexpr double trials_a_racer = 2.5;  ///< usually
   static constexpr double least_scales = 8;      ///< that a trial has to last
@@ -555,6 +608,7 @@ class Search {
   std::vector<Family> families_;
   Scout<Any> scout_;
   Reference<Any> reference_;
+  Neighbour<Any> neighbour_;
   CallTimer<Any> timer_;
   std::vector<Goal> goals_{};
   mutable double looked_from_ = 0, harder_ = 1;

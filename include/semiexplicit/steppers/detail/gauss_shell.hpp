@@ -150,12 +150,15 @@ class GaussShell {
         if (change <= nothing || change < Scalar(options_.tolerance)) return Status::success;
         since_least = change < least ? 0 : since_least + 1;
         if (change < least) least = change;
-        // The rounding of a late time may be far above that of the state: believed where nothing improves any
+        // A change grows by rounding. That of a state far from the origin, as of an angle that has wound up,
+        // may be seen nowhere, and that of a late time is far above it: believed where nothing improves any
         // more.
         const bool grows = previous > Scalar(0) && change >= previous;
-        const bool stuck = InExtendedPhaseSpace<H> && since_least >= 8;
-        if ((grows && change <= 100 * epsilon * (size + displaced())) ||
-            (stuck && change <= 100 * epsilon * (all + displaced())))
+        const bool stuck = since_least >= (options_.solver == StageSolver::newton ? 1 : 3);
+        const bool stuck_for_long = InExtendedPhaseSpace<H> && since_least >= 8;
+        if ((grows && change <= 10 * epsilon * displaced()) ||
+            (stuck && change <= 100 * epsilon * (size + displaced())) ||
+            (stuck_for_long && change <= 100 * epsilon * (all + displaced())))
           return options_.tolerance == 0 ? Status::success : Status::rounding_limited;
         previous = change;
       }

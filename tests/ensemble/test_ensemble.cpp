@@ -73,6 +73,16 @@ TEST_CASE("Every member takes the steps that it would take alone") {
   CHECK(evaluations > 37 * 60);
 }
 
+TEST_CASE("Members take the usual scheme where none is given") {
+  const std::vector<PhasePoint<double, 1>> starts(3, PhasePoint<double, 1>(1, 0.5));
+  Ensemble ensemble(systems::Product<double>(), starts);
+  ensemble.run({.dt = 0.1, .steps = 10});
+  Semiexplicit stepper{systems::Product<double>()};
+  auto z = starts[0];
+  for (int n = 0; n < 10; ++n) stepper.step(z, 0.1);
+  CHECK(ensemble.state(2).vector() == z.vector());
+}
+
 TEST_CASE("The number of threads changes nothing") {
   std::vector<PhasePoint<double, 5>> results[5];
   for (int threads = 1; threads <= 4; ++threads) {

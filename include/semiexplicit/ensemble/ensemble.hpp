@@ -56,11 +56,11 @@ class Ensemble {
   using State = PhasePoint<double, Dof>;
   static constexpr const char* name = "Ensemble";
 
-  /// `parameters` has a column a member. Throws std::invalid_argument where there is no member, where the
-  /// sizes do not fit together, and unless the scheme passes its own check and the solver's options make
-  /// sense.
-  Ensemble(Family family, Eigen::MatrixXd parameters, const std::vector<State>& starts, Scheme<double> scheme,
-           Solver solver = {})
+  /// `parameters` has a column a member; the scheme is the usual one, low_defect6_s13, unless given. Throws
+  /// std::invalid_argument where there is no member, where the sizes do not fit together, and unless the
+  /// scheme passes its own check and the solver's options make sense.
+  Ensemble(Family family, Eigen::MatrixXd parameters, const std::vector<State>& starts,
+           Scheme<double> scheme = usual_scheme<double>(false), Solver solver = {})
       : hamiltonians_{std::move(family), std::move(parameters)},
         records_(checked(starts)),
         members_(hamiltonians_, size(), std::move(scheme), std::move(solver)) {
@@ -70,10 +70,9 @@ class Ensemble {
 
   /// One Hamiltonian for all.
   template <class H>
-  requires std::same_as<Family, detail::SameHamiltonian<H>> Ensemble(H hamiltonian,
-                                                                     const std::vector<State>& starts,
-                                                                     Scheme<double> scheme,
-                                                                     Solver solver = {})
+  requires std::same_as<Family, detail::SameHamiltonian<H>> Ensemble(
+      H hamiltonian, const std::vector<State>& starts, Scheme<double> scheme = usual_scheme<double>(false),
+      Solver solver = {})
       : Ensemble(Family{std::move(hamiltonian)}, Eigen::MatrixXd(0, static_cast<Eigen::Index>(starts.size())),
                  starts, std::move(scheme), std::move(solver)) {}
 
@@ -325,7 +324,7 @@ class Ensemble {
 };
 
 template <class H, int Dof, class Solver = SimplifiedNewton>
-Ensemble(H, const std::vector<PhasePoint<double, Dof>>&, Scheme<double>, Solver = {})
-    -> Ensemble<detail::SameHamiltonian<H>, Solver>;
+Ensemble(H, const std::vector<PhasePoint<double, Dof>>&, Scheme<double> = usual_scheme<double>(false),
+         Solver = {}) -> Ensemble<detail::SameHamiltonian<H>, Solver>;
 
 }  // namespace semiexplicit

@@ -28,7 +28,8 @@ template <class Scalar>
 struct IntegrationOptions {
   Scalar dt =
       Scalar(0);  ///< the step; negative goes back in time; of a stepper that ChoosesSteps in its parameter
-  std::int64_t steps = 0;  ///< how many, those of `done` included; instead of t_end
+  static constexpr std::int64_t not_given = -1;
+  std::int64_t steps = not_given;  ///< how many, those of `done` included; instead of t_end
   OnFailure on_failure = OnFailure::raise;
   /// A step that does not converge or is not finite is tried again as 2, 4, ... up to 2^subdivide equal ones
   /// before it counts as failed; IntegrationReport::subdivided says how often. The energy then may drift: a
@@ -144,8 +145,12 @@ SEMIEXPLICIT_COLD IntegrationOptions<Scalar> with_steps(
     std::type_identity_t<IntegrationOptions<Scalar>> options) {
   using std::abs;
   using std::isfinite;
-  if (!options.t_end) return options;
-  if (options.steps != 0) throw std::invalid_argument("integrate: give steps or t_end, not both");
+  const bool by_steps = options.steps != options.not_given;
+  if (by_steps == options.t_end.has_value())
+    throw std::invalid_argument(by_steps ? "integrate: give steps or t_end, not both"
+                                         : "integrate: give steps or t_end, or there is no end");
+  if (by_steps) return options;
+  options.steps = 0;
   const Scalar time = *options.t_end - options.t0;
   if (!isfinite(time) || !isfinite(options.dt) || options.dt == Scalar(0))
     throw std::invalid_argument(

@@ -286,6 +286,7 @@ TEST_CASE("A run ends at t_end exactly, with the fewest equal steps no longer th
   CHECK(refuses([&] { run({.dt = 0.1, .t_end = -1}, z); }, "the sign of t_end - t0"));
   CHECK(refuses([&] { run({.dt = 0, .t_end = 1}, z); }, "dt must be finite and not zero"));
   CHECK(refuses([&] { run({.dt = 0.1, .steps = 5, .t_end = 1}, z); }, "steps or t_end, not both"));
+  CHECK(refuses([&] { run({.dt = 0.1}, z); }, "give steps or t_end, or there is no end"));
   for (const double no_time : {std::nan(""), HUGE_VAL})
     CHECK(refuses([&] { run({.dt = 0.1, .t_end = no_time}, z); }, "t_end and t0 finite"));
   CHECK(refuses([&] { run({.dt = 1e-300, .t_end = 1}, z); }, "more than 9e18 steps"));

@@ -268,7 +268,9 @@ SEMIEXPLICIT_COLD inline std::ostream& operator<<(std::ostream& out, const CostT
   for (const double target : cost.targets) {
     out << figure(target, 0, 7, true) << "  ";
     if (const auto row = cost.cheapest(target)) {
-      out << *row << "; advice cost " << in_words(100 * cost.fraction_of(*row), 3) << "%\n";
+      const double runs = cost.fraction_of(*row);  // that the search took
+      out << *row << "; the search took " << in_words(runs < 1 ? 100 * runs : runs, 2)
+          << (runs < 1 ? "% of that\n" : " times that\n");
     } else {
       out << "out of reach: " << cost.why(target);
       if (const auto best = cost.best()) out << "; the best found is " << figure(best->error, 1, 0, true);
@@ -280,7 +282,12 @@ SEMIEXPLICIT_COLD inline std::ostream& operator<<(std::ostream& out, const CostT
                             in_words(cost.spent_seconds, 3) + " seconds.\n";
   if (cost.rows.empty()) return out << "\nNo setting was tried over the whole time.\n" << spent;
   out << "\nAll that was tried:\n         " << header;
-  for (const CostRow& row : cost.rows) out << "         " << row << '\n';
+  for (const CostRow& row : cost.rows) {
+    out << "         " << row;
+    if (row.works() && row.tried < cost.time)
+      out << "; tried over " << in_words(100 * row.tried / cost.time, 2) << "%";
+    out << '\n';
+  }
   out << "\nThe best were tried from z0 to t = " << in_words(cost.tried, 3) << ", "
       << in_words(cost.tried / cost.time_scale, 2) << " characteristic times of "
       << in_words(cost.time_scale, 3);

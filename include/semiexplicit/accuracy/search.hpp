@@ -63,15 +63,10 @@ class Search {
     const bool looked = look_beside();
     // What is harder ahead counts in full now, and what was tried roughly is tried well.
     counts_harder_ = true;
-    problem_.limit = std::min(options().max_gradients,
+    problem_.limit = std::min(0.97 * options().max_gradients,  // what is left is to be timed
                               std::max(problem_.limit, table_.spent_gradients) + 0.4 * table_.budget);
-    for (Goal& goal : goals_) {
-      cut_ = false;
-      table_.tried = goal.tried;
-      if (goal.tried > 0 && goal.tried < table_.time && !goal.racers.empty() &&
-          !table_.parts_before(goal.target))
-        race(goal);
-    }
+    for (Goal& goal : goals_)
+      if (goal.tried > 0 && goal.tried < table_.time && !table_.parts_before(goal.target)) go_on(goal);
     for (const double target : table_.targets)
       for (const Goal& goal : goals_)
         if (goal.target == target) {
@@ -162,7 +157,10 @@ class Search {
       problem_.judged.terms = std::max(problem_.judged.terms, scout_.terms());
       table_.rounding = problem_.rounding_of_invariant(table_.time_scale);
     } else {
-      if (!reference_.go(length, 0.1 * goals_.back().target * length / table_.time)) return false;
+      // As good as that costs nothing: how it grows is seen where it begins at rounding.
+      const double enough =
+          std::min(0.1 * goals_.back().target * length / table_.time, 1e4 * problem_.epsilon);
+      if (!reference_.go(length, enough)) return false;
       table_.invariant = reference_.is_constant();
       problem_.judge_by_first();
       if (table_.invariant)
@@ -224,7 +222,7 @@ class Search {
       if (racer == goal.racers.end()) continue;
       const double dt = bracket(*racer->second, goal.aim, true).low;
       problem_.limit =
-          std::min(options().max_gradients, table_.spent_gradients + beside_share * table_.budget);
+          std::min(0.9 * options().max_gradients, table_.spent_gradients + beside_share * table_.budget);
       const auto sizes = scout_.sizes();
       const bool followed = neighbour_.go(racer->second->with_step(dt), sizes.length, sizes.momentum);
       if (neighbour_.time() < table_.time && neighbour_.rate() > 0) parts(neighbour_.rate());
@@ -523,6 +521,20 @@ class Search {
     keep(results, stay);
     goal.racers = results;
     goal.tried = table_.tried;
+  }
+  /// A last race as far as the goal was tried, and to T where the calls that are left suffice for one racer.
+  SEMIEXPLICIT_COLD void go_on(Goal& goal) {
+    cut_ = false;
+    table_.tried = goal.tried;
+    race(goal);
+    const double T = table_.time;
+    if (!cut_ && !goal.racers.empty() && scout_.time() >= T &&
+        trials_a_racer * goal.racers.front().second->rate * T <= problem_.left()) {
+      goal.racers.resize(1);
+      table_.tried = T;
+      if (see_as_far_as(T)) race(goal);
+    }
+    goal.cut = std::exchange(cut_, false);
   }
   /// From where in a family the aim is expected to be met best, by figures from many problems, to both sides,
   /// for as long as it gets cheaper.

@@ -42,8 +42,12 @@ class Search {
     for (const Goal& goal : goals_)
       runs += 1.5 * std::pow(problem_.in_terms(goal.target) / 1e-4, -0.12) * scout_.rate() * table_.time;
     set_budget(runs);
-    // Where they are sure to win they come first: what is dearer is not tried further.
+    // Who is sure to win comes first: what is dearer is not tried further. Of equal steps Gauss's are the
+    // longest in hard places.
     varies_ = scout_.paces().second;
+    if (varies_ > 4)
+      std::stable_partition(families_.begin(), families_.end(),
+                            [](const Family& family) { return family.front().setting.is_gauss(); });
     if (options().reversible && !timed && varies_ > 4) {
       const auto following = reversible(families_, scout_.sizes(), scout_.mean_step());
       families_.insert(varies_ > much_varied ? families_.begin() : families_.end(), following.begin(),
@@ -66,7 +70,8 @@ class Search {
     problem_.limit = std::min(0.97 * options().max_gradients,  // what is left is to be timed
                               std::max(problem_.limit, table_.spent_gradients) + 0.4 * table_.budget);
     for (Goal& goal : goals_)
-      if (goal.tried > 0 && goal.tried < table_.time && !table_.parts_before(goal.target)) go_on(goal);
+      if (goal.tried > 0 && (goal.tried < table_.time || goal.cut) && !table_.parts_before(goal.target))
+        go_on(goal);
     for (const double target : table_.targets)
       for (const Goal& goal : goals_)
         if (goal.target == target) {
@@ -92,6 +97,7 @@ class Search {
     double tried = 0;      ///< how far they all were
     bool stalled = false;  ///< smaller steps no longer made errors smaller
     bool cut = false;      ///< its share of the calls ended before its last race
+    double missed = 0;     ///< the length at which it ended before all had been tried
   };
 
   /// What depends on the time has to be seen to the end.
@@ -157,7 +163,7 @@ class Search {
       problem_.judged.terms = std::max(problem_.judged.terms, scout_.terms());
       table_.rounding = problem_.rounding_of_invariant(table_.time_scale);
     } else {
-      // As good as that costs nothing: how it grows is seen where it begins at rounding.
+      // Near rounding whatever is asked for: only then is seen how the error of the reference grows.
       const double enough =
           std::min(0.1 * goals_.back().target * length / table_.time, 1e4 * problem_.epsilon);
       if (!reference_.go(length, enough)) return false;
@@ -521,14 +527,16 @@ class Search {
     keep(results, stay);
     goal.racers = results;
     goal.tried = table_.tried;
+    if (first) goal.missed = cut_ ? goal.tried : 0;
   }
   /// A last race as far as the goal was tried, and to T where the calls that are left suffice for one racer.
   SEMIEXPLICIT_COLD void go_on(Goal& goal) {
     cut_ = false;
     table_.tried = goal.tried;
+    if (goal.missed == goal.tried) goal.racers.clear();
     race(goal);
     const double T = table_.time;
-    if (!cut_ && !goal.racers.empty() && scout_.time() >= T &&
+    if (!cut_ && goal.tried < T && !goal.racers.empty() && scout_.time() >= T &&
         trials_a_racer * goal.racers.front().second->rate * T <= problem_.left()) {
       goal.racers.resize(1);
       table_.tried = T;

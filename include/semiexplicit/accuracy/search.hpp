@@ -31,6 +31,7 @@ class Search {
     auto targets = options().targets;
     std::sort(targets.begin(), targets.end(), std::greater<>());
     for (const double target : targets) goals_.push_back({.target = target});
+    racing_ = goals_.size();
     table_.budget = least_calls();
   }
 
@@ -127,6 +128,7 @@ class Search {
   }
   /// What is worth seeing next; 0: nothing, or the calls do not suffice. All of T is worth a smaller race.
   SEMIEXPLICIT_COLD double next_length() {
+    racing_ = goals_.size();
     const double once = racing_rate(1);
     if (once == 0) return 0;
     set_budget(once * table_.time);
@@ -135,25 +137,30 @@ class Search {
     const auto affordable = [&](std::size_t racers, double calls) {
       return (calls + of_reference * table_.tried) / (trials_a_racer * racing_rate(racers) + of_reference);
     };
-    if (table_.tried * stretch >= table_.time && scout_.time() >= table_.time)
-      for (std::size_t racers = most_racers; racers > 0; --racers) {
+    const bool to_the_end = table_.tried * stretch >= table_.time && scout_.time() >= table_.time;
+    // The tightest stay behind where the calls do not suffice for all.
+    for (; racing_ > 0; --racing_) {
+      for (std::size_t racers = to_the_end ? most_racers : 0; racers > 0; --racers) {
         if (overrun * affordable(racers, std::max(left, table_.budget / overrun)) < table_.time) continue;
-        for (Goal& goal : goals_) goal.racers.resize(std::min(goal.racers.size(), racers));
+        for (std::size_t i = 0; i < racing_; ++i)
+          goals_[i].racers.resize(std::min(goals_[i].racers.size(), racers));
         return table_.time;
       }
-    for (std::size_t racers = most_racers; racers > 0; --racers) {
-      const double length = std::min({affordable(racers, left), stretch * table_.tried, scout_.time()});
-      if (!(length > 1.5 * table_.tried)) continue;
-      for (Goal& goal : goals_) keep(goal.racers, racers);
-      return length;
+      for (std::size_t racers = racing_rate(1) > 0 ? most_racers : 0; racers > 0; --racers) {
+        const double length = std::min({affordable(racers, left), stretch * table_.tried, scout_.time()});
+        if (!(length > 1.5 * table_.tried)) continue;
+        for (std::size_t i = 0; i < racing_; ++i) keep(goals_[i].racers, racers);
+        return length;
+      }
     }
     return 0;
   }
-  /// Gradient calls a unit of time of so many racers for each target.
+  /// Gradient calls a unit of time of so many racers for each target in the race.
   SEMIEXPLICIT_COLD double racing_rate(std::size_t racers) const {
     double sum = 0;
-    for (const Goal& goal : goals_)
-      for (std::size_t i = 0; i < racers && i < goal.racers.size(); ++i) sum += goal.racers[i].second->rate;
+    for (std::size_t k = 0; k < racing_; ++k)
+      for (std::size_t i = 0; i < racers && i < goals_[k].racers.size(); ++i)
+        sum += goals_[k].racers[i].second->rate;
     return sum;
   }
 
@@ -483,15 +490,16 @@ class Search {
     // What cannot be met takes no more than its share of the calls, and the first race not all of them.
     const double end =
         goals_.front().tried > 0 ? limit : std::min(limit, begin + most_of_first * table_.budget);
-    double left = static_cast<double>(goals_.size());
-    for (Goal& goal : goals_) {
+    double left = static_cast<double>(racing_);
+    for (std::size_t i = 0; i < racing_; ++i) {
+      Goal& goal = goals_[i];
       const double share = (end - table_.spent_gradients) / left--;
       if (cut_ || table_.parts_before(goal.target) || (goal.cut && goal.racers.empty())) continue;
       goal.aim = std::max(goal.target, 2 * table_.rounding);
       if (&goal != &goals_.front() && goal.aim == (&goal - 1)->aim)
         goal.racers = (&goal - 1)->racers, goal.tried = (&goal - 1)->tried, goal.cut = (&goal - 1)->cut;
       else {
-        problem_.limit = std::min(limit, table_.spent_gradients + 1.5 * share);
+        problem_.limit = std::min(end, table_.spent_gradients + 1.5 * share);
         race(goal);
         goal.cut = std::exchange(cut_, false);
         problem_.limit = limit;
@@ -631,6 +639,7 @@ class Search {
   Neighbour<Any> neighbour_;
   CallTimer<Any> timer_;
   std::vector<Goal> goals_{};
+  std::size_t racing_ = 0;  ///< of them, the loosest
   mutable double looked_from_ = 0, harder_ = 1;
   bool counts_harder_ = false, first_race_ = false;
   double varies_ = 1;          ///< how far paces differ along the way

@@ -106,6 +106,31 @@ inline Rows evenly_spaced(std::int64_t steps, std::int64_t samples) {
   return rows;
 }
 
+/// Counts the steps of a run: which of them have a row.
+class RowClock {
+ public:
+  explicit RowClock(const Rows& rows) : rows_(rows) {}
+
+  /// Whether the next step has one.
+  bool due() {
+    if (done() || step_++ != rows_[next_]) return false;
+    ++next_;
+    return true;
+  }
+  bool done() const { return next_ == rows_.size(); }
+
+  template <class Visitor>
+  void visit_memory(Visitor&& visit) {
+    visit(next_);
+    visit(step_);
+  }
+
+ private:
+  const Rows& rows_;
+  std::size_t next_ = 0;
+  std::int64_t step_ = 0;
+};
+
 /// What came of one method.
 struct Run {
   /// The relative error of an invariant, or the defect, as it grows. A row holds the largest value since the
@@ -148,7 +173,7 @@ class Watch {
   static constexpr const char* name = "Watch";
 
   Watch(const Watched& invariants, const Rows& rows, Run& run)
-      : invariants_(invariants), rows_(rows), run_(run) {
+      : invariants_(invariants), rows_(rows), clock_(rows), run_(run) {
     for (const auto& row : invariants.rows()) run.quantities.push_back({.name = row.name});
     if (run.method.doubles()) run.quantities.push_back({.name = "defect"});
   }
@@ -160,10 +185,7 @@ class Watch {
       run_.quantities[i].see(i < rows.size() ? rows[i].final : defect(state, report));
     t_ = t;
     pending_ = true;
-    if (next_ < rows_.size() && step_++ == rows_[next_]) {
-      ++next_;
-      write_row();
-    }
+    if (clock_.due()) write_row();
   }
 
   template <class List>
@@ -180,13 +202,12 @@ class Watch {
     visit(run_.t);
     visit(t_);
     visit(pending_);
-    visit(next_);
-    visit(step_);
+    clock_.visit_memory(visit);
   }
 
   /// A run that fails ends between two rows: keeps what was seen since the last one.
   void finish() {
-    if (pending_ && next_ < rows_.size()) write_row();
+    if (pending_ && !clock_.done()) write_row();
   }
 
  private:
@@ -207,11 +228,10 @@ class Watch {
 
   const Watched& invariants_;
   const Rows& rows_;
+  RowClock clock_;
   Run& run_;
   double t_ = 0;
   bool pending_ = false;
-  std::size_t next_ = 0;
-  std::int64_t step_ = 0;
 };
 
 /// Integrates with a progress bar on a terminal. Where that is wanted it saves stepper, state and observers,

@@ -157,12 +157,11 @@ class ViewCsv {
   static constexpr const char* name = "ViewCsv";
 
   ViewCsv(const std::filesystem::path& path, const View<Dof>& view, const Rows& rows)
-      : view_(view), rows_(rows), writer_(path, view.columns), paths_(view.paths) {}
+      : view_(view), clock_(rows), writer_(path, view.columns), paths_(view.paths) {}
 
   template <class State>
   void operator()(double t, const State& state) {
-    if (next_ == rows_.size() || step_++ != rows_[next_]) return;
-    ++next_;
+    if (!clock_.due()) return;
     row_.assign(1, t);
     view_.append(state.q(), state.p(), row_, paths_);
     writer_.row(row_);
@@ -177,18 +176,15 @@ class ViewCsv {
   void visit_memory(CheckpointMemory& visit) {
     writer_.visit_memory(visit);
     for (Path& path : paths_) path.visit_memory(visit);
-    visit(next_);
-    visit(step_);
+    clock_.visit_memory(visit);
   }
 
  private:
   const View<Dof>& view_;
-  const Rows& rows_;
+  RowClock clock_;
   CsvWriter writer_;
   std::vector<Path> paths_;
   std::vector<double> row_;
-  std::size_t next_ = 0;
-  std::int64_t step_ = 0;
 };
 
 /// gnuplot's lines of the view above, the errors of the invariants below.

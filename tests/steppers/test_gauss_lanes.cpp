@@ -135,10 +135,6 @@ double energy_drift(int steps, double dt) {
   return static_cast<double>(sum / 4);
 }
 
-}  // namespace
-
-namespace {
-
 /// A spherical pendulum: its second angle winds up, and nothing depends on it.
 struct Pendulum {
   using Scalar = float;

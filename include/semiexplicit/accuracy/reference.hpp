@@ -143,9 +143,11 @@ class Scout {
         places_.push_back({time_, pacer_->pace()});
         if (places_.size() == most_places) thin();
       }
-      problem_.measure(z_, value);
-      if (const double size = static_cast<double>(norm(value)); std::isfinite(size))
-        largest_ = std::max(largest_, size);
+      if (!problem_.options.observable.is_energy()) {  // whose size is known
+        problem_.measure(z_, value);
+        if (const double size = static_cast<double>(norm(value)); std::isfinite(size))
+          largest_ = std::max(largest_, size);
+      }
       if (time_ < 2 * last_look_) continue;
       last_look_ = time_, largest_before_ = largest_;
       terms_.push_back(problem_.terms_at(z_));

@@ -72,7 +72,7 @@ class Search {
                               std::max(problem_.limit, table_.spent_gradients) + 0.4 * table_.budget);
     for (Goal& goal : goals_)
       if (goal.tried > 0 && (goal.tried < table_.time || goal.cut) && !table_.parts_before(goal.target))
-        go_on(goal);
+        race_again(goal);
     for (const double target : table_.targets)
       for (const Goal& goal : goals_)
         if (goal.target == target) {
@@ -538,7 +538,7 @@ class Search {
     if (first) goal.missed = cut_ ? goal.tried : 0;
   }
   /// A last race as far as the goal was tried, and to T where the calls that are left suffice for one racer.
-  SEMIEXPLICIT_COLD void go_on(Goal& goal) {
+  SEMIEXPLICIT_COLD void race_again(Goal& goal) {
     cut_ = false;
     table_.tried = goal.tried;
     if (goal.missed == goal.tried) goal.racers.clear();
@@ -583,7 +583,7 @@ class Search {
     if (goal.stalled || goal.aim > goal.target)
       table_.rounding =
           std::max(table_.rounding, std::nextafter(goal.target, std::numeric_limits<double>::max()));
-    else if (cut_ || goal.cut || goal.tried < table_.time)
+    else if (goal.cut || goal.tried < table_.time)
       table_.unfinished = std::max(table_.unfinished, goal.target);
   }
 

@@ -137,10 +137,10 @@ class Search {
     const auto affordable = [&](std::size_t racers, double calls) {
       return (calls + of_reference * table_.tried) / (trials_a_racer * racing_rate(racers) + of_reference);
     };
-    const bool to_the_end = table_.tried * stretch >= table_.time && scout_.time() >= table_.time;
+    const bool whole = table_.tried * stretch >= table_.time && scout_.time() >= table_.time;
     // The tightest stay behind where the calls do not suffice for all.
     for (; racing_ > 0; --racing_) {
-      for (std::size_t racers = to_the_end ? most_racers : 0; racers > 0; --racers) {
+      for (std::size_t racers = whole ? most_racers : 0; racers > 0; --racers) {
         if (overrun * affordable(racers, std::max(left, table_.budget / overrun)) < table_.time) continue;
         for (std::size_t i = 0; i < racing_; ++i)
           goals_[i].racers.resize(std::min(goals_[i].racers.size(), racers));

@@ -406,6 +406,54 @@ TEST_CASE("Where a CSV file does not fit its checkpoint, a run from the start sa
   CHECK(contents(csv.string() + ".part") == rows);
 }
 
+TEST_CASE("A resume() that is refused for one CSV file leaves the others' rows", "[checkpoint]") {
+  const Folder folder;
+  const fs::path first = folder.path / "first.csv", second = folder.path / "second.csv";
+  const fs::path first_part = first.string() + ".part", second_part = second.string() + ".part";
+  const auto run = [&](bool stops) {
+    GaussLegendre stepper(systems::Product<double>{}, {.stages = 1});
+    PhasePoint<double, 1> z(-3, 0);
+    IntegrationOptions<double> options{.dt = 0.1, .steps = 50};
+    CsvTrajectory one(first, 1), other(second, 1);
+    Checkpoints checkpoints(folder.path / "run.checkpoint", {.every = 10}, stepper, options, one, other);
+    options.done = checkpoints.resume(z);
+    integrate(stepper, z, options, one, other, checkpoints,
+              [&](double t, const auto&) { return !(stops && t > 2.45); });
+    return options.done.steps;
+  };
+  run(true);
+  const std::string rows = contents(first_part);
+  fs::rename(second_part, folder.path / "elsewhere");
+  CHECK(refuses([&] { run(false); }, "second.csv.part is not what it was"));
+  CHECK(contents(first_part) == rows);  // those behind the checkpoint, too
+  fs::rename(folder.path / "elsewhere", second_part);
+  CHECK(run(false) == 20);
+}
+
+TEST_CASE("Checkpoints of a run of which only a later part is known are refused", "[checkpoint]") {
+  const Folder folder;
+  GaussLegendre stepper(systems::Product<double>{}, {.stages = 1});
+  const PhasePoint<double, 1> start(-3, 0);
+  auto z = start;
+  const auto first = integrate(stepper, z, {.dt = 0.1, .steps = 20});
+  const auto middle = z;
+  IntegrationOptions<double> options{.dt = 0.1, .steps = 50, .done = first};
+  {
+    Checkpoints checkpoints(folder.path / "run.checkpoint", {.every = 10}, stepper, options);
+    const auto go_on = [&] { integrate(stepper, z, options, checkpoints); };
+    CHECK_THROWS_WITH(go_on(), Catch::Contains("call resume() with the initial state"));
+    CHECK_THROWS_WITH(checkpoints.save(z, first), Catch::Contains("call resume() with the initial state"));
+    auto began = start;
+    checkpoints.resume(began);
+    z = middle;
+    go_on();
+  }
+  Checkpoints checkpoints(folder.path / "run.checkpoint", {.every = 10}, stepper, options);
+  auto resumed = start;
+  CHECK(checkpoints.resume(resumed).steps == 50);
+  CHECK(same(resumed, z));
+}
+
 TEST_CASE("Rows that a checkpoint counts on stay where a run is stopped", "[checkpoint]") {
   const Folder folder;
   const fs::path csv = folder.path / "run.csv";

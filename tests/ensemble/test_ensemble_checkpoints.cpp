@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -284,6 +285,37 @@ auto times(std::size_t member = 0, std::vector<double> own = {0.1, 0.3}) {
 }
 
 }  // namespace
+
+/// An observer with a file of its own.
+struct Rows {
+  static constexpr const char* name = "Rows";
+  std::shared_ptr<CsvTrajectory> csv;
+  void operator()(double t, const PhasePoint<double, 5>& z) const { (*csv)(t, z); }
+  bool fresh() const { return csv->fresh(); }
+  void describe(auto& list) const { csv->describe(list); }
+  void visit_memory(auto&& visit) { csv->visit_memory(visit); }
+};
+
+TEST_CASE("A resume() of an ensemble that is refused leaves the rows of its members") {
+  const Folder folder;
+  const auto part = folder.path / "0.csv.part";
+  const auto run = [&](const auto& hamiltonian, Interrupt dies) {
+    Ensemble ensemble(hamiltonian, std::vector(2, lattices()[0]), scheme);
+    std::vector<Rows> rows;
+    for (const char* file : {"0.csv", "1.csv"})
+      rows.push_back({std::make_shared<CsvTrajectory>(folder.path / file, 5)});
+    EnsembleOptions options{.dt = 0.02, .steps = 30, .together = 5};
+    EnsembleCheckpoints checkpoints(folder.path / "run.checkpoint", {.every = 10}, ensemble, options, rows);
+    options.done = checkpoints.resume();
+    ensemble.run(options, each(rows), checkpoints, dies);
+    return options.done;
+  };
+  CHECK(run(Lattice<5>{}, Interrupt{15}) == 0);
+  const std::string rows = contents(part);
+  CHECK(refuses([&] { run(Stronger{}, Interrupt{20}); }, "another Hamiltonian"));
+  CHECK(contents(part) == rows);
+  CHECK(run(Lattice<5>{}, Interrupt{20}) == 10);
+}
 
 TEST_CASE("An ensemble is not resumed with other functions of its observers") {
   Saved saved;

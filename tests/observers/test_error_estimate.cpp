@@ -222,6 +222,9 @@ TEST_CASE("Nothing is estimated from the first step on that was cut into parts",
   REQUIRE(run.subdivided > 0);
   CHECK_FALSE(estimate.error());
   CHECK(estimate.parted_at());
+  z = PhasePoint<double, 1>(-0.3, 0);  // another run begins afresh
+  integrate(stepper, z, {.dt = 0.01, .steps = 10}, estimate);
+  CHECK(estimate.error());
 }
 
 }  // namespace test_error_estimate

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <system_error>
@@ -63,6 +64,14 @@ inline void visit_settings(CheckpointMemory& memory, const std::string& here) {
   if (const std::string other = difference_of_lines(settings, here); !other.empty())
     throw std::invalid_argument("it belongs to another run: " + other +
                                 "; give it the same settings, or another file");
+}
+
+/// By its start a checkpoint is known: without it no resume() could take it.
+inline void require_start(bool known) {
+  if (!known)
+    throw std::logic_error(
+        "checkpoints of a run that goes on from an earlier part: how it began is not known; call resume() "
+        "with the initial state first");
 }
 
 /// The counts of a report and its sums.
@@ -166,7 +175,7 @@ class Checkpoints {
 
   void operator()(const Scalar&, const State& z, const IntegrationReport& so_far) {
     if (so_far.at_event) return;  // a run is resumed at the end of a step
-    if (so_far.steps == 0) start_state_ = checksum_of(z);
+    require_start(z, so_far.steps);
     if (so_far.steps < std::exchange(seen_, so_far.steps)) {  // another run
       last_ = so_far.steps;
       next_look_ = 0;
@@ -178,6 +187,7 @@ class Checkpoints {
 
   /// Writes a checkpoint now.
   void save(const State& z, const IntegrationReport& so_far) {
+    require_start(z, so_far.steps);
     IntegrationReport report = so_far;
     State copy = z;
     CheckpointMemory memory;
@@ -202,10 +212,15 @@ class Checkpoints {
     return std::chrono::duration<double>(Clock::now() - then).count();
   }
 
+  void require_start(const State& z, std::int64_t steps) {
+    if (steps == 0) start_state_ = checksum_of(z);
+    detail::require_start(start_state_.has_value());
+  }
+
   /// What tells whether the rest is wanted, the report and the state.
   void visit_head(CheckpointMemory& memory, IntegrationReport& report, State& z) {
     detail::visit_settings(memory, settings_);
-    std::uint64_t start_state = start_state_;
+    std::uint64_t start_state = start_state_.value();
     memory(start_state);
     if (start_state != start_state_)
       throw std::invalid_argument(
@@ -292,7 +307,7 @@ class Checkpoints {
   S& stepper_;
   std::string settings_;
   std::tuple<Observers&...> observers_;
-  std::uint64_t start_state_ = 0;
+  std::optional<std::uint64_t> start_state_;
   double done_seconds_ = 0;
   std::int64_t last_ = 0, seen_ = 0, next_look_ = 0, look_every_ = 1;
   Clock::time_point start_ = Clock::now(), last_time_ = start_, last_look_ = start_;

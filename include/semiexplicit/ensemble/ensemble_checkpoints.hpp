@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <tuple>
@@ -75,7 +76,7 @@ class EnsembleCheckpoints {
   }
 
   void operator()(double, const EnsembleReport& so_far) {
-    if (so_far.done == 0) starts_ = checksum_of_states();
+    require_start(so_far.done);
     if (so_far.done == 0 || so_far.done < last_) last_ = 0;
     if (so_far.done == last_) return;
     if (options_.every > 0
@@ -87,6 +88,7 @@ class EnsembleCheckpoints {
   /// Writes a checkpoint now, after so many steps of each member.
   void save(std::int64_t done) {
     require_members();
+    require_start(done);
     CheckpointMemory memory;
     values_.clear();
     for (Eigen::Index i = 0; i < ensemble_.size(); ++i)
@@ -110,9 +112,14 @@ class EnsembleCheckpoints {
  private:
   using Clock = std::chrono::steady_clock;
 
+  void require_start(std::int64_t done) {
+    if (done == 0) starts_ = checksum_of_states();
+    detail::require_start(starts_.has_value());
+  }
+
   void visit_head(CheckpointMemory& memory, std::int64_t& done) {
     detail::visit_settings(memory, settings_);
-    std::uint64_t starts = starts_;
+    std::uint64_t starts = starts_.value();
     memory(starts);
     if (starts != starts_)
       throw std::invalid_argument(
@@ -235,7 +242,7 @@ class EnsembleCheckpoints {
   std::tuple<std::vector<Observers>&...> observers_;
   std::string settings_;
   std::vector<double> values_;  ///< of the functions of all members where they were saved
-  std::uint64_t starts_ = 0;
+  std::optional<std::uint64_t> starts_;
   std::int64_t last_ = 0;
   Clock::time_point last_time_ = Clock::now();
 };

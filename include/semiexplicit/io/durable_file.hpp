@@ -164,10 +164,10 @@ class DurableFile {
     committed_ = true;
   }
 
-  /// Goes on with the first `length` bytes of what is in the .part, from an earlier run, say.
+  /// Goes on with the first `length` bytes of what is in the .part, from an earlier run, say. The rest stays
+  /// up to the next write().
   void go_on_after(std::uint64_t length) {
-    if (!to_.direct && !file_.cut(length)) fail("its .part cannot be cut to an earlier length", errno);
-    begun_ = true;
+    begun_ = false;
     length_ = length;
   }
 
@@ -245,7 +245,7 @@ class DurableFile {
 
   void begin() {
     if (begun_) return;
-    if (!to_.direct && !file_.cut(0)) fail("cannot be written", errno);
+    if (!to_.direct && !file_.cut(length_)) fail("cannot be written", errno);
     begun_ = true;
   }
 

@@ -69,9 +69,9 @@ class CsvWriter {
   void describe(List& list) const {
     list("columns", columns_);
   }
-  /// How long the .part is, and its checksum; see CheckpointMemory. What is saved is on the disk first. What
-  /// is put back cuts the .part of the earlier run to that length and goes on there; throws
-  /// std::invalid_argument where it is not what it was. What was written to a device or a pipe cannot be
+  /// How long the .part is, and its checksum; see CheckpointMemory. What is saved is on the disk first. After
+  /// what is put back the next row follows that length of the .part of the earlier run, and replaces the rest;
+  /// throws std::invalid_argument where it is not what it was. What was written to a device or a pipe cannot be
   /// looked at again: the next row follows it.
   template <class Visitor>
   void visit_memory(Visitor&& visit) {

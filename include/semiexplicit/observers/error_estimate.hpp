@@ -65,7 +65,7 @@ class ErrorEstimate {
       if (!parted_ && !failed_) go_on(clock_.interval(t, run), clock_.steps_since(run));
     } else if (next != Next::again) {
       companion_ = difference_ = z;
-      parted_ = false;
+      parted_ = failed_ = false;
       error_ = worst_ = Scalar(0);
     }
     clock_.set(t, run, next);

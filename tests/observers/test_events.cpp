@@ -299,6 +299,27 @@ TEST_CASE("A ball that hits a corner bounces off both walls", "[events]") {
     }
 }
 
+TEST_CASE("A second wall behind the first bounces the ball when it is there, however soon", "[events]") {
+  using Flat = PhasePoint<double, 2>;
+  for (const double later : {1e-3, 3e-6, 1e-6, 3e-7, 1e-8, 1e-10}) {
+    CAPTURE(later);
+    auto stepper = semiexplicit_of(Free());
+    Flat z({0, 0}, {1, 1 / (1 + later)});
+    double second = 0;
+    auto watch = events(Free(),
+                        on_event([](const auto& q, const auto&) { return 1 - q[0]; },
+                                 [](double, Flat& at) { at.p()[0] = -at.p()[0]; }),
+                        on_event([](const auto& q, const auto&) { return 1 - q[1]; },
+                                 [&](double t, Flat& at) {
+                                   second = t;
+                                   at.p()[1] = -at.p()[1];
+                                 }));
+    integrate(stepper, z, {.dt = 4, .steps = 1}, watch);
+    CHECK(watch.count() == 2);
+    CHECK(std::abs(second - (1 + later)) < 4e-12);
+  }
+}
+
 TEST_CASE("A surface that its action moves on is met again where it is then", "[events]") {
   const auto count = [](const auto& make) {
     double next = 1.05;

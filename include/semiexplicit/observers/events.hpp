@@ -183,8 +183,7 @@ class Events {
       };
     };
     each([&](std::size_t k, auto& kind) {
-      if (!open_[k] || (!fired_[k] && abs(h) <= abs(near))) return;
-      pending_[k] = settle(k, kind, start, end, near, longest_, along(kind));
+      if (open_[k]) pending_[k] = settle(k, kind, start, end, near, longest_, along(kind));
     });
     if (const Found found = take_pending()) return found;
     if (h == Scalar(0)) return {};
@@ -360,7 +359,8 @@ class Events {
       enlarge(k, value(kind, end));
     else
       enlarge(k, at(near));  // costs no step, and both ends may be on the surface
-    const bool on = rests_[k] || abs(from) <= noise || is_near(k, from, near, at);
+    const Scalar same_time = near * abs(Scalar(near / longest_));  // to which events are found
+    const bool on = rests_[k] || abs(from) <= noise || is_near(k, from, same_time, at);
     const Scalar level = rests_[k] ? level_[k] : from;
     const Leaving gone =
         on ? leaving(level, noise, near, most, at) : Leaving{detail::side_of(from), near, from};

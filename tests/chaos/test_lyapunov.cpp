@@ -271,4 +271,53 @@ TEST_CASE("Second derivatives that a type inherits beside another gradient are r
   CHECK_THROWS_AS(integrate(stepper, z, {.dt = 0.1, .steps = 10}, lyapunov), std::invalid_argument);
 }
 
+/// Two oscillators, the first in a unit that is far smaller and with a wave on its spring.
+struct UnlikeUnits {
+  using Scalar = double;
+  static constexpr int Dof = 2;
+  double unit, wave_number, stiffness = 1.25;
+  void gradient(In<double, 2> q, In<double, 2> p, Out<double, 2> dHdq, Out<double, 2> dHdp) const {
+    const double x = q[0] / unit;
+    dHdq[0] = (x - 0.05 * std::sin(wave_number * x) / wave_number) / unit;
+    dHdq[1] = stiffness * q[1];
+    dHdp[0] = unit * unit * p[0];
+    dHdp[1] = p[1];
+  }
+  void hessian_times(In<double, 2> q, In<double, 2>, In<double, 2> dq, In<double, 2> dp, Out<double, 2> hq,
+                     Out<double, 2> hp) const {
+    hq[0] = (1 - 0.05 * std::cos(wave_number * q[0] / unit)) / (unit * unit) * dq[0];
+    hq[1] = stiffness * dq[1];
+    hp[0] = unit * unit * dp[0];
+    hp[1] = dp[1];
+  }
+};
+
+TEST_CASE("Right second derivatives are taken whatever the units, and where the force has a narrow wave",
+          "[chaos]") {
+  const auto takes = [](UnlikeUnits h, double x) {
+    CAPTURE(h.unit, h.wave_number, x);
+    Semiexplicit stepper(h, schemes::strang());
+    PhasePoint<double, 2> z({x * h.unit, 0.76}, {0.3 / h.unit, -0.5});
+    LyapunovExponents lyapunov(stepper, 1);
+    CHECK_NOTHROW(integrate(stepper, z, {.dt = 0.01, .steps = 1}, lyapunov));
+  };
+  for (const double unit : {1e-4, 1e-6, 1e-7, 1e-8})
+    for (const double x : {0.1, 0.5, 0.9}) takes({unit, 1}, x);
+  for (const double x : {100., 101.3, 107.7}) takes({1, 3e4}, x);
+
+  struct Wrong : UnlikeUnits {
+    void hessian_times(In<double, 2> q, In<double, 2> p, In<double, 2> dq, In<double, 2> dp,
+                       Out<double, 2> hq, Out<double, 2> hp) const {
+      UnlikeUnits::hessian_times(q, p, dq, dp, hq, hp);
+      hq[0] *= 1.2;
+    }
+  };
+  for (const double unit : {1e-6, 1.}) {
+    Semiexplicit stepper(Wrong{{unit, 1}}, schemes::strang());
+    PhasePoint<double, 2> z({0.5 * unit, 0.76}, {0.3 / unit, -0.5});
+    LyapunovExponents lyapunov(stepper, 1);
+    CHECK_THROWS_AS(integrate(stepper, z, {.dt = 0.01, .steps = 1}, lyapunov), std::invalid_argument);
+  }
+}
+
 }  // namespace test_lyapunov

@@ -201,20 +201,29 @@ class HessianProduct {
       by(part_[j] * length, product);
     }
 
-    /// Whether a product that H gives is near the difference `found`; also where differences cannot tell.
+    /// Whether a product that H gives is near a difference, the usual one, which is `found`, or another; also
+    /// where differences cannot tell.
     bool compare(const H& h, const Vec& z, const Vec& v, const Vec& given, Vec& found) {
       prepare(h, z, true);
       times(h, z, v, 0, found);
       Vec other = z;
-      difference(h, z, v, part_[0] * lengths_.along(v) / 2, other);
-      const Scalar size = norm(found);
-      if (!(norm(found - other) <= size / 1000) || norm(found - given) <= size / 100) return true;
+      const Scalar usual = part_[0] * lengths_.along(v);
+      const auto is_near = [&](const Vec& product) { return norm(product - given) <= norm(product) / 100; };
+      const auto is_near_by = [&](const Scalar& shift) {
+        difference(h, z, v, shift, other);
+        return is_near(other);
+      };
+      if (is_near(found) || is_near_by(usual / 2) || !(norm(found - other) <= norm(found) / 1000))
+        return true;
       // Where one half of z is far smaller than what it is on its way to, the shift may be one that the other
-      // does not feel.
+      // does not feel; where units differ, one that steps over what bends a coordinate.
       using std::cbrt;
       const Scalar farther = cbrt(Eigen::NumTraits<Scalar>::epsilon()) * lengths_.farthest_along(v);
-      if (farther > Scalar(0)) difference(h, z, v, farther, other);
-      return norm(other - given) <= size / 100;
+      if (farther > Scalar(0) && is_near_by(farther)) return true;
+      Scalar shift = usual;
+      for (int i = 0; i < 16; ++i)
+        if (is_near_by(shift /= 8)) return true;
+      return false;
     }
 
     template <class Visitor>

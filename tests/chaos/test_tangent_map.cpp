@@ -168,6 +168,21 @@ TEST_CASE("A tangent map that cannot be had says why", "[chaos]") {
   CHECK(tangent.matrix() == Eigen::Matrix<Extended, 2, 2>::Identity());
 }
 
+TEST_CASE("Second derivatives by differences at the ends of the range of numbers end in a status",
+          "[chaos]") {
+  for (const double amplitude : {1e10, 1e16, 1e30, 1e150, 1e300}) {
+    CAPTURE(amplitude);
+    const Autonomous shaken(from_energy<1>([=](const auto& t, const auto& q, const auto& p) {
+      using std::cos, std::sin;
+      const auto velocity = p[0] + amplitude * sin(10 * t) * sin(q[0]);
+      return velocity * velocity / 2 - cos(q[0]);
+    }));
+    Semiexplicit stepper(shaken, schemes::low_defect6_s13());
+    TangentMap tangent(stepper);
+    CHECK(tangent.at(shaken.extended({3, 0}, 0), 0.01) != Status::success);
+  }
+}
+
 TEST_CASE("The time of a driven system does not loosen its tangent map, nor does a start from rest",
           "[chaos]") {
   const Autonomous driven(from_energy<1>([](const auto& t, const auto& q, const auto& p) {

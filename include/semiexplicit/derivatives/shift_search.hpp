@@ -276,9 +276,11 @@ class ShiftSearch {
     const Scalar from = std::max<Scalar>(length, unit) / 2;
     const Scalar least =
         std::max(Scalar(16 * epsilon * own), Scalar(epsilon * std::min<Scalar>(length, unit)));
-    const Scalar count = ceil(log(from / least) / log(Scalar(8)));
-    return best(length, from, least, count < Scalar(most_shifts) ? static_cast<int>(count) : most_shifts,
-                difference);
+    const Scalar count = ceil(log(from / least) / log(Scalar(8)));  // below 3 or NaN at the ends of the range
+    const int shifts = count >= Scalar(most_shifts) ? most_shifts
+                       : count > Scalar(3)          ? static_cast<int>(count)
+                                                    : 3;
+    return best(length, from, least, shifts, difference);
   }
 
   /// A shift that was right a while ago, looked at again.

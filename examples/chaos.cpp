@@ -51,8 +51,8 @@ struct Request {
   std::int64_t steps() const { return steps_in(time, dt); }
 };
 
-Series run(const Regime& regime, const Request& request) {
-  Series mean;
+/// What realizations add to stays where a later one fails.
+void run(const Regime& regime, const Request& request, Series& mean) {
   for (std::int64_t k = 0; k < request.realizations; ++k) {
     std::mt19937_64 random(static_cast<std::uint64_t>(request.seed + k));
     const auto uniform = [&] { return std::ldexp(static_cast<double>(random() >> 11), -53); };
@@ -82,7 +82,6 @@ Series run(const Regime& regime, const Request& request) {
               << std::endl;
     mean.add(lyapunov.times(), lyapunov.series());
   }
-  return mean;
 }
 
 /// One regime and what was measured of it.
@@ -146,13 +145,23 @@ int main(int argc, char** argv) {
   return run_program(app, argc, argv, [&] {
     request.steps();  // refused before the folder is made
     settings.make_output_folder();
+    const std::filesystem::path csv = settings.output / "chaos.csv";
     std::vector<Measured> all;
     for (const Regime& regime : request.regimes()) {
-      all.push_back({regime, run(regime, request)});
+      all.push_back({regime, {}});
+      try {
+        run(regime, request, all.back().series);
+      } catch (const IntegrationError&) {
+        if (all.back().series.t.empty()) all.pop_back();
+        if (!all.empty()) {
+          write(csv, all);
+          std::cout << "data so far: " << csv.string() << std::endl;
+        }
+        throw;
+      }
       std::cout << regime.name << " chaos: " << all.back().series.in_words(regime.published_slope)
                 << std::endl;
     }
-    const std::filesystem::path csv = settings.output / "chaos.csv";
     write(csv, all);
     if (settings.no_plot) return 0;
     if (all.front().series.t.back() <= picture_begin)

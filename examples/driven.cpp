@@ -57,7 +57,9 @@ void report_stability(double half_trace, double amplitude, double frequency) {
     throw std::runtime_error(
         "the motion about the upper position overflows in a period; give a larger --frequency");
   std::cout << "upside down: ";
-  if (std::abs(half_trace) < 1)
+  if (std::abs(std::abs(half_trace) - 1) < 1e-10)
+    std::cout << "so slow beside the shaking that rounding hides it";
+  else if (std::abs(half_trace) < 1)
     std::cout << "stable, swings at " << std::acos(half_trace) * frequency / (2 * pi);
   else
     std::cout << "unstable, parts at " << std::acosh(std::abs(half_trace)) * frequency / (2 * pi);

@@ -107,16 +107,14 @@ int run(const M& metric, Request& request, const CLI::App& app, const std::strin
     std::cout << "energy error: not measured, the orbit in the middle " << describe(judged.end) << '\n';
   std::cout << "data: " << csv.string() << '\n';
   if (request.checkpoint.wanted()) finished.remove();
-  if (summary.failed == request.orbits && summary.points == 0) {
-    std::cerr << "geodesics: every orbit failed before it passed the equator; give a smaller --dt\n";
-    return 1;
-  }
-  if (settings.no_plot) return 0;
-  if (summary.points == 0)
-    std::cout << "no picture: no orbit passed the equator\n";
-  else
+  const bool failed = summary.failed == request.orbits;
+  if (summary.points > 0 && !settings.no_plot)
     draw(png, section_picture(png, csv, title));
-  return 0;
+  else if (!failed && !settings.no_plot)
+    std::cout << "no picture: no orbit passed the equator\n";
+  if (!failed) return 0;
+  std::cerr << "geodesics: every orbit failed; give a smaller --dt\n";
+  return 1;
 }
 
 }  // namespace

@@ -88,16 +88,21 @@ View<any> view(const Choice& c) {
     for (Eigen::Index i = 0; i < q.size(); ++i) row.push_back(q[i] * q[i] + p[i] * p[i]);
   };
   view.plot = [n = sites(c), unit = c.units.name(1)](const auto& csv, const auto&) {
-    // Rows are evenly spaced, but for the last one.
-    return "stats " + quoted(csv.string()) + " skip 1 using 1 every ::::1 nooutput\nspacing = STATS_max\n" +
-           "set key off\nset xlabel " + quoted(in("time", unit)) +
+    // Rows are evenly spaced, but for the last one, which is left out where it is not.
+    return "stats " + quoted(csv.string()) +
+           " skip 1 using 1 nooutput\nend = STATS_max\nlast = STATS_records - 1\n" + "stats " +
+           quoted(csv.string()) + " skip 1 using 1 every ::::1 nooutput\nspacing = STATS_max\n" +
+           "if (last * spacing > end * (1 + 1e-9)) last = last - 1\n" + "set key off\nset xlabel " +
+           quoted(in("time", unit)) +
            "\nset ylabel 'site'\nset cblabel '|ψ|²'\nset rmargin at screen "
            "0.86\n"
            "set logscale cb\nset format cb '10^{%T}'\nset cbrange [1e-6:*]\n"
            "set palette defined (0 '#000020', 1 '#08519c', 2 '#6baed6', 3 '#fee391', 4 '#ffffe5')\n"
            "set yrange [-0.5:" +
-           std::to_string(n) + " - 0.5]\nset autoscale xfix\nplot " + quoted(csv.string()) +
-           " skip 1 matrix every 1:1:1:0 using ($2 * spacing):($1 - 1):3 with image\n"
+           std::to_string(n) +
+           " - 0.5]\nset xrange [0:end > 0 ? end : 1]\nif (last < 1) { plot NaN } else { plot " +
+           quoted(csv.string()) +
+           " skip 1 matrix every 1:1:1:0::last using ($2 * spacing):($1 - 1):3 with image }\n"
            "unset colorbox\nset autoscale\n";
   };
   return view;

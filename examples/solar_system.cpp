@@ -30,11 +30,11 @@ int audit(const Request& request) {
   const double dt = request.settings.dt, time = request.settings.time;
   request.checkpoint.prepare(request.settings, {request.file(".csv"), request.file(".png")});
   const auto& list = list_called(request.list);
-  const PerihelionTable table = clemence(request.effects, list, dt, time);
+  const PerihelionTable table = clemence(request.effects, list, dt, time, request.settings.samples);
   if (request.cost.chosen)
     request.cost.compare_with_figure(
         by_half_the_step(table.curves.back().second.rate(),
-                         perihelion_of("half the step", request.effects, list, dt / 2, time).rate()));
+                         perihelion_of("half the step", request.effects, list, dt / 2, time, 2).rate()));
   write_perihelion(request.file(".csv"), table);
   std::cout << "data: " << request.file(".csv").string() << '\n';
   if (!request.settings.no_plot)
@@ -60,13 +60,19 @@ int run(Request& request, const System& system) {
   columns.emplace_back("energy_error");
   CsvWriter writer(request.file(".csv"), columns);
   Kept kept = kept_of(system);
+  const Rows rows = evenly_spaced(steps, settings.samples);
+  RowClock clock(rows);
   const auto row = [&](double t, const auto& q, const auto& p) {
+    if (!clock.due()) return;
     std::vector<double> values{t};
     for (const double value : shapes(system, q, p)) values.push_back(value);
     values.push_back(kept["energy"].final);
     writer.row(values);
   };
-  const auto memory = [&](CheckpointMemory& visit) { writer.visit_memory(visit); };
+  const auto memory = [&](CheckpointMemory& visit) {
+    writer.visit_memory(visit);
+    clock.visit_memory(visit);
+  };
   request.checkpoint.run << "solar_system: " << joined(request.effects) << "; " << steps << " steps, samples "
                          << settings.samples;
   with_splitting(system, list_called(request.list),
@@ -75,8 +81,7 @@ int run(Request& request, const System& system) {
   const IntegrationReport report =
       integrate_system(system, list_called(request.list), z,
                        {.dt = settings.dt, .steps = steps, .on_failure = OnFailure::stop}, kept,
-                       {.observe = row, .memory = memory}, "solar_system", stride(steps, settings.samples),
-                       request.checkpoint);
+                       {.observe = row, .memory = memory}, "solar_system", request.checkpoint);
   std::cout << formatted("%g years, %.0f steps of %.6g days: ", report.t, double(report.steps),
                          settings.dt * days_a_year);
   if (report.ok())

@@ -112,13 +112,15 @@ int main(int argc, char** argv) {
     if (const auto set = vortex_sets().find(preset); set != vortex_sets().end()) vortices = set->second;
     if (input.empty()) return preset;
     vortices = read_vortices(input);
-    program.presets.push_back({.name = input,
-                               .about = "vortices of a file",
-                               .units = {"numbers"},
-                               .effects = {"pairs"},
-                               .dt = "0.01",
-                               .time = "100",
-                               .start = [&](const Choice&) { return start(vortices); }});
+    // In front: its name may be that of another preset.
+    program.presets.insert(program.presets.begin(),
+                           {.name = input,
+                            .about = "vortices of a file",
+                            .units = {"numbers"},
+                            .effects = {"pairs"},
+                            .dt = "0.01",
+                            .time = "100",
+                            .start = [&](const Choice&) { return start(vortices); }});
     return input;
   };
   program.add_invariants = [&](auto& invariants, const Choice& c) { add_impulses(invariants, vortices, c); };

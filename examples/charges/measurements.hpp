@@ -31,13 +31,15 @@ class Bouncing {
       latest_ = at;
       samples_ = 0;
     }
+    if (seen_) longest_ = std::max(longest_, t - last_t_);
     seen_ = true;
     last_ = z;
     last_t_ = t;
     highest_ = std::max(highest_, std::abs(z));
   }
-  /// Why there is no figure; empty where there is one.
-  std::string missing() const {
+  /// Why there is no figure of a charge that gyrates by about `rate`; empty where there is one.
+  std::string missing(double rate) const {
+    if (const std::string coarse = too_coarse(rate * longest_); !coarse.empty()) return coarse;
     if (passages_ < 2) return "the run has no whole bounce; give more --time";
     if (fewest_ < 16) return "a bounce has " + std::to_string(fewest_) + " steps; give a smaller --dt";
     return "";
@@ -50,12 +52,12 @@ class Bouncing {
     visit(passages_);
     visit(samples_);
     visit(fewest_);
-    for (double* number : {&last_, &last_t_, &first_, &latest_, &highest_}) visit(*number);
+    for (double* number : {&last_, &last_t_, &first_, &latest_, &highest_, &longest_}) visit(*number);
   }
 
  private:
   bool seen_ = false;
-  double last_ = 0, last_t_ = 0, first_ = 0, latest_ = 0, highest_ = 0;
+  double last_ = 0, last_t_ = 0, first_ = 0, latest_ = 0, highest_ = 0, longest_ = 0;
   std::int64_t passages_ = 0, samples_ = 0, fewest_ = std::int64_t{1} << 62;
 };
 
@@ -76,7 +78,7 @@ inline Measurement<3> gyration(const Choice& c) {
                radius = std::abs(Velocity(c).across / rate);
   return {[=](double t, const In<double, 3>& q, const In<double, 3>&) { turning->see(t, q[0], q[1]); },
           [=](std::ostream& out, const Run&) {
-            const std::string coarse = too_coarse(turning->largest());
+            const std::string coarse = too_coarse(turning->largest(rate));
             const std::string why = !alone ? "the formula holds for uniform_field alone"
                                     : !(Velocity(c).across > 1e-12 * Velocity(c).all)
                                         ? "nothing moves across the field; give another --pitch or --energy"
@@ -104,7 +106,7 @@ inline Measurement<3> mirrors(const Choice& c) {
                                                                : "";
   return {[=](double t, const In<double, 3>& q, const In<double, 3>&) { bouncing->see(t, q[2]); },
           [=](std::ostream& out, const Run&) {
-            std::string why = bouncing->missing();
+            std::string why = bouncing->missing(v.across / gyroradius);
             if (bouncing->highest() < 1e-6 * gyroradius)
               why = "the charge stays in the middle; give another --pitch";
             if (!why.empty())
@@ -160,7 +162,7 @@ inline Measurement<3> bounce_and_drift(const Choice& c) {
             const std::string coarse = too_coarse(drifting->largest());
             figure("bounce period, s",
                    bouncing->highest() < 1e-6 * l ? "the charge stays in the equator; give another --pitch"
-                                                  : bouncing->missing(),
+                                                  : bouncing->missing(v / (gyroradius * l)),
                    bouncing->period(), bounce);
             // At both ends the gyration is part of the angle, and the drift is faster here and slower there
             // on a bounce, twice to and fro.

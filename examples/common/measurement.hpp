@@ -115,6 +115,7 @@ class Turning {
       const double turn = std::remainder(angle - last_, 2 * std::acos(-1.0));
       turned_ += turn;
       largest_ = std::max(largest_, std::abs(turn));
+      longest_ = std::max(longest_, std::abs(t - now_));
     }
     last_ = angle;
     now_ = t;
@@ -124,18 +125,20 @@ class Turning {
   double turned() const { return turned_; }
   /// The largest turn from one step to the next.
   double largest() const { return largest_; }
+  /// The same where it turns by about `rate`, which tells nearly a whole turn from a small one backwards.
+  double largest(double rate) const { return std::max(largest_, std::abs(rate) * longest_); }
   /// Radians a unit of time, counterclockwise.
   double rate() const { return turned_ / (now_ - start_); }
   double mean_radius() const { return radii_ / static_cast<double>(seen_); }
 
   void visit_memory(CheckpointMemory& visit) {
     visit(seen_);
-    for (double* number : {&start_, &now_, &last_, &turned_, &radii_, &largest_}) visit(*number);
+    for (double* number : {&start_, &now_, &last_, &turned_, &radii_, &largest_, &longest_}) visit(*number);
   }
 
  private:
   std::int64_t seen_ = 0;
-  double start_ = 0, now_ = 0, last_ = 0, turned_ = 0, radii_ = 0, largest_ = 0;
+  double start_ = 0, now_ = 0, last_ = 0, turned_ = 0, radii_ = 0, largest_ = 0, longest_ = 0;
 };
 
 /// "77.8 ± 0.7", no more digits than that means; eight of them where nothing is uncertain.

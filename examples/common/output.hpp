@@ -60,13 +60,14 @@ inline std::string gnuplot_prologue(const std::filesystem::path& png, int width,
 /// signs of UTF-8. Without gnuplot there is a hint and no picture.
 inline void draw(const std::filesystem::path& png, const std::string& script) {
   const std::filesystem::path file = std::filesystem::path(png).replace_extension("gp");
+  const std::string script_name = (file.is_absolute() ? "" : "./") + file.string();  // it may begin with -
   semiexplicit::DurableFile::remove(png);  // an older one would belong to other data
   semiexplicit::write_durably(file, script);
 
   constexpr int none = 127;
   const std::string command = "command -v gnuplot >/dev/null || exit " + std::to_string(none) +
                               "; LC_ALL=C.UTF-8 exec gnuplot -e \"output = '/dev/stdout'\" " +
-                              quoted(file.string(), "'\\''");
+                              quoted(script_name, "'\\''");
   std::FILE* const pipe = popen(command.c_str(), "r");
   if (pipe == nullptr) throw std::runtime_error("gnuplot: no pipe can be opened to it");
   std::string picture;
@@ -82,7 +83,7 @@ inline void draw(const std::filesystem::path& png, const std::string& script) {
               << file.string() << '\n';
     return;
   }
-  if (status != 0) throw std::runtime_error("gnuplot failed on " + file.string());
+  if (status != 0 || picture.empty()) throw std::runtime_error("gnuplot failed on " + file.string());
   semiexplicit::write_durably(png, picture);
   std::cout << "picture: " << png.string() << '\n';
 }

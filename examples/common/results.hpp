@@ -72,12 +72,12 @@ inline void print_table(std::ostream& out, const std::vector<Run>& runs, double 
 }
 
 /// Writes the rows of runs side by side. Where there is more than one, their columns begin with the method's
-/// name; behind the end of a run that failed early stands nan.
+/// name; where a run has no row at that time, behind the end of one that failed, stands nan.
 inline void write_series(const std::filesystem::path& path, const std::vector<Run>& runs) {
   std::vector<std::string> names{"t"};
   std::vector<double> t;
   for (const Run& run : runs) {
-    if (run.t.size() > t.size()) t = run.t;
+    if (run.t.size() > t.size() || (run.t.size() == t.size() && t < run.t)) t = run.t;
     for (const auto& quantity : run.quantities)
       names.push_back((runs.size() > 1 ? run.method.name + "_" : "") + quantity.column());
   }
@@ -86,7 +86,8 @@ inline void write_series(const std::filesystem::path& path, const std::vector<Ru
     std::vector<double> values{t[row]};
     for (const Run& run : runs)
       for (const auto& [name, worst, final, peak, rows] : run.quantities)
-        values.push_back(row < rows.size() ? rows[row] : std::numeric_limits<double>::quiet_NaN());
+        values.push_back(
+            row < rows.size() && run.t[row] == t[row] ? rows[row] : std::numeric_limits<double>::quiet_NaN());
     csv.row(values);
   }
   csv.commit();

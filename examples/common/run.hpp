@@ -76,14 +76,24 @@ struct CheckpointRequest {
         if (settings.no_plot) all.pop_back();
         all.push_back(std::filesystem::path(output).replace_extension("gp"));
       }
-    std::error_code none;
-    for (const auto& output : all)
-      if (wanted() &&
-          (behind_links(file) == behind_links(output) || std::filesystem::equivalent(file, output, none)))
-        throw std::invalid_argument("--checkpoint: '" + file.string() + "' is where " + output.string() +
+    const auto one_file = [](const std::filesystem::path& a, const std::filesystem::path& b) {
+      std::error_code none;
+      return behind_links(a) == behind_links(b) ||
+             (std::filesystem::equivalent(a, b, none) && std::filesystem::is_regular_file(a, none));
+    };
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      if (wanted() && one_file(file, all[i]))
+        throw std::invalid_argument("--checkpoint: '" + file.string() + "' is where " + all[i].string() +
                                     " goes, a result of the run; give another name");
+      for (std::size_t k = 0; k < i; ++k)
+        if (one_file(all[k], all[i]))
+          throw std::invalid_argument("--output: " + all[k].string() + " and " + all[i].string() +
+                                      " are one file by a link; remove it");
+    }
     settings.make_output_folder();
-    for (const auto& output : all) DurableFile(output, DurableFile::Uncommitted::kept);
+    for (const auto& output : all)
+      if (!std::filesystem::is_fifo(output))  // its reader would take this for the end
+        DurableFile(output, DurableFile::Uncommitted::kept);
   }
   /// The run is done and its files are there.
   void finish() const {

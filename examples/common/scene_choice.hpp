@@ -60,6 +60,12 @@ class Choice {
     return effects.size() == names.size() &&
            std::all_of(names.begin(), names.end(), [this](const auto& name) { return on(name); });
   }
+  /// Are no others than these on?
+  bool only_of(const std::vector<std::string>& names) const {
+    return std::all_of(effects.begin(), effects.end(), [&](const auto& effect) {
+      return std::find(names.begin(), names.end(), effect) != names.end();
+    });
+  }
   bool has(const std::string& parameter) const { return values.count(parameter) > 0; }
   /// The value of a parameter. Throws std::invalid_argument where neither preset nor user gives one.
   double operator[](const std::string& parameter) const {

@@ -213,6 +213,10 @@ int run_scene_program(const SceneProgram<Dof>& program, int argc, char** argv, c
     const auto& preset = request.preset();
     const Choice choice = request.choice();
     request.put_times_into(settings);
+    if (cost_wanted)
+      settings.dt = std::min(settings.dt, settings.time);
+    else
+      settings.fit_steps();
     if (app.count("--samples") == 0) settings.samples = preset.samples;
     const RuntimeScene<double, Dof> scene = request.scene(choice);
     const PhasePoint<double, Dof> z0 = preset.start(choice);

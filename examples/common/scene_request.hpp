@@ -31,7 +31,11 @@ class SceneRequest {
 
   void add_to(CLI::App& app) {
     const auto add = [&](const std::string& name, auto& value, const std::string& what, const char* type) {
-      return app.add_option("--" + name, value, what)->type_name(type)->default_str("the preset's");
+      return app.add_option("--" + name, value, what)
+          ->type_name(type)
+          ->default_str("the preset's")
+          ->check(CLI::Validator(
+              [](const std::string& text) { return text.empty() ? "nothing is given" : ""; }, "", "given"));
     };
     preset_name = program_.presets.front().name;
     add_value(app, "--preset", preset_name, "a set-up ready made; see --list-presets", CLI::Validator(),
@@ -99,11 +103,10 @@ class SceneRequest {
     return choice;
   }
 
-  /// The step and the time, such that steps end at it.
+  /// The step and the time.
   void put_times_into(Settings& settings) const {
     settings.dt = quantity("dt", dt.empty() ? preset().dt : dt, "s", true);
     settings.time = quantity("time", time.empty() ? preset().time : time, "s", true);
-    settings.fit_steps();
   }
 
   /// The effects that are on, in the program's order.
@@ -121,29 +124,28 @@ class SceneRequest {
     for (const auto& [name, text] : texts_) {
       if (text.empty() || choice.used->count(name) > 0) continue;
       std::vector<std::string> listeners;
-      std::string with_it;
-      for (const std::string& effect : preset().effects) with_it += effect + ',';
       for (const auto& entry : program_.effects)
         if (std::find(entry.parameters.begin(), entry.parameters.end(), name) != entry.parameters.end())
           listeners.push_back(entry.name);
       throw std::invalid_argument("--" + name + " means nothing to the preset " + preset().name +
                                   (listeners.empty()
                                        ? std::string("; leave it out")
-                                       : " with these effects; it goes with " + joined(listeners) +
-                                             ", as in --effects " + with_it + listeners.front()));
+                                       : " with these effects; it goes with " + joined(listeners)));
     }
   }
 
-  /// Which options can be why there is no start: those that are zero, else those that were given.
+  /// Which options can be why there is no start: those that were given, of them those that are zero; where
+  /// none was given, the zeros of the preset.
   std::string suspects(const Choice& choice) const {
     std::vector<std::string> zeros, given;
-    for (const auto& [name, value] : choice.values)
-      if (value == 0 && choice.used->count(name) > 0) zeros.push_back("--" + name);
     for (const auto& [name, text] : texts_)
       if (!text.empty()) given.push_back("--" + name);
-    return zeros.empty()
-               ? "one of these is too large, or a start where a force has no bound: " + joined(given)
-               : "one of these is zero and must not be: " + joined(zeros);
+    for (const auto& [name, value] : choice.values)
+      if (value == 0 && choice.used->count(name) > 0 && (given.empty() || !texts_.at(name).empty()))
+        zeros.push_back("--" + name);
+    return zeros.empty() ? "one of these is too large, too small, or a start where a force has no bound: " +
+                               joined(given)
+                         : "one of these is zero and must not be: " + joined(zeros);
   }
 
  private:

@@ -150,7 +150,11 @@ inline double read_quantity(const std::string& text, const std::string& wanted, 
     refuse(std::string("is not a ") + (positive ? "positive" : "finite") + " number");
   const std::string behind(rest, end);
   if (behind.find_first_not_of(" \t") == std::string::npos) return value;
+  if (wanted.empty()) refuse("has a unit, and a plain number is wanted");
   const Unit unit = read_unit(behind), meant = read_unit(wanted);
+  if (unit.powers == Unit().powers &&
+      behind.find_first_of("/*^ \t", behind.find_first_not_of(" \t")) != std::string::npos)
+    refuse("is no angle; give it as 30deg");
   if (unit.powers != meant.powers)
     refuse("is a " + dimension(unit) + ", and a " + dimension(meant) + " is wanted");
   const double size = system.size_of(unit), converted = value * size;

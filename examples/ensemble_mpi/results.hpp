@@ -88,7 +88,8 @@ class SweepResults {
     if (energy.empty())
       throw std::runtime_error("every member failed, there is nothing to show; give a smaller --dt");
     const auto quantile = [&](double q) {
-      return formatted("%.1e", energy[static_cast<std::size_t>(q * static_cast<double>(energy.size() - 1))]);
+      const double below = std::ceil(q * static_cast<double>(energy.size()));
+      return formatted("%.1e", energy[static_cast<std::size_t>(below) - 1]);
     };
     out << "reversibility error below 1e-8, regular so far: " << share(static_cast<std::size_t>(regular))
         << '\n'

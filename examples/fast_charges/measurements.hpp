@@ -43,13 +43,13 @@ inline Measurement<3> fast_gyration(const Choice& c) {
   return {[=](double t, const In<double, 3>& q, const In<double, 3>&) { turning->see(t, q[0], q[1]); },
           [=](std::ostream& out, const Run&) {
             const double across = std::abs(std::sin(c["pitch"]));
+            const double rate = c["charge"] * c["b"] / (gamma_of(c) * c["mass"]);
             const std::string coarse =
-                across < 1e-12 ? "it moves along the field" : too_coarse(turning->largest());
+                across < 1e-12 ? "it moves along the field" : too_coarse(turning->largest(rate));
             if (!alone || !coarse.empty())
               return print_none(out, "gyrofrequency",
                                 alone ? coarse : "the formula holds for uniform_field alone");
-            print_comparison(out, "gyrofrequency, rad/s", -turning->rate(), "eB/(γm)",
-                             c["charge"] * c["b"] / (gamma_of(c) * c["mass"]));
+            print_comparison(out, "gyrofrequency, rad/s", -turning->rate(), "eB/(γm)", rate);
             print_comparison(out, "gyroradius, m", turning->mean_radius(), "p/(eB)",
                              momentum_of(c) * across / std::abs(c["charge"] * c["b"]));
           },
@@ -61,12 +61,14 @@ struct Way {
   bool begun = false;
   double t0 = 0, t = 0, widest = -INFINITY, closest = INFINITY, nearest = INFINITY;
   double highest = 0, across = 0;  ///< the largest |y|, and canonical momentum across z
+  double longest = 0;              ///< the way of a step
   Eigen::Vector3d first = Eigen::Vector3d::Zero(), last = first;
   void see(double now, const In<double, 3>& q, const In<double, 3>& p) {
     if (!std::exchange(begun, true)) {
-      first = q;
+      first = last = q;
       t0 = now;
     }
+    longest = std::max(longest, (q - last).norm());
     last = q;
     t = now;
     widest = std::max(widest, q[0]);
@@ -77,7 +79,7 @@ struct Way {
   }
   void visit_memory(CheckpointMemory& visit) {
     visit(begun);
-    for (double* number : {&t0, &t, &widest, &closest, &nearest, &highest, &across}) visit(*number);
+    for (double* number : {&t0, &t, &widest, &closest, &nearest, &highest, &across, &longest}) visit(*number);
     visit(first);
     visit(last);
   }
@@ -119,6 +121,11 @@ inline Measurement<3> wiggle(const Choice& c) {
       return print_none(out, "wiggle",
                         "it starts where A is not 0 and so drifts aside; give a --z of whole half periods");
     if (passed < 5) return print_none(out, "wiggle", "it is less than five periods; give more --time");
+    if (way.longest > period / 8)
+      return print_none(
+          out, "wiggle",
+          formatted("a step goes through %.2g of a period; ", way.longest / period) +
+              formatted("give a --dt %.0f times smaller", std::ceil(16 * way.longest / period)));
     out << formatted("K = eB/(mck) = %.6g, %.1f periods\n", strength, passed);
     const double slope = strength * c["mass"] * c["c"] / momentum_of(c),
                  behind = (1 + strength * strength / 2) / (gamma * gamma);
@@ -136,6 +143,11 @@ inline Measurement<3> rotation(const Choice& c) {
   return of_way(c, "solenoid", [=](std::ostream& out, const Way& way) {
     const charges::SolenoidField field(c["b0"], c["length"], c["radius"]);
     if (way.first.head<2>().isZero(0)) return print_none(out, "turn of the plane", "it starts on the axis");
+    if (way.longest > c["length"] / 4)
+      return print_none(
+          out, "turn of the plane",
+          formatted("a step goes through %.2g of the solenoid; ", way.longest / c["length"]) +
+              formatted("give a --dt %.0f times smaller", std::ceil(8 * way.longest / c["length"])));
     const double pi = std::numbers::pi,
                  angle = std::atan2(way.first[0] * way.last[1] - way.first[1] * way.last[0],
                                     way.first.head<2>().dot(way.last.head<2>()));

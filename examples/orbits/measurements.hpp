@@ -91,11 +91,12 @@ class FirstOrder {
       largest = std::max(largest, size);
       second = std::max(second, of_square * size * size);
     };
-    // Of relativity and spin the terms of second order are measured to be two to four squares, of J2 up to
-    // one, and more where the orbit is nearly circular.
+    // Of relativity the terms of second order are measured to be two to four squares, of J2 up to one, and
+    // more where the orbit is nearly circular; of spin 24 of a circle, 15 at e = 0.05, 10 at 0.2, 3.3 at 0.6.
     if (c.on("1pn")) take("1PN", relativity_, relativity, 1, 3);
     if (c.on("j2")) take("J2", j2_, 1.5 * c["j2"] * std::pow(c["radius"], 2), 2, 1);
-    if (c.on("spin_orbit")) take("spin", spin_, 2 * c["gs"] / (c["c"] * c["c"] * std::sqrt(gm_)), 1.5, 3);
+    if (c.on("spin_orbit"))
+      take("spin", spin_, 2 * c["gs"] / (c["c"] * c["c"] * std::sqrt(gm_)), 1.5, 3 + 21 * std::pow(1 - e, 4));
     if (c.on("2pn")) second = std::max(second, 3 * std::pow(relativity / p, 2));  // of that order itself
     if (c.on("j2")) at_periapsis = 1 + 0.1 / e;
     at_start = rates(a, e, std::cos(tilt));
@@ -204,10 +205,16 @@ inline Measurement<3> turning_orbit(const Choice& c, const std::string& unit, do
                           std::string(measured ? "a companion run" : "the energy error") +
                               formatted(" leaves ± %.2g ", uncertain) + unit +
                               " open; give a smaller --dt, or a --scheme of higher order");
-      const auto decimals = [](double x) { return formatted("%.4f", std::round(x * 1e4) / 1e4 + 0.0); };
-      out << what << ": " << decimals(passages.per_time() * factor) << formatted(" ± %.1g ", uncertain)
-          << unit << formatted(" from %d orbits", passages.orbits())
-          << (measured ? "" : " (± by the energy error)");
+      const double rounded = passages.per_time() * factor;
+      // Five digits, as far as they are known, or four decimals.
+      const auto place = [](double x) { return static_cast<int>(std::floor(std::log10(std::abs(x)))); };
+      const int digits = std::clamp(std::min(4 - place(rounded), -place(uncertain)), 4, 15);
+      const auto decimals = [&](double x) {
+        const double unit = std::pow(10, -digits);
+        return formatted("%.*f", digits, std::round(x / unit) * unit + 0.0);
+      };
+      out << what << ": " << decimals(rounded) << formatted(" ± %.1g ", uncertain) << unit
+          << formatted(" from %d orbits", passages.orbits()) << (measured ? "" : " (± by the energy error)");
       if (expected.holds()) {
         out << "; " << (expected.terms.empty() ? "Kepler" : expected.terms + " to first order") << ": "
             << decimals(expected.at_start.*rate * factor);

@@ -52,6 +52,9 @@ inline Measurement<3> period_decay(const Choice& c) {
             seen->last = now;
           },
           [=](std::ostream& out, const Run&) {
+            if (!c.only_of({"kinetic", "attraction", "1pn", "2pn", "2.5pn"}))
+              return print_none(out, "period derivative",
+                                "that is for kinetic, attraction, 1pn, 2pn and 2.5pn only");
             if (seen->orbits < 3)
               return print_none(out, "period derivative",
                                 "the run has no two whole orbits; give more --time");

@@ -20,9 +20,11 @@ namespace examples {
 /// How Mercury's perihelion turns in a scene, fitted over half of the time before J2000 and half of it
 /// behind: the rates change slowly, and so that of J2000 comes out.
 inline Perihelion perihelion_of(const std::string& label, const std::vector<std::string>& effects,
-                                const NearIntegrable<double>& list, double dt, double time) {
+                                const NearIntegrable<double>& list, double dt, double time,
+                                std::int64_t samples) {
   const System system(effects);
-  Perihelion perihelion(system, std::max<std::int64_t>(1, static_cast<std::int64_t>(time / dt / 2000)));
+  const double every = std::ceil((time / dt + 2) / static_cast<double>(std::max<std::int64_t>(samples, 2)));
+  Perihelion perihelion(system, static_cast<std::int64_t>(every));
   for (const double sign : {-1.0, 1.0}) {
     State z = system.start;
     Kept none;
@@ -39,7 +41,7 @@ struct PerihelionTable {
   std::vector<std::pair<std::string, Perihelion>> curves{};
 };
 inline PerihelionTable clemence(const std::vector<std::string>& effects, const NearIntegrable<double>& list,
-                                double dt, double time) {
+                                double dt, double time, std::int64_t samples) {
   PerihelionTable table;
   std::vector<std::string> newton;
   double sum_1947 = 0, sum_2017 = 0;
@@ -51,7 +53,7 @@ inline PerihelionTable clemence(const std::vector<std::string>& effects, const N
               << (now > 0 ? formatted("%9.3f", now) : "") << '\n';
   };
   const auto measure = [&](const std::string& name, const std::vector<std::string>& with) {
-    return table.curves.emplace_back(name, perihelion_of(name, with, list, dt, time)).second.rate();
+    return table.curves.emplace_back(name, perihelion_of(name, with, list, dt, time, samples)).second.rate();
   };
   for (const std::string& effect : effects) {
     if (effect == "mercury") continue;

@@ -81,16 +81,16 @@ inline Kept kept_of(const System& system) {
   return all;
 }
 
-/// Integrates z, with a progress bar on a terminal, and a checkpoint where one is wanted; `look` sees every
-/// n-th state, after the invariants that are followed, if any.
+/// Integrates z, with a progress bar on a terminal, and a checkpoint where one is wanted; `look` sees the
+/// states after the invariants that are followed, if any.
 inline IntegrationReport integrate_system(const System& system, const NearIntegrable<double>& list, State& z,
                                           const IntegrationOptions<double>& options, Kept& kept,
-                                          const Look& look, const std::string& label, std::int64_t n = 1,
+                                          const Look& look, const std::string& label,
                                           const CheckpointRequest& request = {}) {
   IntegrationReport report;
-  auto some = every(n, look);
+  Look seen = look;
   with_splitting(system, list, [&](auto& stepper) {
-    report = integrate_saved(request, label, stepper, z, options, kept, some);
+    report = integrate_saved(request, label, stepper, z, options, kept, seen);
   });
   return report;
 }

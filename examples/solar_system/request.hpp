@@ -104,6 +104,11 @@ struct Request {
     if (system.names.front() != "mercury")
       throw std::invalid_argument("--audit: Mercury's perihelion needs mercury among the --effects");
     if (effects.size() < 2) throw std::invalid_argument("--audit: name an effect beside mercury");
+    constexpr double mercury_year = 0.2408;
+    if (settings.dt > mercury_year / 4)
+      throw std::invalid_argument("--audit: a step goes through " +
+                                  formatted("%.2g of Mercury's orbit; ", settings.dt / mercury_year) +
+                                  "give a --dt of 22 days or less");
     // The perihelion swings with each planet, and in 5.7 years as five of its turns are nearly two of Venus.
     const double needed = std::ceil(std::max(20.0, 2 * system.longest_period));
     if (settings.time < needed)

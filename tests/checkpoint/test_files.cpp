@@ -130,6 +130,8 @@ TEST_CASE("Of long lists the entry that differs is told", "[checkpoint]") {
   CHECK(told("e 0.5", "e 0.55") == "'e 0.5' there, 'e 0.55' here");
   CHECK(told("e 0.5", "a 3") == "'e 0.5' there, 'a 3' here");
   CHECK(told("e 0.5", "e 0.5").empty());
+  CHECK(detail::difference_of_lines(begin + "e, f" + end, begin + "e; g" + end) ==
+        "'e, f' there, 'e; g' here");
   CHECK(detail::difference_of_lines(begin + "e" + end, begin) == "'e' there, '' here");
   CHECK(
       detail::difference_of_lines(begin + end, "x" + begin + end) ==

@@ -41,6 +41,11 @@ prints(orbits "does not measure by a formula for something else" "--effects kine
   "perihelion advance: not measured, that is for")
 prints(orbits "does not call an open orbit closed" "--preset arenstorf --time 3 --dt 0.002" "closure: not measured, .*Jacobi's constant: ")
 prints(orbits "finds no node in the equator" "--preset gps --time 2day --inclination 180deg" "node: not measured, an orbit in the equator has none")
+prints(orbits "does not compare a period derivative that is not of relativity alone" "--preset hulse_taylor --effects kinetic,attraction,2.5pn,j2 --j2 0.01 --radius \"700000 km\" --time \"0.02 year\""
+  "period derivative: not measured, that is for")
+prints(orbits "shows the digits of a small figure" "--preset gps --effects kinetic,attraction,spin_orbit --time 2day" "node: 0.0000008[0-9]+ ± [^\n]*; spin to first order: 0.0000008[0-9]+,")
+prints(orbits "says how far the spin to first order is off for a near circle" "--e 0.003 --effects kinetic,attraction,spin_orbit --gs \"1e37 m5/s3\" --time 10 --dt \"0.05 day\""
+  "advance: -1491.77[^\n]*: -1491.80[^\n]*second order: about 0.0[1-4]\n")
 prints(black_hole "does not measure half an orbit" "--time 100" "not measured, the run has no whole orbit; give more --time")
 prints(black_hole "does not measure a circle" "--e 0 --time 300" "not measured, r stays the same: a circle")
 prints(black_hole "does not count turns over the poles" "--preset kerr --l 0 --carter 15 --time 500"
@@ -48,6 +53,8 @@ prints(black_hole "does not count turns over the poles" "--preset kerr --l 0 --c
 prints(black_hole "counts turns past the poles" "--preset kerr --l 0.1 --carter 15" " 88.52 degrees off the equator\n.*to apoapsis: 1.56[0-9]*, mean")
 prints(charges "does not measure less than a turn" "--time 1e-7s" "gyrofrequency: not measured, the run has no whole turn; give more --time")
 prints(charges "does not measure turns that a step hides" "--dt 2e-7s" "gyrofrequency: not measured, it turns by up to [0-9]+ degrees in a step; give a --dt")
+prints(charges "does not take nearly a whole turn in a step for a small one backwards" "--dt 6e-7s" "gyrofrequency: not measured, it turns by up to 323 degrees in a step; give a --dt")
+prints(charges "does not measure bounces where steps hide the gyration" "--preset bottle --dt 5e-8s --time 1e-4s" "bounce period: not measured, it turns by up to 2[0-9]+ degrees")
 prints(charges "does not measure what does not turn" "--pitch 0" "gyrofrequency: not measured, nothing moves across the field")
 prints(charges "does not compare with a formula for something else" "--preset bottle --effects kinetic,magnetic_bottle,electric --time 4e-5s"
   "bounce period, s: [0-9.e-]+; no closed form, other effects")
@@ -60,6 +67,8 @@ prints(vortices "do not measure a turn that has hardly begun" "--preset disk --t
 prints(fast_charges "gyrates with the gamma of its rigidity" "--rigidity \"3e6 V\"" "gyrofrequency, rad/s: -2.953[0-9]*e.09; eB/.*: -2.953[0-9]*e.09 ")
 prints(fast_charges "does not measure a focus of what starts at 0" "--preset quadrupole --x 0" "x at the end[^\n]*not measured.*\ny at the end")
 prints(fast_charges "finds Larmor's turn behind the axis" "--preset solenoid --b0 \"1 T\"" "but for half turns: 5.46.*Larmor.*5.46.*difference [0-9.]+e-0[3-9]")
+prints(fast_charges "does not measure a wiggle by a step a period" "--preset undulator --dt 1.0007e-10" "wiggle: not measured, a step goes through 1 of a period; give a --dt 16 times smaller")
+prints(fast_charges "does not measure a turn by a step as long as the solenoid" "--preset solenoid --dt 6e-9" "turn of the plane: not measured, a step goes through [0-9.]+ of the solenoid")
 prints(fast_charges "does not measure a wiggle with a drift" "--preset undulator --z 1" "wiggle: not measured, it starts where A is not 0")
 foreach(arguments_and_reason IN ITEMS "undulator --gamma 3|the slope K/.* is 0.69, and is to be below 0.1" "undulator --y 1cm|k.y. is [0-9.]+, and"
     "quadrupole --time 1e-8|the slope is 0?.?[0-9.]+, and" "solenoid --x 0.2|the distance from the axis, [^\n]* is 6.7, and"

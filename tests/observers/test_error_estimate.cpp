@@ -161,6 +161,27 @@ TEST_CASE("The run keeps its bits beside an estimate, and every() changes little
   CHECK(*sparse.error() == Approx(*estimate.error()).epsilon(1e-3));
 }
 
+TEST_CASE("A sparse estimate counts on over runs that follow one another", "[error estimate]") {
+  const Semiexplicit stepper(Kepler(), schemes::blanes_moan4());
+  const auto run_of = [&](std::int64_t first) {
+    auto moves = stepper;
+    Point z = kepler_orbit(0.4, 1);
+    auto estimate = with_error_estimate(stepper);
+    auto sparse = every(4, estimate);
+    integrate(moves, z, {.dt = 0.05, .steps = first}, sparse);
+    if (first < 200)
+      integrate(moves, z, {.dt = 0.05, .steps = 200 - first, .t0 = 0.05 * double(first)}, sparse);
+    return estimate;
+  };
+  const auto whole = run_of(200);
+  for (const std::int64_t first : {100, 99, 98, 97, 3, 150}) {
+    CAPTURE(first);
+    const auto parts = run_of(first);
+    CHECK(parts.gradients() == whole.gradients());
+    CHECK(*parts.error() == Approx(*whole.error()).epsilon(0.01));
+  }
+}
+
 TEST_CASE("A resumed run has the same estimate", "[error estimate]") {
   const Folder folder;
   const Kepler h;

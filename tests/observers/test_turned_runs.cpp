@@ -154,6 +154,55 @@ TEST_CASE("every() counts on from run to run, and begins anew with another orbit
   for (std::size_t i = 0; i < 4; ++i) CHECK(energies[i] == Approx(i < 2 ? 0.5 : 8).epsilon(1e-6));
 }
 
+TEST_CASE("every() begins anew where a run starts from another state at the time of the last one",
+          "[observers]") {
+  auto move = stepper();
+  Record<double, 1> record;
+  std::vector<double> energies;
+  auto section = poincare_section(
+      rotor, position, [&](double, const Point& w) { energies.push_back(w.vector().squaredNorm() / 2); },
+      {.direction = CrossingDirection::both});
+  auto every_state = every(1, record);
+  auto all = every(1, section);
+  Point z(1, 0);
+  integrate(move, z, {.dt = 0.1, .steps = 10}, every_state, all);
+  z = Point(-1, -3);
+  integrate(move, z, {.dt = 0.1, .steps = 10, .t0 = 1}, every_state, all);
+  section.finish();
+  CHECK(record.t.size() == 22);
+  CHECK(energies.empty());  // neither arc passes 0
+}
+
+TEST_CASE("every() lets what interpolates see where a bounce bends the orbit", "[observers]") {
+  const double period = 2 * (std::acos(-1.0) - std::acos(0.5));  // from bounce to bounce
+  for (const int n : {1, 2, 3}) {
+    CAPTURE(n);
+    auto move = stepper();
+    Point z(1, 0);
+    auto bounce =
+        events(rotor, on_event([](const auto& q, const auto&) { return q[0] + 0.5; },
+                               [](double, Point& w) { w.p()[0] *= -1; }, CrossingDirection::falling));
+    auto near_wall = poincare_section(
+        rotor, [](const auto& q, const auto&) { return q[0] + 0.45; }, [](double, const Point&) {},
+        {.direction = CrossingDirection::both});
+    double worst = 0;
+    std::vector<double> times;
+    for (int i = 1; i < 400; ++i) times.push_back(0.1 * i + 0.013);
+    auto at = at_times(rotor, times, [&](double t, const Point& w) {
+      const double phase = std::remainder(t, period);
+      worst = std::max(worst, std::abs(w.q()[0] - std::cos(phase)));
+    });
+    auto sparse_section = every(n, near_wall);
+    auto sparse_times = every(n, at);
+    integrate(move, z, {.dt = 0.05, .t_end = 40.1}, bounce, sparse_section, sparse_times);
+    near_wall.finish();
+    at.finish();
+    CHECK(near_wall.count() == 2 * bounce.count());
+    CHECK(at.served() == 399);
+    CHECK(worst < 1e-4);
+  }
+}
+
 TEST_CASE("Going on after finish() loses no interval", "[observers]") {
   for (const int first : {1, 2, 3, 4}) {
     Section section;

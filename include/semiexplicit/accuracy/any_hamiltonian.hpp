@@ -99,7 +99,8 @@ class AnyHamiltonian : public std::conditional_t<Timed, ExtendedPhaseSpace<Scala
             "run: this Hamiltonian has no gradient for packs; take Setting::Method::gauss");
       AnyHamiltonian own = *this;
       own.lanes_ = lanes ? 0 : static_cast<std::size_t>(setting.stages);
-      GaussLegendreLanes<AnyHamiltonian> stepper(std::move(own), {.stages = setting.stages});
+      GaussLegendreLanes<AnyHamiltonian> stepper(
+          std::move(own), {.stages = setting.stages, .max_iterations = plenty_of_sweeps});
       const auto calls = stepper.max_gradients();
       return {std::move(stepper), calls};
     }
@@ -121,6 +122,10 @@ class AnyHamiltonian : public std::conditional_t<Timed, ExtendedPhaseSpace<Scala
   }
 
  private:
+  /// At the edge of convergence, where no step is worth it, GaussLegendre, which iterates from stage to
+  /// stage, may fail where this one, by all stages at once, does not.
+  static constexpr int plenty_of_sweeps = 40;
+
   struct Separable {
     using Scalar = ScalarType;
     static constexpr int Dof = Eigen::Dynamic;

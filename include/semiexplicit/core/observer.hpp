@@ -35,6 +35,13 @@ concept ChangesState = requires {
   requires bool(std::remove_cvref_t<O>::changes_state);
 };
 
+/// An observer that draws a curve through the states that it sees, and so has to see where events bend it:
+/// `static constexpr bool interpolates = true;`.
+template <class O>
+concept Interpolates = requires {
+  requires bool(std::remove_cvref_t<O>::interpolates);
+};
+
 /// An observer that saves what those before it have seen, as Checkpoints: `static constexpr bool saves_others
 /// = true;`. No observer that a checkpoint can keep may stand behind it.
 template <class O>

@@ -45,6 +45,7 @@ class DenseOutput {
   static constexpr int Dof = detail::HamiltonianDoor<H>::Dof;
   using State = PhasePoint<Scalar, Dof>;
   static constexpr const char* name = "DenseOutput";
+  static constexpr bool interpolates = true;
 
   /// Throws std::invalid_argument unless nodes is 2 to 8.
   explicit DenseOutput(H hamiltonian, int nodes = 4)
@@ -387,6 +388,7 @@ class AtTimes {
   using Scalar = typename DenseOutput<H>::Scalar;
   using State = typename DenseOutput<H>::State;
   static constexpr const char* name = "at_times";
+  static constexpr bool interpolates = true;
 
   AtTimes(H hamiltonian, std::vector<Scalar> times, Observer&& observer, int nodes)
       : intervals_(std::move(hamiltonian), nodes),

@@ -62,7 +62,7 @@ class ErrorEstimate {
     // Where steps are cut into parts the companion's would be those same parts, or fail as the run's did.
     if (run.subdivided > 0 && next == Next::follows) failed_ = true;
     if (next == Next::follows) {
-      if (!parted_ && !failed_) go_on(clock_.interval(t, run), clock_.steps_since(run));
+      if (!parted_ && !failed_) go_on(clock_.interval(t, run), clock_.steps_since(t, run));
     } else if (next != Next::again) {
       companion_ = difference_ = z;
       parted_ = failed_ = false;

@@ -72,6 +72,7 @@ class Events {
   using Scalar = typename DenseOutput<H>::Scalar;
   using State = typename DenseOutput<H>::State;
   static constexpr const char* name = "events";
+  static constexpr bool interpolates = true;
   static constexpr std::size_t number = sizeof...(Kinds);
   /// Whether some action may change the state: integrate() then cuts its steps at the events.
   static constexpr bool changes_state =

@@ -5,6 +5,9 @@
 #include <limits>
 #include <stdexcept>
 #include <utility>
+#include <vector>
+
+#include <Eigen/Core>
 
 #include <semiexplicit/core/checkpointable.hpp>
 #include <semiexplicit/core/observer.hpp>
@@ -17,6 +20,7 @@ template <class Observer>
 class Every {
  public:
   static constexpr const char* name = "every";
+  static constexpr bool interpolates = Interpolates<Observer>;
 
   Every(std::int64_t n, Observer&& observer) : n_(n), observer_(std::forward<Observer>(observer)) {
     if (n < 1) throw std::invalid_argument("every: n is below 1; give how many steps lie between two calls");
@@ -24,7 +28,7 @@ class Every {
 
   template <class Scalar, class State>
   bool operator()(const Scalar& t, const State& state, const IntegrationReport& run = {}) {
-    return !(is_due(t, run)) || detail::notify(observer_, t, state, run);
+    return !is_due(t, state, run) || detail::notify(observer_, t, state, run);
   }
 
   /// Whether the observer has seen nothing yet and cannot do without; see Checkpointable.
@@ -41,6 +45,7 @@ class Every {
   void visit_memory(Visitor&& visit) {
     visit(started_);
     visit(time_);
+    visit(last_);
     visit(before_);
     visit(steps_);
     rounding_.visit_memory(visit);
@@ -49,16 +54,16 @@ class Every {
 
  private:
   /// Counts the steps of the runs: those of one that goes on from where the last one ended count on.
-  template <class Scalar>
-  bool is_due(const Scalar& t, const IntegrationReport& run) {
-    if (run.at_event) return false;
+  template <class Scalar, class State>
+  bool is_due(const Scalar& t, const State& state, const IntegrationReport& run) {
+    if (run.at_event) return Interpolates<Observer>;
     const double now = static_cast<double>(t);
     if (run.dt == 0) {  // called by hand
       steps_ += started_ ? 1 : 0;
     } else if (run.steps == 0) {
       const double epsilon = std::max(std::numeric_limits<double>::epsilon(),
                                       static_cast<double>(Eigen::NumTraits<Scalar>::epsilon()));
-      const bool again = started_ && rounding_.same(now, time_, run.dt, epsilon);
+      const bool again = started_ && rounding_.same(now, time_, run.dt, epsilon) && is_last(state);
       if (!again) rounding_.begin(now);
       before_ = again ? before_ + steps_ : 0;
       steps_ = 0;
@@ -68,13 +73,30 @@ class Every {
     }
     started_ = true;
     time_ = now;
+    keep(state);
     rounding_.see(now);
     return (before_ + steps_) % n_ == 0;
+  }
+  template <class State>
+  void keep(const State& state) {
+    const Eigen::Index d = state.q().size();
+    last_.resize(static_cast<std::size_t>(2 * d));
+    Eigen::Map<Eigen::VectorXd> last(last_.data(), 2 * d);
+    last.head(d) = state.q().template cast<double>();
+    last.tail(d) = state.p().template cast<double>();
+  }
+  template <class State>
+  bool is_last(const State& state) const {
+    const Eigen::Index d = state.q().size();
+    const Eigen::Map<const Eigen::VectorXd> last(last_.data(), static_cast<Eigen::Index>(last_.size()));
+    return last.size() == 2 * d && last.head(d) == state.q().template cast<double>() &&
+           last.tail(d) == state.p().template cast<double>();
   }
 
   std::int64_t n_;
   bool started_ = false;
   double time_ = 0;                      ///< of the last state
+  std::vector<double> last_;             ///< (q, p) there
   std::int64_t before_ = 0, steps_ = 0;  ///< of the earlier runs, and of this one
   detail::TimeRounding<double> rounding_;
   Observer observer_;
@@ -82,8 +104,9 @@ class Every {
 
 /// `every(100, observer)`: calls the observer at the start and then after every 100 steps. A named observer
 /// is referred to, so it must outlive the run; a temporary is kept. A run that begins where the last one
-/// ended counts on, a resumed one counts from its own start, any other begins anew; the last state is only
-/// seen where a multiple of n falls on it.
+/// ended, with its last state, counts on, a resumed one counts from its own start, any other begins anew; the
+/// last state is only seen where a multiple of n falls on it. Of a run whose events change the state an
+/// observer that Interpolates sees the events, too; others see whole steps only.
 template <class Observer>
 Every<Observer> every(std::int64_t n, Observer&& observer) {
   return {n, std::forward<Observer>(observer)};

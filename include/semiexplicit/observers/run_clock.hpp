@@ -78,9 +78,17 @@ class RunClock {
     return counted != Scalar(0) && more_exact && abs(shown - counted) <= 4 * epsilon * size ? counted : shown;
   }
 
-  /// How many steps lie between, where that is known; else 1.
-  std::int64_t steps_since(const IntegrationReport& run) const {
-    return run.dt != 0 ? run.steps - steps_ : 1;
+  /// How many steps lie between, where that is known; else 1. By the time where the state at which one run
+  /// ended and the next one began was not shown.
+  std::int64_t steps_since(const Scalar& t, const IntegrationReport& run) const {
+    using std::abs;
+    if (run.dt == 0) return 1;
+    const std::int64_t counted = run.steps - steps_;
+    const Scalar length(run.dt), passed = t - t_;
+    const Scalar open = abs(length) / 2 + 4 * Eigen::NumTraits<Scalar>::epsilon() * rounding_.size(t);
+    if (run.taken != 0 ? counted > 0 : abs(passed - Scalar(counted) * length) <= open) return counted;
+    const double by_time = std::round(static_cast<double>(abs(passed / length)));
+    return by_time > 1 ? static_cast<std::int64_t>(by_time) : 1;
   }
 
   /// The state at t, so related to the one before, is the last one now.

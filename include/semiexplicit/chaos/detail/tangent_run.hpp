@@ -69,7 +69,7 @@ class TangentRun {
     if (next == Next::anew && !equal)
       refuse("another orbit begins; every orbit wants an observer of its own, from its first state on");
     if (next == Next::follows) {
-      if (clock_.steps_since(run) != 1)
+      if (clock_.steps_since(t, run) != 1)
         refuse("it is shown only some of the steps, and needs every one; take every() away from it");
       const Scalar dt = clock_.interval(t, run);
       if (steps_ > 0 && (dt > Scalar(0)) != (elapsed_ > 0))

@@ -70,9 +70,9 @@ class CsvWriter {
     list("columns", columns_);
   }
   /// How long the .part is, and its checksum; see CheckpointMemory. What is saved is on the disk first. After
-  /// what is put back the next row follows that length of the .part of the earlier run, and replaces the rest;
-  /// throws std::invalid_argument where it is not what it was. What was written to a device or a pipe cannot be
-  /// looked at again: the next row follows it.
+  /// what is put back the next row follows that length of the .part of the earlier run, and replaces the
+  /// rest; throws std::invalid_argument where it is not what it was. What was written to a device or a pipe
+  /// cannot be looked at again: the next row follows it.
   template <class Visitor>
   void visit_memory(Visitor&& visit) {
     if (!fresh()) {

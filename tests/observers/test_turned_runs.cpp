@@ -203,6 +203,29 @@ TEST_CASE("every() lets what interpolates see where a bounce bends the orbit", "
   }
 }
 
+TEST_CASE("every() within another observer counts the calls of that one", "[observers]") {
+  auto move = stepper();
+  Record<double, 1> served, crossings, events_seen;
+  auto at = at_times(rotor, {0.05, 0.15, 0.25, 0.35, 0.45, 0.55, 0.65}, every(2, served));
+  auto section = poincare_section(rotor, position, every(2, crossings));
+  Point z(1, 0);
+  integrate(move, z, {.dt = 0.1, .steps = 320}, at, section);
+  section.finish();
+  REQUIRE(served.t.size() == 4);
+  for (std::size_t i = 0; i < 4; ++i) CHECK(served.t[i] == Approx(0.05 + 0.2 * double(i)));
+  REQUIRE(crossings.t.size() == 3);
+  for (std::size_t i = 0; i < 3; ++i)
+    CHECK(crossings.t[i] == Approx((4 * double(i) + 1.5) * std::acos(-1.0)));
+
+  auto bounces = events(
+      rotor, on_event(position, every(2, events_seen)),
+      on_event([](const auto&, const auto& p) { return p[0]; }, [](double, Point& w) { w.p()[0] = 0; }));
+  z = Point(1, 0.01);
+  integrate(move, z, {.dt = 0.1, .steps = 320}, bounces);
+  CHECK(bounces.count(0) == 10);
+  CHECK(events_seen.t.size() == 5);
+}
+
 TEST_CASE("Going on after finish() loses no interval", "[observers]") {
   for (const int first : {1, 2, 3, 4}) {
     Section section;

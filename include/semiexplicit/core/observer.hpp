@@ -83,5 +83,16 @@ bool notify(O& observer, const Scalar& t, const State& state, const IntegrationR
   }
 }
 
+/// The same for a state between the steps, which an observer of the run has found: its report says dt = 0, so
+/// that who counts counts these calls.
+template <class O, class Scalar, class State>
+bool notify_between(O& observer, const Scalar& t, const State& state, const IntegrationReport& so_far) {
+  if constexpr (!TakesRunReport<O, Scalar, State>) return notify(observer, t, state, so_far);
+  IntegrationReport between = so_far;
+  between.dt = 0;
+  between.at_event = false;
+  return notify(observer, t, state, between);
+}
+
 }  // namespace detail
 }  // namespace semiexplicit

@@ -124,7 +124,8 @@ struct SolverReport {
 struct IntegrationReport {
   Status status = Status::success;  ///< success, stopped, or why the last step failed
   double t = 0;                     ///< time of the state that is left in z
-  double dt = 0;                    ///< the step; with t_end the one that ends there
+  double dt = 0;                    ///< the step; with t_end the one that ends there; 0: what observers
+                                    ///< are shown was found between the steps, as by a section
   std::int64_t steps = 0;           ///< completed
   std::int64_t evaluations = 0;     ///< sum over the steps, a failed one included
   std::int64_t gradients = 0;       ///< likewise

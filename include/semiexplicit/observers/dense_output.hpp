@@ -492,9 +492,9 @@ class AtTimes {
   bool serve(const IntegrationReport& run) {
     const Scalar t = times_[next_++];
     if constexpr (extended)
-      return detail::notify(observer_, t, system().point(between_), run);
+      return detail::notify_between(observer_, t, system().point(between_), run);
     else
-      return detail::notify(observer_, t, std::as_const(between_), run);
+      return detail::notify_between(observer_, t, std::as_const(between_), run);
   }
 
   /// How long after state i the clock shows t.

@@ -441,9 +441,9 @@ class Events {
   template <class Kind>
   static bool told(Kind& kind, const Scalar& t, const State& z, const IntegrationReport& run) {
     if constexpr (InExtendedPhaseSpace<H>)
-      return detail::notify(kind.action, H::time(z), H::point(z), run);
+      return detail::notify_between(kind.action, H::time(z), H::point(z), run);
     else
-      return detail::notify(kind.action, t, z, run);
+      return detail::notify_between(kind.action, t, z, run);
   }
 
   /// The events between state i and the next one, in order.

@@ -56,10 +56,11 @@ class Every {
   /// Counts the steps of the runs: those of one that goes on from where the last one ended count on.
   template <class Scalar, class State>
   bool is_due(const Scalar& t, const State& state, const IntegrationReport& run) {
-    if (run.at_event) return Interpolates<Observer>;
     const double now = static_cast<double>(t);
-    if (run.dt == 0) {  // called by hand
+    if (run.dt == 0) {  // called by hand, or by an observer of the run
       steps_ += started_ ? 1 : 0;
+    } else if (run.at_event) {
+      return Interpolates<Observer>;
     } else if (run.steps == 0) {
       const double epsilon = std::max(std::numeric_limits<double>::epsilon(),
                                       static_cast<double>(Eigen::NumTraits<Scalar>::epsilon()));

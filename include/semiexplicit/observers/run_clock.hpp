@@ -84,7 +84,7 @@ class RunClock {
     using std::abs;
     if (run.dt == 0) return 1;
     const std::int64_t counted = run.steps - steps_;
-    const Scalar length(run.dt), passed = t - t_;
+    const Scalar length = static_cast<Scalar>(run.dt), passed = t - t_;
     const Scalar open = abs(length) / 2 + 4 * Eigen::NumTraits<Scalar>::epsilon() * rounding_.size(t);
     if (run.taken != 0 ? counted > 0 : abs(passed - Scalar(counted) * length) <= open) return counted;
     const double by_time = std::round(static_cast<double>(abs(passed / length)));

@@ -89,9 +89,15 @@ class AnyHamiltonian : public std::conditional_t<Timed, ExtendedPhaseSpace<Scala
     }
   }
 
-  /// The stepper of a setting. Throws std::invalid_argument for an unknown scheme, a number of stages outside
-  /// 1 to 8, and a method that this Hamiltonian cannot have.
-  SEMIEXPLICIT_COLD AnyStepper<Scalar> stepper(const Setting& setting) const {
+  /// What a setting is tried with: Gauss's sweeps that a step may take. At the edge of convergence no step is
+  /// worth it, and may fail elsewhere on the way, or by GaussLegendre, which iterates from stage to stage and
+  /// not by all stages at once.
+  static constexpr int sweeps_of_trial = 30;
+
+  /// The stepper of a setting; it may take so many sweeps. Throws std::invalid_argument for an unknown
+  /// scheme, a number of stages outside 1 to 8, and a method that this Hamiltonian cannot have.
+  SEMIEXPLICIT_COLD AnyStepper<Scalar> stepper(const Setting& setting,
+                                               int sweeps = GaussLegendreOptions().max_iterations) const {
     if (setting.is_gauss()) {
       const bool lanes = setting.method == Setting::Method::gauss_lanes;
       if (lanes && !takes_packs())
@@ -99,8 +105,8 @@ class AnyHamiltonian : public std::conditional_t<Timed, ExtendedPhaseSpace<Scala
             "run: this Hamiltonian has no gradient for packs; take Setting::Method::gauss");
       AnyHamiltonian own = *this;
       own.lanes_ = lanes ? 0 : static_cast<std::size_t>(setting.stages);
-      GaussLegendreLanes<AnyHamiltonian> stepper(
-          std::move(own), {.stages = setting.stages, .max_iterations = plenty_of_sweeps});
+      GaussLegendreLanes<AnyHamiltonian> stepper(std::move(own),
+                                                 {.stages = setting.stages, .max_iterations = sweeps});
       const auto calls = stepper.max_gradients();
       return {std::move(stepper), calls};
     }
@@ -122,10 +128,6 @@ class AnyHamiltonian : public std::conditional_t<Timed, ExtendedPhaseSpace<Scala
   }
 
  private:
-  /// At the edge of convergence, where no step is worth it, GaussLegendre, which iterates from stage to
-  /// stage, may fail where this one, by all stages at once, does not.
-  static constexpr int plenty_of_sweeps = 40;
-
   struct Separable {
     using Scalar = ScalarType;
     static constexpr int Dof = Eigen::Dynamic;

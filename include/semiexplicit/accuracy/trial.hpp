@@ -42,7 +42,7 @@ class Walker {
   SEMIEXPLICIT_COLD Walker(Problem<Any>& problem, const Setting& setting)
       : problem_(problem),
         setting_(setting),
-        stepper_(problem.hamiltonian.stepper(setting)),
+        stepper_(problem.hamiltonian.stepper(setting, Any::sweeps_of_trial)),
         most_(static_cast<double>(stepper_.max_gradients())) {}
 
   /// A step of the given time. False: it failed, or the calls may not suffice.

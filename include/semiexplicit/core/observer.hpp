@@ -35,8 +35,8 @@ concept ChangesState = requires {
   requires bool(std::remove_cvref_t<O>::changes_state);
 };
 
-/// An observer that draws a curve through the states that it sees, and so has to see where events bend it:
-/// `static constexpr bool interpolates = true;`.
+/// An observer that draws a curve through the states that it sees, and has to see all of a run that events
+/// bend: `static constexpr bool interpolates = true;`.
 template <class O>
 concept Interpolates = requires {
   requires bool(std::remove_cvref_t<O>::interpolates);

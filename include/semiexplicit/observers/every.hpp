@@ -28,6 +28,10 @@ class Every {
 
   template <class Scalar, class State>
   bool operator()(const Scalar& t, const State& state, const IntegrationReport& run = {}) {
+    if (Interpolates<Observer> && n_ > 1 && run.changes > 0 && run.dt != 0)
+      throw std::invalid_argument(
+          "every: an event has changed the state, and an observer that interpolates, as a section or "
+          "at_times(), has to see every state of such a run; take every() away from it");
     return !is_due(t, state, run) || detail::notify(observer_, t, state, run);
   }
 
@@ -60,7 +64,7 @@ class Every {
     if (run.dt == 0) {  // called by hand, or by an observer of the run
       steps_ += started_ ? 1 : 0;
     } else if (run.at_event) {
-      return Interpolates<Observer>;
+      return Interpolates<Observer> && n_ == 1;
     } else if (run.steps == 0) {
       const double epsilon = std::max(std::numeric_limits<double>::epsilon(),
                                       static_cast<double>(Eigen::NumTraits<Scalar>::epsilon()));
@@ -106,8 +110,8 @@ class Every {
 /// `every(100, observer)`: calls the observer at the start and then after every 100 steps. A named observer
 /// is referred to, so it must outlive the run; a temporary is kept. A run that begins where the last one
 /// ended, with its last state, counts on, a resumed one counts from its own start, any other begins anew; the
-/// last state is only seen where a multiple of n falls on it. Of a run whose events change the state an
-/// observer that Interpolates sees the events, too; others see whole steps only.
+/// last state is only seen where a multiple of n falls on it. What is shown are whole steps, no events;
+/// std::invalid_argument where an event changes the state and the observer Interpolates.
 template <class Observer>
 Every<Observer> every(std::int64_t n, Observer&& observer) {
   return {n, std::forward<Observer>(observer)};

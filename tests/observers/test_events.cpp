@@ -320,6 +320,23 @@ TEST_CASE("A second wall behind the first bounces the ball when it is there, how
   }
 }
 
+TEST_CASE("A section keeps what comes shortly before a bounce off another surface", "[events]") {
+  using Flat = PhasePoint<double, 2>;
+  for (const double before : {1e-3, 1e-6, 3e-7, 1e-9, 1e-11, 0.}) {
+    CAPTURE(before);
+    auto stepper = semiexplicit_of(Free());
+    Flat z({before, 0}, {1, 1});
+    auto wall = events(Free(), on_event([](const auto& q, const auto&) { return 1 - q[1]; },
+                                        [](double, Flat& at) { at.p()[1] = -at.p()[1]; }));
+    auto section = poincare_section(
+        Free(), [](const auto& q, const auto&) { return q[0] - 1; }, [](double, const Flat&) {});
+    integrate(stepper, z, {.dt = 0.3, .steps = 10}, wall, section);
+    section.finish();
+    CHECK(wall.count() == 1);
+    CHECK(section.count() == 1);
+  }
+}
+
 TEST_CASE("A surface that its action moves on is met again where it is then", "[events]") {
   const auto count = [](const auto& make) {
     double next = 1.05;

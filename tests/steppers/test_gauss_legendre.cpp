@@ -77,6 +77,28 @@ TEST_CASE("Newton's method and the fixed point solve the same equations", "[gaus
   }
 }
 
+/// Many degrees of freedom that are known at compile time: matrices of them have no room within a class.
+struct ManyProducts {
+  using Scalar = double;
+  static constexpr int Dof = 70;
+  void gradient(In<double, Dof> q, In<double, Dof> p, Out<double, Dof> dHdq, Out<double, Dof> dHdp) const {
+    dHdq = q.array() * (1 + p.array().square());
+    dHdp = p.array() * (1 + q.array().square());
+  }
+};
+
+TEST_CASE("Both solvers take many degrees of freedom that are known at compile time", "[gauss]") {
+  PhasePoint<double, 70> z, w;
+  z.q().setConstant(0.3);
+  z.p().setConstant(-0.2);
+  w = z;
+  GaussLegendre by_newton(ManyProducts{}, {.stages = 2, .solver = StageSolver::newton});
+  GaussLegendre by_sweeps(ManyProducts{}, {.stages = 2});
+  integrate(by_newton, z, {.dt = 0.1, .steps = 3});
+  integrate(by_sweeps, w, {.dt = 0.1, .steps = 3});
+  CHECK((z.vector() - w.vector()).norm() < 1e-13);
+}
+
 TEST_CASE("A Hessian that is given is used, and gives what differences give", "[gauss]") {
   const Counted with;
   const NoHessian without;

@@ -37,7 +37,7 @@ struct CostRow {
   Setting setting{};
   double error = 0;      ///< the largest over the time; see CostTable for what it is relative to
   double gradients = 0;  ///< gradient calls
-  double seconds = 0;    ///< of processor time
+  double seconds = 0;    ///< of processor time; NaN where that was not measured
   LimitedBy limit = LimitedBy::step;
   Status status = Status::success;  ///< why the setting failed in a trial; the figures above are NaN then
   double tried = 0;                 ///< how far, in time: less than the whole where calls did not suffice

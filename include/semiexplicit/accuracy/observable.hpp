@@ -65,9 +65,13 @@ class Observable {
         }) {}
 
   bool is_energy() const { return !value_; }
-  Value operator()(const PhasePoint<Scalar, Dof>& z) const { return value_(z, z.dof()); }
+  /// Throws std::logic_error where it is the energy, which H knows alone.
+  Value operator()(const PhasePoint<Scalar, Dof>& z) const { return (*this)(z, z.dof()); }
   /// Where only the first `d` degrees of freedom are the system's own.
-  Value operator()(const PhasePoint<Scalar, Dof>& z, Eigen::Index d) const { return value_(z, d); }
+  Value operator()(const PhasePoint<Scalar, Dof>& z, Eigen::Index d) const {
+    if (is_energy()) throw std::logic_error("Observable: the energy is H's own; call H.energy(q, p)");
+    return value_(z, d);
+  }
 
  private:
   template <class Result>

@@ -602,7 +602,8 @@ class Search {
       if (row.works()) {
         row.error = error_of(candidate, seen, step);
         row.gradients = seen.rate * table_.time;
-        row.seconds = row.gradients * seconds_per_call(candidate);
+        const double per_call = seconds_per_call(candidate);  // 0: no calls were left to measure it
+        if (per_call > 0 || options().by == CostBy::seconds) row.seconds = row.gradients * per_call;
         row.limit = row.error < 3 * table_.rounding ? LimitedBy::rounding
                     : grows(candidate, seen)        ? LimitedBy::growth
                                                     : LimitedBy::step;

@@ -35,7 +35,7 @@ class TangentMap {
   using Scalar = typename detail::HamiltonianDoor<H>::Scalar;
   static constexpr int Dof = detail::HamiltonianDoor<H>::Dof;
   using State = PhasePoint<Scalar, Dof>;
-  using Matrix = Eigen::Matrix<Scalar, twice(Dof), twice(Dof)>;
+  using Matrix = typename detail::SecondDerivatives<H>::Matrix;
   static_assert(detail::is_in_one_process<H>());
 
   TangentMap(H hamiltonian, Scheme<Scalar> scheme)
@@ -116,7 +116,8 @@ class TangentMap {
 
  private:
   using Vec = typename State::Storage;
-  using Columns = Eigen::Matrix<Scalar, twice(Dof), Dof == Eigen::Dynamic ? Eigen::Dynamic : 4 * Dof>;
+  using Columns =
+      Eigen::Matrix<Scalar, twice(Dof), detail::columns_in_place<Scalar>(twice(Dof), twice(twice(Dof)))>;
 
   /// The two halves of da_ and db_: derivatives with respect to z, and to m.
   static constexpr Eigen::Index by_z = 0, by_m = 1;

@@ -35,6 +35,15 @@ constexpr int twice(int dof) { return dof == Eigen::Dynamic ? Eigen::Dynamic : 2
 
 namespace detail {
 
+/// The number of columns of a matrix of work space, at compile time where it is known and the matrix is not
+/// too large to be a member (Eigen allows 128 kB).
+template <class Scalar>
+constexpr int columns_in_place(int rows, int columns) {
+  const bool known = rows != Eigen::Dynamic && columns != Eigen::Dynamic;
+  return known && sizeof(Scalar) * std::size_t(rows) * std::size_t(columns) <= 128 * 1024 ? columns
+                                                                                          : Eigen::Dynamic;
+}
+
 /// So few degrees of freedom that work space is on the stack, where the compiler can keep it in registers.
 constexpr bool fits_on_stack(int dof) { return dof != Eigen::Dynamic && dof <= 16; }
 

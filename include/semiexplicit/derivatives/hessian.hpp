@@ -26,7 +26,8 @@ class SecondDerivatives {
  public:
   using Scalar = typename H::Scalar;
   using State = PhasePoint<Scalar, H::Dof>;
-  using Matrix = Eigen::Matrix<Scalar, twice(H::Dof), twice(H::Dof)>;
+  static constexpr int side = twice(H::Dof);
+  using Matrix = Eigen::Matrix<Scalar, side, columns_in_place<Scalar>(side, side)>;
 
   explicit SecondDerivatives(Eigen::Index dof)
       : at_(dof), search_(dof), shift_(at_.vector()), last_(shift_), blind_(shift_), column_(shift_) {}

@@ -288,6 +288,11 @@ class Events {
     const Scalar size = (rounding > Scalar(1e-6) ? rounding : Scalar(1e-6)) * abs(longest_);
     return h < Scalar(0) ? Scalar(-size) : size;
   }
+  /// How far apart two events may be found that are at the same time; of shortly().
+  Scalar same_time(const Scalar& near) const {
+    using std::abs;
+    return near * abs(Scalar(near / longest_));
+  }
   void lengthen(const Scalar& h) {
     using std::abs;
     if (abs(h) > abs(longest_)) longest_ = h;
@@ -360,8 +365,7 @@ class Events {
       enlarge(k, value(kind, end));
     else
       enlarge(k, at(near));  // costs no step, and both ends may be on the surface
-    const Scalar same_time = near * abs(Scalar(near / longest_));  // to which events are found
-    const bool on = rests_[k] || abs(from) <= noise || is_near(k, from, same_time, at);
+    const bool on = rests_[k] || abs(from) <= noise || is_near(k, from, same_time(near), at);
     const Scalar level = rests_[k] ? level_[k] : from;
     const Leaving gone =
         on ? leaving(level, noise, near, most, at) : Leaving{detail::side_of(from), near, from};
@@ -475,8 +479,8 @@ class Events {
       const bool cut = intervals_.cut(i);
       const Crossing crossing = leaves_side(k, kind, start, end, h, near, at, cut, !begins);
       // On the surface of an event that changed the state it is the way on that decides.
-      if (!crossing.to ||
-          (cut && (abs(Scalar(h - crossing.x)) <= abs(near) || abs(value(kind, end)) <= rounding(kind, end))))
+      if (!crossing.to || (cut && (abs(Scalar(h - crossing.x)) <= abs(same_time(near)) ||
+                                   abs(value(kind, end)) <= rounding(kind, end))))
         return;
       sides_[k] = crossing.to;
       found[k] = kind.counts(crossing.to);

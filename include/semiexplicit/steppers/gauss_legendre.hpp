@@ -175,7 +175,7 @@ class GaussLegendre : public detail::GaussShell<GaussLegendre<H>, H> {
           correction(residual),
           system(2 * dof * stages) {}
     detail::SecondDerivatives<H> second;
-    Eigen::Matrix<Scalar, twice(Dof), twice(Dof)> hessian;
+    typename detail::SecondDerivatives<H>::Matrix hessian;
     Vector<Scalar, Eigen::Dynamic> residual, correction;
     detail::LinearSystem<Scalar> system;
   };

@@ -129,9 +129,9 @@ int main(int argc, char** argv) {
       auto Z = K.extended({angle, 0}, 0);
       Invariants invariants(K);
       integrate(stepper, Z, {.dt = dt, .steps = periods * steps + 1}, section, invariants);
-      // It is absolute where the start has none; with that it is relative to next to nothing near there.
+      // Not relative to next to nothing, as near there.
       const auto& energy = invariants["energy"];
-      const double error = energy.worst * (energy.initial != 0 ? std::abs(energy.initial) : 1);
+      const double error = energy.worst * energy.unit;
       if (!(error <= worst)) worst = error;  // a NaN is the worst
     }
     writer.commit();

@@ -54,14 +54,15 @@ inline Measurement<Eigen::Dynamic> about_the_centre(const Choice& c) {
   return {[=](double t, const auto& q, const auto& p) { turning->see(t, q[0], p[0]); },
           [=, radius = c["radius"], background = c.on("rotation") ? c["rotation_rate"] : 0](std::ostream& out,
                                                                                             const Run&) {
-            const double r = turning->mean_radius();
-            const std::string coarse = too_coarse(turning->largest());
+            const double r = turning->mean_radius(),
+                         expected = background + 1 / (2 * std::numbers::pi * (radius * radius - r * r));
+            const std::string coarse = too_coarse(turning->largest(expected));
             if (!coarse.empty()) return print_none(out, "turns at", coarse);
             if (std::abs(turning->turned()) < 0.1)
               return print_none(out, "turns at",
                                 "it has turned by less than a tenth of a radian; give more --time");
             print_comparison(out, "turns at", turning->rate(), "Γ/(2π(R² - r²)), with the background",
-                             background + 1 / (2 * std::numbers::pi * (radius * radius - r * r)));
+                             expected);
           },
           memory_of(turning)};
 }

@@ -520,6 +520,55 @@ TEST_CASE("A tangent map by differences is right where coordinates are next to n
 
 namespace {
 
+/// Two oscillators, each in units of its own, one with a wave on its spring, coupled weakly by a momentum.
+struct OwnUnits {
+  using Scalar = double;
+  static constexpr int Dof = 2;
+  static constexpr double wave = 21.8, coupling = 1.4e-5;
+  double first, second, action;
+  Eigen::Vector4d scale() const { return {first, second, action / first, action / second}; }
+  void gradient(In<double, 2> q, In<double, 2> p, Out<double, 2> dHdq, Out<double, 2> dHdp) const {
+    const double x = q[0] / first, y = q[1] / second, u = p[0] * first / action, v = p[1] * second / action;
+    dHdq[0] = action / first * (0.035 * x - 0.7 * std::sin(wave * x) / wave + coupling * y * u);
+    dHdq[1] = action / second * (0.035 * y + coupling * x * u);
+    dHdp[0] = first * (u + coupling * x * y);
+    dHdp[1] = second * v;
+  }
+  /// In units where all is 1.
+  Eigen::Matrix4d plain_hessian(const Eigen::Vector4d& z) const {
+    const Eigen::Vector4d at = z.cwiseQuotient(scale());
+    Eigen::Matrix4d all = Eigen::Vector4d(0.035 - 0.7 * std::cos(wave * at[0]), 0.035, 1, 1).asDiagonal();
+    all(0, 1) = all(1, 0) = coupling * at[2];
+    all(0, 2) = all(2, 0) = coupling * at[1];
+    all(1, 2) = all(2, 1) = coupling * at[0];
+    return all;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("Differences are right where coordinates are in units that are far apart from each other",
+          "[chaos]") {
+  for (const OwnUnits& h : {OwnUnits{1, 1, 1}, {8, 4e-6, 7e-8}, {4e-6, 8, 7e-8}, {1e-7, 1e4, 1}}) {
+    CAPTURE(h.first, h.second);
+    Semiexplicit stepper(h, schemes::low_defect4_s7());
+    detail::SecondDerivatives<OwnUnits> second(2);
+    PhasePoint<double, 2> z;
+    z.vector() = h.scale().cwiseProduct(Eigen::Vector4d(-0.16, 0.66, 0, -0.93));
+    double worst = 0;
+    for (int n = 0; n < 1000; ++n) {
+      Eigen::Matrix4d hessian;
+      second(h, z.vector(), hessian);
+      const Eigen::Matrix4d plain = h.scale().asDiagonal() * hessian * h.scale().asDiagonal() / h.action;
+      worst = std::max(worst, (plain - h.plain_hessian(z.vector())).cwiseAbs().maxCoeff());
+      REQUIRE(stepper.step(z, 0.01).ok());
+    }
+    CHECK(worst < 1e-7);
+  }
+}
+
+namespace {
+
 /// Ions in a trap that is stiffer across than along, each beside the next, in units where all is 1 or others.
 struct IonChain {
   using Scalar = double;

@@ -63,6 +63,7 @@ prints(charges "says how uncertain a short drift is" "--preset dipole --time 10s
 prints(charges "do not bounce in the equator" "--preset dipole --pitch 90deg --time 20s" "bounce period, s: not measured, the charge stays")
 prints(lattice "counts sites of next to no mass" "--preset anderson --mass 1e-200" "participation number at the end: 8.4204")
 prints(lattice "does not compare a start with the end of an exchange" "--preset dnls --sites 2 --time 0.2" "no closed form for that")
+prints(vortices "do not measure turns that a step hides" "--preset disk --effects pairs,disk,rotation --rotation_rate 62.7 --dt 0.1" "turns at: not measured, it turns by up to 360 degrees in a step")
 prints(vortices "do not measure a turn that has hardly begun" "--preset disk --time 0.3" "turns at: not measured")
 prints(fast_charges "gyrates with the gamma of its rigidity" "--rigidity \"3e6 V\"" "gyrofrequency, rad/s: -2.953[0-9]*e.09; eB/.*: -2.953[0-9]*e.09 ")
 prints(fast_charges "does not measure a focus of what starts at 0" "--preset quadrupole --x 0" "x at the end[^\n]*not measured.*\ny at the end")

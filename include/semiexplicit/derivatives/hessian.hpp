@@ -12,7 +12,7 @@ namespace semiexplicit::detail {
 
 /// ∇²H at z, a symmetric 2d × 2d matrix: by H.hessian where there is one, else by central differences of the
 /// gradient. NaN or Inf where the gradient is; what a gradient throws goes through, but for std::domain_error
-/// while a shift is looked for: that shift is too large. Memory: ten vectors of length 2d.
+/// while a shift is looked for: that shift is too large. Memory: twelve vectors of length 2d.
 ///
 /// The shift of each coordinate is found from the gradient itself: of shifts over all orders of magnitude,
 /// the one whose difference agrees best with its two neighbours'. It is kept from call to call, looked at
@@ -71,6 +71,7 @@ class SecondDerivatives {
     visit(shift_);
     visit(last_);
     visit(blind_);
+    visit(search_.largest());
     visit(count_);
   }
 
@@ -118,6 +119,7 @@ class SecondDerivatives {
     gradient_at(h, z.data(), search_.here().data(), d);
     ++calls_;
     calls_ += lengths_.take(h, z, search_.here(), at_.vector(), search_.above(), far);
+    search_.count_in(lengths_, z);
     for (Eigen::Index i = 0; i < z.size(); ++i) {
       const bool anew = far || (soon && blind_[i] != Scalar(0));
       if (!anew && !(again && i == next)) continue;

@@ -74,15 +74,19 @@ class Lengths {
   /// guess.
   bool guessed(Eigen::Index i, Eigen::Index d) const { return i < d ? q_guessed_ : p_guessed_; }
 
-  /// The same by its own size, which tells more where the others are in other units; not where it is nothing
-  /// beside them, nor of the time.
-  Scalar own(Eigen::Index i, const Vec& z) const {
+  /// Whether its own size tells more, as where the others are in other units; not where it is nothing beside
+  /// them, nor of the time.
+  bool has_own(Eigen::Index i, const Vec& z) const {
     using std::abs;
     const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon();
     const Eigen::Index d = z.size() / 2;
     const bool is_time = InExtendedPhaseSpace<H> && i % d == d - 1;
-    return is_time || guessed(i, d) || !(abs(z[i]) / epsilon > epsilon * of(i, d)) ? of(i, d)
-                                                                                   : Scalar(abs(z[i]));
+    return !is_time && !guessed(i, d) && abs(z[i]) / epsilon > epsilon * of(i, d);
+  }
+  /// The same by that, where it does.
+  Scalar own(Eigen::Index i, const Vec& z) const {
+    using std::abs;
+    return has_own(i, z) ? Scalar(abs(z[i])) : of(i, z.size() / 2);
   }
 
   /// The larger of the lengths of positions and momenta along v, where along() is the smaller one; 0 where
@@ -204,7 +208,7 @@ class Lengths {
 };
 
 /// Looks for the shift of a central difference of the gradient: of shifts over several orders of magnitude,
-/// the one whose difference agrees best with its two neighbours'. Memory: five vectors of length 2d.
+/// the one whose difference agrees best with its two neighbours'. Memory: seven vectors of length 2d.
 template <class H>
 class ShiftSearch {
  public:
@@ -214,7 +218,8 @@ class ShiftSearch {
   static constexpr int most_shifts = 48;
 
   explicit ShiftSearch(Eigen::Index dof) : above_(dof), below_(dof) {
-    for (Vec* one : {&here_, &middle_, &smaller_}) *one = above_.vector();
+    for (Vec* one : {&here_, &middle_, &smaller_, &units_, &largest_}) *one = above_.vector();
+    units_.setOnes();
   }
 
   /// What a difference writes its two gradients to.
@@ -222,6 +227,17 @@ class ShiftSearch {
   Vec& below() { return below_.vector(); }
   /// The gradient where the differences are taken: to be written before a search.
   Vec& here() { return here_; }
+  /// To be called at the point z of a search: a half of a column is a sum of entries times what the
+  /// coordinates are counted in, in one unit where these are in others. That is how large each was at most.
+  void count_in(const Lengths<H>& lengths, const Vec& z) {
+    using std::abs;
+    for (Eigen::Index i = 0; i < z.size(); ++i) {
+      if (lengths.has_own(i, z)) largest_[i] = std::max<Scalar>(largest_[i], abs(z[i]));
+      units_[i] = largest_[i] > Scalar(0) ? largest_[i] : lengths.of(i, z.size() / 2);
+    }
+  }
+  /// What that remembers; see CheckpointMemory.
+  Vec& largest() { return largest_; }
 
   /// Of `count` shifts in geometric order from the larger one to the smaller one, that whose differences
   /// agree best with those of its two neighbours; of those that agree nearly as well, as where the gradient
@@ -323,8 +339,8 @@ class ShiftSearch {
     Scalar apart(0), size(0);
     for (Eigen::Index j = half * d; j < (half + 1) * d; ++j) {
       const Scalar value = std::max<Scalar>(abs(above_.vector()[j]), abs(below_.vector()[j]));
-      apart += abs(middle_[j] - smaller_[j]) + epsilon * value / shift;
-      size += std::max<Scalar>(abs(middle_[j]), abs(smaller_[j]));
+      apart += units_[j] * (abs(middle_[j] - smaller_[j]) + epsilon * value / shift);
+      size += units_[j] * std::max<Scalar>(abs(middle_[j]), abs(smaller_[j]));
     }
     if (!isfinite(size) || !isfinite(apart) || size == Scalar(0)) return {};
     return {size, apart / size};
@@ -369,7 +385,7 @@ class ShiftSearch {
       for (int k = 1; k < count; ++k)
         if (by_shift[half][k].apart < Scalar(0.5)) seen = std::max(seen, by_shift[half][k].size);
       if (!(seen > Scalar(0))) continue;
-      const Scalar force = here_.segment(half * d, d).cwiseAbs().sum();
+      const Scalar force = here_.segment(half * d, d).cwiseAbs().dot(units_.segment(half * d, d));
       const Scalar weight = force < length * seen ? Scalar(1) : Scalar(length * seen / force);
       for (int k = 1; k < count; ++k)
         apart[k] += weight * log(std::clamp<Scalar>(by_shift[half][k].apart, least, Scalar(1)));
@@ -380,7 +396,7 @@ class ShiftSearch {
   }
 
   State above_, below_;
-  Vec here_, middle_, smaller_;
+  Vec here_, middle_, smaller_, units_, largest_;
   bool saw_ = false;
 };
 

@@ -232,6 +232,7 @@ class HessianProduct {
       visit(found_);
       visit(last_);
       visit(search_.here());
+      visit(search_.largest());
       visit(count_);
     }
 
@@ -244,6 +245,7 @@ class HessianProduct {
     void look(const H& h, const Vec& z, bool first = false) {
       gradient_at(h, z.data(), search_.here().data(), z.size() / 2);
       lengths_.take(h, z, search_.here(), at_.vector(), search_.above(), first);
+      search_.count_in(lengths_, z);
     }
 
     template <class Column>

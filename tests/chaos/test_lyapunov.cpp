@@ -5,6 +5,7 @@
 #include <numbers>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include <boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp>
 #include <semiexplicit/chaos.hpp>
@@ -306,18 +307,24 @@ TEST_CASE("Right second derivatives are taken whatever the units, and where the 
   for (const double x : {100., 101.3, 107.7}) takes({1, 3e4}, x);
 
   struct Wrong : UnlikeUnits {
+    double of_q, of_p;  // what is left of it
     void hessian_times(In<double, 2> q, In<double, 2> p, In<double, 2> dq, In<double, 2> dp,
                        Out<double, 2> hq, Out<double, 2> hp) const {
       UnlikeUnits::hessian_times(q, p, dq, dp, hq, hp);
-      hq[0] *= 1.2;
+      hq *= of_q;
+      hp *= of_p;
     }
   };
-  for (const double unit : {1e-6, 1.}) {
-    Semiexplicit stepper(Wrong{{unit, 1}}, schemes::strang());
-    PhasePoint<double, 2> z({0.5 * unit, 0.76}, {0.3 / unit, -0.5});
-    LyapunovExponents lyapunov(stepper, 1);
-    CHECK_THROWS_AS(integrate(stepper, z, {.dt = 0.01, .steps = 1}, lyapunov), std::invalid_argument);
-  }
+  for (const double unit : {1e-6, 1.})
+    for (const double speed : {1., 1e-9, 0.})
+      for (const auto& [of_q, of_p] : {std::pair{1.2, 1.}, {0., 1.}, {1., 0.}, {0., 0.}}) {
+        CAPTURE(unit, speed, of_q, of_p);
+        if (unit < 1 && of_q == 1) continue;  // forces are so large there that they hide it
+        Semiexplicit stepper(Wrong{{unit, 1}, of_q, of_p}, schemes::strang());
+        PhasePoint<double, 2> z({0.5 * unit, 0.76}, {0.3 * speed / unit, -0.5 * speed});
+        LyapunovExponents lyapunov(stepper, 1);
+        CHECK_THROWS_AS(integrate(stepper, z, {.dt = 0.01, .steps = 1}, lyapunov), std::invalid_argument);
+      }
 }
 
 }  // namespace test_lyapunov

@@ -88,10 +88,16 @@ class HessianProduct {
   /// have nothing in common, as where a type inherits them and has another gradient.
   void check([[maybe_unused]] const H& h, [[maybe_unused]] const Vec& z, [[maybe_unused]] const Vec& v) {
     if constexpr (HasHessianTimes<H> || (HasHessian<H> && !exact)) {
+      Differences differences(z.size() / 2, 1);
       Vec given = z, found = z;
       prepare(h, z);
-      times(h, z, v.data(), 0, given);
-      if (!Differences(z.size() / 2, 1).compare(h, z, v, given, found))
+      const auto fits = [&](const Vec& along) {
+        times(h, z, along.data(), 0, given);
+        return Differences(z.size() / 2, 1).compare(h, z, along, given, found);
+      };
+      // In units that are far apart from each other the one or the other direction may be hard for
+      // differences.
+      if (!fits(differences.in_lengths(h, z, v)) && !fits(v))
         throw std::invalid_argument(
             std::string(HasHessianTimes<H> ? "hessian_times" : "hessian") +
             " of the Hamiltonian is not the derivative of its gradient: along some direction it is off by " +
@@ -201,6 +207,14 @@ class HessianProduct {
       by(part_[j] * length, product);
     }
 
+    /// The direction v where its entries count in the lengths of the coordinates, whatever their units are.
+    Vec in_lengths(const H& h, const Vec& z, const Vec& v) {
+      prepare(h, z, true);
+      Vec along = v;
+      for (Eigen::Index i = 0; i < z.size(); ++i) along[i] *= lengths_.own(i, z);
+      return along / largest_absolute(along);
+    }
+
     /// Whether a product that H gives is near a difference, the usual one, which is `found`, or another; also
     /// where differences cannot tell.
     bool compare(const H& h, const Vec& z, const Vec& v, const Vec& given, Vec& found) {
@@ -217,12 +231,17 @@ class HessianProduct {
         return true;
       // Where one half of z is far smaller than what it is on its way to, the shift may be one that the other
       // does not feel; where units differ, one that steps over what bends a coordinate.
+      using std::abs;
       using std::cbrt;
+      constexpr auto smallest = Scalar(1e-14);
       const Scalar farther = cbrt(Eigen::NumTraits<Scalar>::epsilon()) * lengths_.farthest_along(v);
       if (farther > Scalar(0) && is_near_by(farther)) return true;
-      Scalar shift = usual;
-      for (int i = 0; i < 16; ++i)
-        if (is_near_by(shift /= 8)) return true;
+      Scalar least(0);  // below that rounding hides what some coordinate does
+      for (Eigen::Index i = 0; i < z.size(); ++i)
+        if (v[i] != Scalar(0))
+          least = std::max<Scalar>(least, 1000 * Eigen::NumTraits<Scalar>::epsilon() * abs(z[i] / v[i]));
+      for (Scalar shift = usual / 8; shift > least && shift > usual * smallest; shift /= 8)
+        if (is_near_by(shift)) return true;
       return false;
     }
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <numbers>
 #include <stdexcept>
 #include <vector>
@@ -192,7 +193,7 @@ TEST_CASE("every() shows a section all of a run that bounces, or refuses", "[obs
       const double phase = std::remainder(t, period);
       worst = std::max(worst, std::abs(w.q()[0] - std::cos(phase)));
     });
-    auto sparse_section = every(n, near_wall);
+    auto sparse_section = every(n, std::ref(near_wall));
     auto sparse_times = every(n, at);
     const auto run = [&] {
       integrate(move, z, {.dt = 0.05, .t_end = 40.1}, bounce, sparse_section, sparse_times);

@@ -39,7 +39,7 @@ concept ChangesState = requires {
 /// bend: `static constexpr bool interpolates = true;`.
 template <class O>
 concept Interpolates = requires {
-  requires bool(std::remove_cvref_t<O>::interpolates);
+  requires bool(std::remove_cvref_t<std::unwrap_reference_t<std::remove_cvref_t<O>>>::interpolates);
 };
 
 /// An observer that saves what those before it have seen, as Checkpoints: `static constexpr bool saves_others

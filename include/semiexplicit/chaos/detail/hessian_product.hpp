@@ -233,7 +233,7 @@ class HessianProduct {
       // does not feel; where units differ, one that steps over what bends a coordinate.
       using std::abs;
       using std::cbrt;
-      constexpr auto smallest = Scalar(1e-14);
+      const Scalar smallest(1e-14);
       const Scalar farther = cbrt(Eigen::NumTraits<Scalar>::epsilon()) * lengths_.farthest_along(v);
       if (farther > Scalar(0) && is_near_by(farther)) return true;
       Scalar least(0);  // below that rounding hides what some coordinate does

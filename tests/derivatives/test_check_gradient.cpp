@@ -189,6 +189,42 @@ TEST_CASE("A gradient that does not overwrite its outputs is wrong", "[check_gra
         "the gradient agrees with the energy");
 }
 
+/// H = p²/2 + q²/2 + q⁴/4, whose gradient for packs has a factor at q³ of its own.
+struct OtherInPacks {
+  using Scalar = double;
+  using PackGradientOf = OtherInPacks;
+  static constexpr int Dof = 1;
+  double factor;
+  double energy(In<double, 1> q, In<double, 1> p) const {
+    return (p[0] * p[0] + q[0] * q[0]) / 2 + q[0] * q[0] * q[0] * q[0] / 4;
+  }
+  void gradient(In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
+    dHdq[0] = q[0] + q[0] * q[0] * q[0];
+    dHdp[0] = p[0];
+  }
+  template <class T>
+  void gradient(const T* q, const T* p, T* dHdq, T* dHdp) const {
+    dHdq[0] = q[0] + factor * q[0] * q[0] * q[0];
+    dHdp[0] = p[0];
+  }
+};
+
+TEST_CASE("A gradient for packs that is another one is wrong", "[check_gradient]") {
+  const PhasePoint<double, 1> z(0.7, -0.3);
+  static_assert(HasPackGradient<OtherInPacks>);
+  CHECK(check_gradient(OtherInPacks{1}, z).ok());
+  for (const double factor : {0., 1.0001}) {
+    std::ostringstream words;
+    const auto check = check_gradient(OtherInPacks{factor}, z);
+    words << check;
+    CHECK_FALSE(check.ok());
+    CHECK(check.entries[0].wrong);
+    CHECK_FALSE(check.entries[1].wrong);
+    CHECK_THAT(words.str(),
+               Catch::Contains("dH/dq[0] is another number where the gradient is called with packs"));
+  }
+}
+
 TEST_CASE("Not judged is told from right", "[check_gradient]") {
   const auto times = [](double factor) {
     return [factor](double& to, double value) { to = factor * value; };

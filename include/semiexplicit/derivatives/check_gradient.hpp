@@ -21,6 +21,7 @@
 #include <semiexplicit/core/median.hpp>
 #include <semiexplicit/core/phase_point.hpp>
 #include <semiexplicit/core/reference_size.hpp>
+#include <semiexplicit/core/simd.hpp>
 
 namespace semiexplicit {
 
@@ -29,6 +30,7 @@ enum class GradientOutput {
   written,      ///< overwrites it
   not_written,  ///< leaves it as it is
   added_to,     ///< adds to it
+  other_packs,  ///< overwrites it, and with another number where it is called with packs (HasPackGradient)
   unclear       ///< neither: it depends on what was there in another way, or changes from call to call
 };
 
@@ -95,6 +97,9 @@ SEMIEXPLICIT_COLD inline std::string describe(GradientOutput output) {
       return "is not written: what was in the output stays there";
     case GradientOutput::added_to:
       return "is added to what was in the output: write it with =, or set the output to zero first";
+    case GradientOutput::other_packs:
+      return "is another number where the gradient is called with packs, as by Ensemble and "
+             "GaussLegendreLanes: let both do the same, or leave PackGradientOf out";
     case GradientOutput::unclear:
       return "depends on what was in the output, or changes from call to call";
   }
@@ -368,6 +373,19 @@ SEMIEXPLICIT_COLD std::vector<GradientOutput> written_gradient(
                       : isfinite(a) && abs(b - a - filling) <= rounding ? GradientOutput::added_to
                                                                         : GradientOutput::unclear);
   }
+  if constexpr (HasPackGradient<H>) {
+    const auto d = static_cast<std::size_t>(z.dof());
+    std::vector<Pack<Scalar>> at(2 * d), packs(2 * d);
+    for (std::size_t i = 0; i < 2 * d; ++i)
+      for (std::size_t lane = 0; lane < Pack<Scalar>::size(); ++lane)
+        at[i][lane] = z.vector()[static_cast<Eigen::Index>(i)], packs[i][lane] = filling;
+    hamiltonian.gradient(at.data(), at.data() + d, packs.data(), packs.data() + d);
+    for (std::size_t i = 0; i < 2 * d; ++i)
+      for (std::size_t lane = 0; lane < Pack<Scalar>::size(); ++lane)
+        if (outputs[i] == GradientOutput::written &&
+            !same(given.vector()[static_cast<Eigen::Index>(i)], Scalar(packs[i][lane])))
+          outputs[i] = GradientOutput::other_packs;
+  }
   return outputs;
 }
 
@@ -439,10 +457,11 @@ typename H::Scalar energy_rounding(const H& hamiltonian, const typename H::Scala
 ///     if (const auto check = check_gradient(H, z); !check.ok()) std::cerr << check << '\n';
 ///
 /// Wrong are also a NaN in the gradient, and an entry that is not written or added to instead: an integrator
-/// hands in outputs that hold anything. An entry about which the differences say too little, as at the edge
-/// of the domain, is not judged: GradientCheck::judged() is false then. Choose z with care: at a point of
-/// symmetry, as z = 0, many wrong gradients vanish like the right one. Throws std::invalid_argument if z has
-/// another size than H, or the energy at z is not finite.
+/// hands in outputs that hold anything; and one that is another number by a gradient for packs. An entry
+/// about which the differences say too little, as at the edge of the domain, is not judged:
+/// GradientCheck::judged() is false then. Choose z with care: at a point of symmetry, as z = 0, many wrong
+/// gradients vanish like the right one. Throws std::invalid_argument if z has another size than H, or the
+/// energy at z is not finite.
 template <class H>
 SEMIEXPLICIT_COLD GradientCheck<typename detail::EnergyDoor<H>::Scalar> check_gradient(
     const H& hamiltonian,

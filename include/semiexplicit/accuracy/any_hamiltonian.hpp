@@ -75,10 +75,11 @@ class AnyHamiltonian : public std::conditional_t<Timed, ExtendedPhaseSpace<Scala
   }
   /// Lane by lane where H has no gradient for packs, the lanes in use only.
   void gradient(const Many* q, const Many* p, Many* dHdq, Many* dHdp) const {
-    if (lanes_ == 0) return packs_(hamiltonian_, q, p, dHdq, dHdp);
+    if (lanes_ == 0 && takes_packs()) return packs_(hamiltonian_, q, p, dHdq, dHdp);
+    const std::size_t lanes = lanes_ == 0 ? Many::size() : lanes_;
     const auto d = static_cast<std::size_t>(dof_);
     lane_.resize(4 * d);
-    for (std::size_t k = 0; k < lanes_; ++k) {
+    for (std::size_t k = 0; k < lanes; ++k) {
       bool same = k > 0;  // as the lane before, as where an iteration starts: one call for all
       const auto load = [&](Scalar& to, const Scalar& from) { same = same && to == from, to = from; };
       for (std::size_t i = 0; i < d; ++i) load(lane_[i], q[i][k]), load(lane_[d + i], p[i][k]);

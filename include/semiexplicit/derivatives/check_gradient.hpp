@@ -373,20 +373,32 @@ SEMIEXPLICIT_COLD std::vector<GradientOutput> written_gradient(
                       : isfinite(a) && abs(b - a - filling) <= rounding ? GradientOutput::added_to
                                                                         : GradientOutput::unclear);
   }
-  if constexpr (HasPackGradient<H>) {
-    const auto d = static_cast<std::size_t>(z.dof());
-    std::vector<Pack<Scalar>> at(2 * d), packs(2 * d);
-    for (std::size_t i = 0; i < 2 * d; ++i)
-      for (std::size_t lane = 0; lane < Pack<Scalar>::size(); ++lane)
-        at[i][lane] = z.vector()[static_cast<Eigen::Index>(i)], packs[i][lane] = filling;
-    hamiltonian.gradient(at.data(), at.data() + d, packs.data(), packs.data() + d);
-    for (std::size_t i = 0; i < 2 * d; ++i)
-      for (std::size_t lane = 0; lane < Pack<Scalar>::size(); ++lane)
-        if (outputs[i] == GradientOutput::written &&
-            !same(given.vector()[static_cast<Eigen::Index>(i)], Scalar(packs[i][lane])))
-          outputs[i] = GradientOutput::other_packs;
-  }
   return outputs;
+}
+
+/// Says of which entries, of those that are written, the gradient for packs makes another number.
+template <HasPackGradient H>
+SEMIEXPLICIT_COLD void compare_packs(const H& hamiltonian, const PhasePoint<typename H::Scalar, H::Dof>& z,
+                                     const PhasePoint<typename H::Scalar, H::Dof>& given,
+                                     std::vector<GradientOutput>& outputs) {
+  using Scalar = typename H::Scalar;
+  using std::abs;
+  using std::sqrt;
+  const auto d = static_cast<std::size_t>(z.dof());
+  const Scalar largest = largest_absolute(given.vector()),
+               rounding = sqrt(Eigen::NumTraits<Scalar>::epsilon()) * largest;
+  std::vector<Pack<Scalar>> at(2 * d), packs(2 * d);
+  for (std::size_t i = 0; i < 2 * d; ++i)
+    for (std::size_t lane = 0; lane < Pack<Scalar>::size(); ++lane)
+      at[i][lane] = z.vector()[static_cast<Eigen::Index>(i)], packs[i][lane] = largest + 1;
+  hamiltonian.gradient(at.data(), at.data() + d, packs.data(), packs.data() + d);
+  for (std::size_t i = 0; i < 2 * d; ++i)
+    for (std::size_t lane = 0; lane < Pack<Scalar>::size(); ++lane) {
+      const Scalar found = packs[i][lane];
+      if (outputs[i] == GradientOutput::written &&
+          !(abs(found - given.vector()[static_cast<Eigen::Index>(i)]) <= rounding))
+        outputs[i] = GradientOutput::other_packs;
+    }
 }
 
 /// Sizes of the entries of q, or of p.
@@ -479,7 +491,8 @@ SEMIEXPLICIT_COLD GradientCheck<typename detail::EnergyDoor<H>::Scalar> check_gr
     throw std::invalid_argument(
         "check_gradient: the energy at z is NaN or Inf; choose a point where it is finite");
   PhasePoint<Scalar, H::Dof> given(d), at(z);
-  const auto outputs = detail::written_gradient(hamiltonian, z, given);
+  auto outputs = detail::written_gradient(hamiltonian, z, given);
+  if constexpr (HasPackGradient<H>) detail::compare_packs(hamiltonian, z, given, outputs);
   const Scalar rounding = detail::energy_rounding(hamiltonian, energy, z);
   const auto sizes = detail::sizes_of_halves(z);
   GradientCheck<Scalar> check;

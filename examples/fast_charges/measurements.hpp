@@ -77,6 +77,13 @@ struct Way {
     highest = std::max(highest, std::abs(q[1]));
     across = std::max(across, p.head<2>().norm());
   }
+  /// Why nothing is measured where so many steps at least are to go through a length; empty where they do.
+  std::string too_coarse(const std::string& what, double length, int least) const {
+    const double part = longest / length;
+    if (part <= 1.0 / least) return "";
+    return formatted("a step goes through %.2g of ", part) + what +
+           formatted("; give a --dt %.0f times smaller", std::ceil(2 * least * part));
+  }
   void visit_memory(CheckpointMemory& visit) {
     visit(begun);
     for (double* number : {&t0, &t, &widest, &closest, &nearest, &highest, &across, &longest}) visit(*number);
@@ -121,11 +128,8 @@ inline Measurement<3> wiggle(const Choice& c) {
       return print_none(out, "wiggle",
                         "it starts where A is not 0 and so drifts aside; give a --z of whole half periods");
     if (passed < 5) return print_none(out, "wiggle", "it is less than five periods; give more --time");
-    if (way.longest > period / 8)
-      return print_none(
-          out, "wiggle",
-          formatted("a step goes through %.2g of a period; ", way.longest / period) +
-              formatted("give a --dt %.0f times smaller", std::ceil(16 * way.longest / period)));
+    if (const std::string coarse = way.too_coarse("a period", period, 8); !coarse.empty())
+      return print_none(out, "wiggle", coarse);
     out << formatted("K = eB/(mck) = %.6g, %.1f periods\n", strength, passed);
     const double slope = strength * c["mass"] * c["c"] / momentum_of(c),
                  behind = (1 + strength * strength / 2) / (gamma * gamma);
@@ -143,11 +147,8 @@ inline Measurement<3> rotation(const Choice& c) {
   return of_way(c, "solenoid", [=](std::ostream& out, const Way& way) {
     const charges::SolenoidField field(c["b0"], c["length"], c["radius"]);
     if (way.first.head<2>().isZero(0)) return print_none(out, "turn of the plane", "it starts on the axis");
-    if (way.longest > c["length"] / 4)
-      return print_none(
-          out, "turn of the plane",
-          formatted("a step goes through %.2g of the solenoid; ", way.longest / c["length"]) +
-              formatted("give a --dt %.0f times smaller", std::ceil(8 * way.longest / c["length"])));
+    if (const std::string coarse = way.too_coarse("the solenoid", c["length"], 4); !coarse.empty())
+      return print_none(out, "turn of the plane", coarse);
     const double pi = std::numbers::pi,
                  angle = std::atan2(way.first[0] * way.last[1] - way.first[1] * way.last[0],
                                     way.first.head<2>().dot(way.last.head<2>()));

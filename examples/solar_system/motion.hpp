@@ -84,13 +84,11 @@ inline Kept kept_of(const System& system) {
 /// Integrates z, with a progress bar on a terminal, and a checkpoint where one is wanted; `look` sees the
 /// states after the invariants that are followed, if any.
 inline IntegrationReport integrate_system(const System& system, const NearIntegrable<double>& list, State& z,
-                                          const IntegrationOptions<double>& options, Kept& kept,
-                                          const Look& look, const std::string& label,
-                                          const CheckpointRequest& request = {}) {
+                                          const IntegrationOptions<double>& options, Kept& kept, Look look,
+                                          const std::string& label, const CheckpointRequest& request = {}) {
   IntegrationReport report;
-  Look seen = look;
   with_splitting(system, list, [&](auto& stepper) {
-    report = integrate_saved(request, label, stepper, z, options, kept, seen);
+    report = integrate_saved(request, label, stepper, z, options, kept, look);
   });
   return report;
 }

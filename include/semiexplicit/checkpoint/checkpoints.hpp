@@ -66,13 +66,32 @@ inline void visit_settings(CheckpointMemory& memory, const std::string& here) {
                                 "; give it the same settings, or another file");
 }
 
-/// By its start a checkpoint is known: without it no resume() could take it.
-inline void require_start(bool known) {
-  if (!known)
-    throw std::logic_error(
-        "checkpoints of a run that goes on from an earlier part: how it began is not known; call resume() "
-        "with the initial state first");
-}
+/// How a run began, one state or those of all members, by its checksum: without it no resume() could take a
+/// checkpoint.
+class StartOfRun {
+ public:
+  void set(std::uint64_t checksum) { checksum_ = checksum; }
+  /// After so many steps of the run, where after none checksum() is its start. Throws std::logic_error where
+  /// that is not known.
+  template <class Checksum>
+  void require(std::int64_t steps, const Checksum& checksum) {
+    if (steps == 0) set(checksum());
+    if (!checksum_)
+      throw std::logic_error(
+          "checkpoints of a run that goes on from an earlier part: how it began is not known; call resume() "
+          "with the initial state first");
+  }
+  /// Saves it, or compares it with that of the file: `another` is what that may be, in words.
+  void visit(CheckpointMemory& memory, const std::string& another) const {
+    std::uint64_t there = checksum_.value();
+    memory(there);
+    if (there != checksum_)
+      throw std::invalid_argument("it belongs to a run from " + another + ", or another file");
+  }
+
+ private:
+  std::optional<std::uint64_t> checksum_;
+};
 
 /// The counts of a report and its sums.
 inline void visit_sums(CheckpointMemory& memory, IntegrationReport& report) {
@@ -151,7 +170,7 @@ class Checkpoints {
   /// damaged or belongs to another run, and std::runtime_error where it cannot be written or another run that
   /// is alive has it open; z, the stepper and the observers are then untouched.
   IntegrationReport resume(State& z) {
-    start_state_ = checksum_of(z);
+    start_.set(checksum_of(z));
     last_time_ = Clock::now();
     IntegrationReport done;
     const bool found = file_.read([&](const std::string& contents) {
@@ -175,7 +194,7 @@ class Checkpoints {
 
   void operator()(const Scalar&, const State& z, const IntegrationReport& so_far) {
     if (so_far.at_event) return;  // a run is resumed at the end of a step
-    require_start(z, so_far.steps);
+    start_.require(so_far.steps, [&] { return checksum_of(z); });
     if (so_far.steps < std::exchange(seen_, so_far.steps)) {  // another run
       last_ = so_far.steps;
       next_look_ = 0;
@@ -187,11 +206,11 @@ class Checkpoints {
 
   /// Writes a checkpoint now.
   void save(const State& z, const IntegrationReport& so_far) {
-    require_start(z, so_far.steps);
+    start_.require(so_far.steps, [&] { return checksum_of(z); });
     IntegrationReport report = so_far;
     State copy = z;
     CheckpointMemory memory;
-    report.seconds = done_seconds_ + since(start_);
+    report.seconds = done_seconds_ + since(begin_);
     visit_head(memory, report, copy);
     visit_all(memory);
     file_.write(memory.bytes());
@@ -212,19 +231,10 @@ class Checkpoints {
     return std::chrono::duration<double>(Clock::now() - then).count();
   }
 
-  void require_start(const State& z, std::int64_t steps) {
-    if (steps == 0) start_state_ = checksum_of(z);
-    detail::require_start(start_state_.has_value());
-  }
-
   /// What tells whether the rest is wanted, the report and the state.
   void visit_head(CheckpointMemory& memory, IntegrationReport& report, State& z) {
     detail::visit_settings(memory, settings_);
-    std::uint64_t start_state = start_state_.value();
-    memory(start_state);
-    if (start_state != start_state_)
-      throw std::invalid_argument(
-          "it belongs to a run from another initial state; give it the same one, or another file");
+    start_.visit(memory, "another initial state; give it the same one");
     std::int64_t dof = z.dof();
     memory(dof);
     if (dof != z.dof())
@@ -307,10 +317,10 @@ class Checkpoints {
   S& stepper_;
   std::string settings_;
   std::tuple<Observers&...> observers_;
-  std::optional<std::uint64_t> start_state_;
+  detail::StartOfRun start_;
   double done_seconds_ = 0;
   std::int64_t last_ = 0, seen_ = 0, next_look_ = 0, look_every_ = 1;
-  Clock::time_point start_ = Clock::now(), last_time_ = start_, last_look_ = start_;
+  Clock::time_point begin_ = Clock::now(), last_time_ = begin_, last_look_ = begin_;
 };
 
 }  // namespace semiexplicit

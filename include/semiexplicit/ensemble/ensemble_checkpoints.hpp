@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <optional>
 #include <stdexcept>
 #include <string>
 #include <tuple>
@@ -56,7 +55,7 @@ class EnsembleCheckpoints {
   /// nothing and gives 0. Throws as Checkpoints::resume() does; ensemble and observers are then untouched.
   std::int64_t resume() {
     require_members();
-    starts_ = checksum_of_states();
+    start_.set(checksum_of_states());
     last_time_ = Clock::now();
     std::int64_t done = 0;
     file_.read([&](const std::string& contents) {
@@ -76,7 +75,7 @@ class EnsembleCheckpoints {
   }
 
   void operator()(double, const EnsembleReport& so_far) {
-    require_start(so_far.done);
+    start_.require(so_far.done, [this] { return checksum_of_states(); });
     if (so_far.done == 0 || so_far.done < last_) last_ = 0;
     if (so_far.done == last_) return;
     if (options_.every > 0
@@ -88,7 +87,7 @@ class EnsembleCheckpoints {
   /// Writes a checkpoint now, after so many steps of each member.
   void save(std::int64_t done) {
     require_members();
-    require_start(done);
+    start_.require(done, [this] { return checksum_of_states(); });
     CheckpointMemory memory;
     values_.clear();
     for (Eigen::Index i = 0; i < ensemble_.size(); ++i)
@@ -112,18 +111,9 @@ class EnsembleCheckpoints {
  private:
   using Clock = std::chrono::steady_clock;
 
-  void require_start(std::int64_t done) {
-    if (done == 0) starts_ = checksum_of_states();
-    detail::require_start(starts_.has_value());
-  }
-
   void visit_head(CheckpointMemory& memory, std::int64_t& done) {
     detail::visit_settings(memory, settings_);
-    std::uint64_t starts = starts_.value();
-    memory(starts);
-    if (starts != starts_)
-      throw std::invalid_argument(
-          "it belongs to a run from other initial states; give it the same ones, or another file");
+    start_.visit(memory, "other initial states; give it the same ones");
     memory(done);
     if (done < 0) throw std::invalid_argument("its counts cannot be; start anew without it");
   }
@@ -242,7 +232,7 @@ class EnsembleCheckpoints {
   std::tuple<std::vector<Observers>&...> observers_;
   std::string settings_;
   std::vector<double> values_;  ///< of the functions of all members where they were saved
-  std::optional<std::uint64_t> starts_;
+  detail::StartOfRun start_;
   std::int64_t last_ = 0;
   Clock::time_point last_time_ = Clock::now();
 };

@@ -2,6 +2,8 @@
 option(SEMIEXPLICIT_DEVELOPER_WARNINGS "Compile the tests and programs with many warnings, as errors" OFF)
 option(SEMIEXPLICIT_SANITIZE "Compile the tests and programs with the address and undefined-behaviour sanitizers" OFF)
 option(SEMIEXPLICIT_TEST_COMPILERS "Test packages, every header alone and the compilers' messages, too: some minutes more" ON)
+set(SEMIEXPLICIT_TEST_PART all CACHE STRING "What is tested: all, library (with the pages) or programs")
+set_property(CACHE SEMIEXPLICIT_TEST_PART PROPERTY STRINGS all library programs)
 option(SEMIEXPLICIT_READ_ONLY "Compile for the warnings alone what the preset asan or test runs" OFF)
 option(SEMIEXPLICIT_NATIVE "Compile the examples and benchmarks for this machine, fully optimised" OFF)
 

@@ -1,18 +1,20 @@
 #!/usr/bin/env bash
-# test.sh [--all]: installs what is missing, builds the tests by clang++ and runs them. --all does the rest: packages, the
-# compilers' messages, the formatting, the documentation, everything compiled by g++ and the most of it run, and the tests by
-# clang++ with the address and undefined-behaviour sanitizers.
+# test.sh [--programs | --all]: installs what is missing, builds the tests of the library and of the pages by clang++ and runs
+# them; with --programs, those of the bundled programs. --all does the rest: packages, the compilers' messages, the formatting,
+# the documentation, everything compiled by g++ and the most of it run, and the tests by clang++ with the address and
+# undefined-behaviour sanitizers.
 set -euo pipefail
 # shellcheck source=cmake/stage.sh
 source "$(dirname "${BASH_SOURCE[0]}")/stage.sh"
 
-all=false
+preset=test
 case "$*" in
   "") ;;
-  --all) all=true ;;
+  --programs) preset=programs ;;
+  --all) preset= ;;
   *)
     current_stage="arguments"
-    echo "usage: bash cmake/test.sh [--all]" >&2
+    echo "usage: bash cmake/test.sh [--programs | --all]" >&2
     exit 2
     ;;
 esac
@@ -40,8 +42,8 @@ check_format() {
 
 stage "Dependencies"
 bash cmake/install-dependencies.sh test
-if ! $all; then
-  build_and_test test
+if [ -n "$preset" ]; then
+  build_and_test "$preset"
   exit
 fi
 bash cmake/install-dependencies.sh check

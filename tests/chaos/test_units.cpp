@@ -482,6 +482,42 @@ struct LatticeTrap {
 
 }  // namespace
 
+namespace {
+
+/// A spring of Toda's, which overflows 700 lengths away.
+struct TodaSpring {
+  using Scalar = double;
+  static constexpr int Dof = 1;
+  double length;
+  void gradient(In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
+    dHdq[0] = (1 - std::exp(-q[0] / length)) / length;
+    dHdp[0] = p[0];
+  }
+};
+struct TodaWithHessian : TodaSpring {
+  void hessian(In<double, 1> q, In<double, 1>, Eigen::Ref<Eigen::Matrix2d> all) const {
+    all << std::exp(-q[0] / length) / length / length, 0, 0, 1;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("A tangent map by differences is right at zero where the gradient overflows not far from it",
+          "[chaos]") {
+  for (const double length : {1., 1e-9, 1e-14, 1e-20}) {
+    CAPTURE(length);
+    TangentMap exact(TodaWithHessian{length}, schemes::low_defect4_s7());
+    TangentMap by_gradient(TodaSpring{length}, schemes::low_defect4_s7());
+    const PhasePoint<double, 1> z(0, 0.7);
+    REQUIRE(exact.at(z, 0.1 * length) == Status::success);
+    REQUIRE(by_gradient.at(z, 0.1 * length) == Status::success);
+    const Eigen::Vector2d scale(length, 1);
+    const Eigen::Matrix2d off =
+        scale.cwiseInverse().asDiagonal() * (by_gradient.matrix() - exact.matrix()) * scale.asDiagonal();
+    CHECK(off.cwiseAbs().maxCoeff() < 1e-9);
+  }
+}
+
 TEST_CASE("Differences are right where a second derivative passes through zero", "[chaos]") {
   for (const double start : {1e-5, 2e-5, 5e-5, 1e-4}) {
     CAPTURE(start);

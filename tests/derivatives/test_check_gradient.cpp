@@ -225,6 +225,41 @@ TEST_CASE("A gradient for packs that is another one is wrong", "[check_gradient]
   }
 }
 
+/// The Earth as an oscillator, in SI units: dH/dq is of the order 1e22, dH/dp of 1e4; the second one for
+/// packs has a factor. Two bodies whose forces cancel where they stand in the middle.
+struct HeavyInPacks {
+  using Scalar = double;
+  using PackGradientOf = HeavyInPacks;
+  static constexpr int Dof = 2;
+  static constexpr double mass = 5.97e24, spring = mass * 3.9e-14;
+  double factor;
+  double energy(In<double, 2> q, In<double, 2> p) const {
+    return (p[0] * p[0] / mass + p[1] * p[1] / mass + spring * (q[0] - q[1]) * (q[0] - q[1])) / 2;
+  }
+  void gradient(In<double, 2> q, In<double, 2> p, Out<double, 2> dHdq, Out<double, 2> dHdp) const {
+    dHdq[0] = spring * (q[0] - q[1]);
+    dHdq[1] = spring * (q[1] - q[0]);
+    dHdp = p / mass;
+  }
+  template <class T>
+  void gradient(const T* q, const T* p, T* dHdq, T* dHdp) const {
+    dHdq[0] = spring * q[0] - spring * q[1];  // rounded otherwise
+    dHdq[1] = spring * q[1] - spring * q[0];
+    dHdp[0] = p[0] / mass;
+    dHdp[1] = factor * p[1] / mass;
+  }
+};
+
+TEST_CASE("A gradient for packs is compared in the units of each entry", "[check_gradient]") {
+  const double q = 1.5e11, p = HeavyInPacks::mass * 3e4;
+  for (const double apart : {0., 1e-15, 1.}) {
+    CAPTURE(apart);
+    const PhasePoint<double, 2> z({q, q * (1 - apart)}, {p, p * 1e-9});
+    CHECK(check_gradient(HeavyInPacks{1}, z).ok());
+    for (const double factor : {-2., 1.0001}) CHECK(check_gradient(HeavyInPacks{factor}, z).entries[3].wrong);
+  }
+}
+
 TEST_CASE("Not judged is told from right", "[check_gradient]") {
   const auto times = [](double factor) {
     return [factor](double& to, double value) { to = factor * value; };

@@ -317,6 +317,21 @@ TEST_CASE("A resume() of an ensemble that is refused leaves the rows of its memb
   CHECK(run(Lattice<5>{}, Interrupt{20}) == 10);
 }
 
+TEST_CASE("An ensemble whose observers hear of no step is resumed") {
+  const Folder folder;
+  const auto run = [&](Interrupt dies) {
+    Ensemble ensemble(Lattice<5>{}, std::vector(2, lattices()[0]), scheme);
+    std::vector<Record<double, 5>> records(2);
+    EnsembleOptions options{.dt = 0.02, .steps = 30, .every = 0, .together = 5};
+    EnsembleCheckpoints checkpoints(folder.path / "run.checkpoint", {.every = 10}, ensemble, options,
+                                    records);
+    options.done = checkpoints.resume();
+    return ensemble.run(options, each(records), checkpoints, dies).done;
+  };
+  CHECK(run(Interrupt{15}) == 15);
+  CHECK(run(Interrupt{99}) == 30);
+}
+
 TEST_CASE("An ensemble is not resumed with other functions of its observers") {
   Saved saved;
   saved.save(functions(), times());

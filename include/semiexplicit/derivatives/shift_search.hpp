@@ -145,23 +145,30 @@ class Lengths {
     using std::isfinite;
     using std::sqrt;
     const Eigen::Index d = at.size() / 2, n = own_dof<H>(d);
-    Scalar length(0.5);
+    Scalar length(0.5), inside(0);
     for (int attempt = 0; attempt < most_attempts; ++attempt) {
       spread(at, begin, n, length);
       ++calls;
+      bool finite = false;
       try {
         gradient_at(h, at.data(), there.data(), d);
+        finite = all_finite(there);
       } catch (const std::logic_error&) {
-        return Scalar(0);
       }
+      if (!finite && inside > Scalar(0)) break;
+      if (!finite) {  // too far for an exponential, or beyond a wall
+        length *= sqrt(Eigen::NumTraits<Scalar>::epsilon());
+        continue;
+      }
+      inside = length;
       // Exact where it is quadratic, and halves the orders of magnitude that it is off by where it is linear.
       const Scalar next = root / sqrt(largest_absolute(there.segment(begin, n))) * sqrt(length);
       if (!(next > Scalar(0)) || !isfinite(next)) return Scalar(0);
       const Scalar ratio = next / length;
       length = next;
-      if (ratio < Scalar(4) && ratio > Scalar(0.25)) break;
+      if (ratio < Scalar(4) && ratio > Scalar(0.25)) return length;
     }
-    return length;
+    return inside;
   }
 
   /// Sets `count` entries of `at` from `begin` on to different parts of a length.

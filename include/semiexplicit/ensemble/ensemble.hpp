@@ -244,7 +244,7 @@ class Ensemble {
         throw std::invalid_argument("Ensemble: each() has " + std::to_string(observer.members()) +
                                     " observers and the ensemble " + std::to_string(size()) +
                                     " members; give one a member");
-      if (options.done > 0 && observer.fresh())
+      if (options.done > 0 && options.every > 0 && observer.fresh())
         throw std::invalid_argument(
             "Ensemble: the run is resumed after step " + std::to_string(options.done) +
             ", and an observer knows nothing of what came before; name it among those of "

@@ -500,6 +500,70 @@ TEST_CASE("A half that is zero is not judged by the size of the other one alone"
   }
 }
 
+TEST_CASE("A half that is zero is judged by steps that move the energy, whatever the units",
+          "[check_gradient]") {
+  // Springs that overflow not far from where they are; a coupling by momenta that are counted in other units.
+  const auto toda = [](double length, double factor) {
+    return make_hamiltonian<double, 2>(
+        [=](const auto& q, const auto& p) {
+          return p.squaredNorm() / 2 + std::exp(q[0] / length) + 2 * std::exp((q[1] - q[0]) / length);
+        },
+        [=](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+          const double first = std::exp(q[0] / length), second = 2 * std::exp((q[1] - q[0]) / length);
+          dHdq[0] = factor * (first - second) / length;
+          dHdq[1] = second / length;
+          dHdp = p;
+        });
+  };
+  const auto coupled = [](double length, double momentum, double factor) {
+    return make_hamiltonian<double, 2>(
+        [=](const auto& q, const auto& p) {
+          const double x = q[0] / length, y = q[1] / length, u = p[0] / momentum, v = p[1] / momentum;
+          return (u * u + v * v + x * x + y * y + x * y * u) / 2;
+        },
+        [=](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+          const double x = q[0] / length, y = q[1] / length, u = p[0] / momentum, v = p[1] / momentum;
+          dHdq[0] = (x + y * u / 2) / length;
+          dHdq[1] = (y + x * u / 2) / length;
+          dHdp[0] = factor * (u + x * y / 2) / momentum;
+          dHdp[1] = v / momentum;
+        });
+  };
+  for (const double unit : {1e-12, 1e-6, 1e-3, 1., 1e6, 1e15}) {
+    for (const double p : {1e-3, 1., 1e3}) {
+      CAPTURE(unit, p);
+      const PhasePoint<double, 2> z({0, 0}, {0.7 * p, 0.3 * p});
+      CHECK(check_gradient(toda(unit, 1), z).ok());
+      for (const double factor : {-1., 0., 0.5, 2.}) {
+        const auto check = check_gradient(toda(unit, factor), z);
+        CHECK_FALSE((check.ok() && check.judged()));
+      }
+    }
+    for (const double momentum : {1e-18, 1e-6, 1., 1e12}) {
+      CAPTURE(unit, momentum);
+      const PhasePoint<double, 2> z({1.3 * unit, -0.7 * unit}, {0, 0});
+      const auto right = check_gradient(coupled(unit, momentum, 1), z);
+      CHECK((right.ok() && right.judged()));
+      for (const double factor : {-1., 0., 1.01})
+        CHECK(check_gradient(coupled(unit, momentum, factor), z).entries[2].wrong);
+    }
+  }
+}
+
+TEST_CASE("An output is looked at in the units of its half", "[check_gradient]") {
+  constexpr double mass = HeavyInPacks::mass;
+  int calls = 0;
+  for (const bool changes : {false, true}) {
+    const auto h = make_hamiltonian<double, 1>(
+        [](const auto& q, const auto& p) { return p[0] * p[0] / 2 / mass + 1e-14 * mass * q[0] * q[0]; },
+        [&calls, changes](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+          dHdq[0] = 2e-14 * mass * q[0];
+          dHdp[0] = p[0] / mass * (changes && ++calls > 1 ? 3 : 1);
+        });
+    CHECK(check_gradient(h, PhasePoint<double, 1>(1.5e11, 3e4 * mass)).ok() == !changes);
+  }
+}
+
 TEST_CASE("An angle so large that its rounding hides the oscillation is not judged", "[check_gradient]") {
   const auto rotor = make_hamiltonian<double, 1>(
       [](const auto& q, const auto& p) {

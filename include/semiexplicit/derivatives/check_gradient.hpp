@@ -296,16 +296,28 @@ SEMIEXPLICIT_COLD Slope<Scalar> judging_slope(const ScalarFunction<Scalar>& f, c
     return std::max(abs(f(x + h) - here), abs(f(x - h) - here)) / h;
   };
   // To speak for `given` takes more than to speak against it: an error of a thousandth is not to pass.
-  // A slope of zero is judged by how far f moves nearby; one that is only lost in the uncertainty is not.
-  const auto judges = [&](const Slope<Scalar>& slope, const Scalar& moves, bool near) {
-    return slope.uncertainty <= abs(slope.value) / (agrees(slope) ? 2000 : 100) ||
-           (near && slope.uncertainty <= tiny * moves &&
-            (!agrees(slope) || abs(given) <= 8 * epsilon * moves + slack));
+  // A slope of zero is judged by how far f moves nearby, as fast as a polynomial may, for an exponential
+  // moves by any amount; one that is only lost in the uncertainty is not.
+  const auto moves_nearby = [&](Scalar step) {
+    Scalar least = variation(step), power(1);
+    for (int k = 0; k < 16; ++k) {
+      step /= 2, power *= 8;
+      const Scalar moved = variation(step);
+      if (!(moved * step > 16 * noise)) break;
+      least = std::min<Scalar>(least, moved * power);
+    }
+    return least;
+  };
+  const auto judges = [&](const Slope<Scalar>& slope, const Scalar& step, bool near) {
+    if (slope.uncertainty <= abs(slope.value) / (agrees(slope) ? 2000 : 100)) return true;
+    if (!near) return false;
+    const Scalar moved = moves_nearby(step);
+    return slope.uncertainty <= tiny * moved && (!agrees(slope) || abs(given) <= 8 * epsilon * moved + slack);
   };
   Scalar h = own / 9, moves = variation(h);
   bool varies = moves != Scalar(0) || isfinite(grid);
   Slope<Scalar> best = extrapolated_slope<Scalar>(f, x, h, noise);
-  best.judges = judges(best, moves, true);
+  best.judges = judges(best, h, true);
   if (best.judges && agrees(best)) return best;
   // From the steps h of `best` on to smaller ones.
   const auto refine = [&](Scalar step) {
@@ -313,7 +325,7 @@ SEMIEXPLICIT_COLD Slope<Scalar> judging_slope(const ScalarFunction<Scalar>& f, c
       const Scalar moved = variation(step);
       if (moved == Scalar(0)) break;  // below the resolution of f
       Slope<Scalar> found = extrapolated_slope<Scalar>(f, x, step, noise);
-      found.judges = judges(found, moved, true);
+      found.judges = judges(found, step, true);
       if (best.judges ? !compatible(found, best) && agrees(found)
                       : found.judges || found.uncertainty < best.uncertainty || !compatible(found, best))
         best = found;
@@ -331,7 +343,7 @@ SEMIEXPLICIT_COLD Slope<Scalar> judging_slope(const ScalarFunction<Scalar>& f, c
     if (moves != Scalar(0)) varies = true;
     const Slope<Scalar> found = extrapolated_slope<Scalar>(f, x, h, noise);
     if (found.uncertainty < best.uncertainty && compatible(found, best)) best = found;
-    best.judges = judges(best, moves, reach <= std::max(own, size));
+    best.judges = judges(best, h, reach <= std::max(own, size));
     if (best.judges && !agrees(best)) refine(h);
     if (best.judges) return best;
   }
@@ -361,17 +373,22 @@ SEMIEXPLICIT_COLD std::vector<GradientOutput> written_gradient(
   for (const Scalar& x : given.vector())
     if (isfinite(x)) filling = std::max(filling, abs(x));
   const auto second = into(filling), third = Limits::has_quiet_NaN ? into(Limits::quiet_NaN()) : second;
-  const Scalar rounding = sqrt(Eigen::NumTraits<Scalar>::epsilon()) * filling;  // of sums in another order
-  const auto same = [&](const Scalar& x, const Scalar& y) {
-    return x == y || abs(x - y) <= rounding || (x != x && y != y);
+  // Of sums in another order, in the units of a half.
+  const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon(),
+               largest[2] = {largest_absolute(given.q()), largest_absolute(given.p())};
+  const auto same = [&](Eigen::Index i, const Scalar& x, const Scalar& y) {
+    return x == y || (x != x && y != y) ||
+           abs(x - y) <= sqrt(epsilon) * std::min<Scalar>(abs(x), abs(y)) +
+                             256 * epsilon * largest[i < z.dof() ? 0 : 1];
   };
   std::vector<GradientOutput> outputs;
   for (Eigen::Index i = 0; i < given.vector().size(); ++i) {
     const Scalar a = given.vector()[i], b = second.vector()[i], c = third.vector()[i];
-    outputs.push_back(same(a, b) && same(a, c)                          ? GradientOutput::written
-                      : a == Scalar(0) && b == filling                  ? GradientOutput::not_written
-                      : isfinite(a) && abs(b - a - filling) <= rounding ? GradientOutput::added_to
-                                                                        : GradientOutput::unclear);
+    outputs.push_back(same(i, a, b) && same(i, a, c)   ? GradientOutput::written
+                      : a == Scalar(0) && b == filling ? GradientOutput::not_written
+                      : isfinite(a) && abs(b - a - filling) <= sqrt(epsilon) * filling
+                          ? GradientOutput::added_to
+                          : GradientOutput::unclear);
   }
   return outputs;
 }
@@ -452,6 +469,30 @@ SEMIEXPLICIT_COLD void compare_packs(const H& hamiltonian, const PhasePoint<type
       outputs[i] = GradientOutput::other_packs;
 }
 
+/// How far a coordinate that is zero, as all of its half are, is to go so that f, the energy, moves by about
+/// `energy`: its size, of which nothing else tells.
+template <class Scalar>
+SEMIEXPLICIT_COLD std::optional<Scalar> size_by_energy(const ScalarFunction<Scalar>& f, const Scalar& guess,
+                                                       const Scalar& energy) {
+  using std::abs;
+  constexpr int most = 80;
+  const Scalar here = f(Scalar(0)), factor(16);
+  const auto too_far = [&](const Scalar& x) {
+    try {
+      return !(abs(f(x) - here) <= energy && abs(f(-x) - here) <= energy);
+    } catch (const std::logic_error&) {  // out of the domain
+      return true;
+    }
+  };
+  Scalar size = guess;
+  int k = 0;
+  if (too_far(size))
+    while (k < most && too_far(size)) size /= factor, ++k;
+  else
+    while (k < most && !too_far(size * factor)) size *= factor, ++k;
+  return k < most ? std::optional(size) : std::nullopt;
+}
+
 /// What rounding makes of an energy is judged by its terms, which may be far larger than their sum, and by
 /// how far it moves at least where all entries change, which is Inf where it does not. Not by the gradient: a
 /// wrong one would excuse itself.
@@ -471,9 +512,13 @@ typename H::Scalar energy_rounding(const H& hamiltonian, const typename H::Scala
   };
   Scalar least = std::numeric_limits<Scalar>::infinity();
   std::uint64_t random = 1;
+  const bool stays[2] = {z.q().isZero(0), z.p().isZero(0)};  // of unknown size
   for (int k = 0; k < 8 && (k < 4 || !isfinite(least)); ++k) {
     for (Eigen::Index i = 0; i < z.vector().size(); ++i) {
-      const Scalar own = z.vector()[i] == Scalar(0) ? sizes[i < z.dof() ? 0 : 1].typical : z.vector()[i];
+      const std::size_t half = i < z.dof() ? 0 : 1;
+      const Scalar own = z.vector()[i] != Scalar(0) ? z.vector()[i]
+                         : k < 4 && stays[half]     ? Scalar(0)
+                                                    : sizes[half].typical;
       direction.vector()[i] = Scalar(scattered(random)) * (k < 4 ? own : std::max<Scalar>(abs(own), 1));
     }
     least = std::min(least, first_move<Scalar>(along, Scalar(0), Scalar(1)));
@@ -517,7 +562,8 @@ SEMIEXPLICIT_COLD GradientCheck<typename detail::EnergyDoor<H>::Scalar> check_gr
   PhasePoint<Scalar, H::Dof> given(d), at(z);
   auto outputs = detail::written_gradient(hamiltonian, z, given);
   if constexpr (HasPackGradient<H>) detail::compare_packs(hamiltonian, z, outputs);
-  const Scalar rounding = detail::energy_rounding(hamiltonian, energy, z);
+  const Scalar rounding = detail::energy_rounding(hamiltonian, energy, z),
+               epsilon = Eigen::NumTraits<Scalar>::epsilon();
   const auto sizes = detail::sizes_of_halves(z);
   GradientCheck<Scalar> check;
   for (Eigen::Index i = 0; i < 2 * d; ++i) {
@@ -531,9 +577,12 @@ SEMIEXPLICIT_COLD GradientCheck<typename detail::EnergyDoor<H>::Scalar> check_gr
     const auto slope_within = [&](const Scalar& from, const Scalar& widest) {
       return detail::judging_slope<Scalar>(energy_at, x, given.vector()[i], from, widest, rounding);
     };
-    auto slope = slope_within(own, largest);
-    // The size of the other half says nothing of one that is all zero: what 1 tells has to agree.
-    if (slope.judges && (i < d ? z.q() : z.p()).isZero(0)) {
+    std::optional<Scalar> by_energy;
+    const bool at_zero = (i < d ? z.q() : z.p()).isZero(0);
+    if (at_zero) by_energy = detail::size_by_energy<Scalar>(energy_at, own, rounding / epsilon);
+    auto slope = by_energy ? slope_within(*by_energy, *by_energy) : slope_within(own, largest);
+    // The size of the other half says nothing of this one: what 1 tells has to agree.
+    if (at_zero && !by_energy && slope.judges) {
       const auto other = slope_within(Scalar(1), Scalar(1));
       slope.judges = other.judges && abs(other.value - slope.value) <= other.uncertainty + slope.uncertainty;
     }

@@ -319,7 +319,6 @@ TEST_CASE("Right second derivatives are taken whatever the units, and where the 
     for (const double speed : {1., 1e-9, 0.})
       for (const auto& [of_q, of_p] : {std::pair{1.2, 1.}, {0., 1.}, {1., 0.}, {0., 0.}}) {
         CAPTURE(unit, speed, of_q, of_p);
-        if (unit < 1 && of_q == 1) continue;  // forces are so large there that they hide it
         Semiexplicit stepper(Wrong{{unit, 1}, of_q, of_p}, schemes::strang());
         PhasePoint<double, 2> z({0.5 * unit, 0.76}, {0.3 * speed / unit, -0.5 * speed});
         LyapunovExponents lyapunov(stepper, 1);

@@ -88,21 +88,28 @@ class HessianProduct {
   /// have nothing in common, as where a type inherits them and has another gradient.
   void check([[maybe_unused]] const H& h, [[maybe_unused]] const Vec& z, [[maybe_unused]] const Vec& v) {
     if constexpr (HasHessianTimes<H> || (HasHessian<H> && !exact)) {
-      Differences differences(z.size() / 2, 1);
-      Vec given = z, found = z;
+      const Eigen::Index d = z.size() / 2;
+      Vec along = z, given = z;
       prepare(h, z);
-      const auto fits = [&](const Vec& along) {
-        times(h, z, along.data(), 0, given);
-        return Differences(z.size() / 2, 1).compare(h, z, along, given, found);
-      };
       // In units that are far apart from each other the one or the other direction may be hard for
-      // differences.
-      if (!fits(differences.in_lengths(h, z, v)) && !fits(v))
-        throw std::invalid_argument(
-            std::string(HasHessianTimes<H> ? "hessian_times" : "hessian") +
-            " of the Hamiltonian is not the derivative of its gradient: along some direction it is off by " +
-            std::to_string(static_cast<double>(norm(given - found) / norm(found))) +
-            " of its size; check both with check_gradient() and with from_energy()");
+      // differences. Positions and momenta one by one: beside one half the other may be nothing.
+      const Vec scaled = Differences(d, 1).in_lengths(h, z, v);
+      for (const Eigen::Index half : {0, 1}) {
+        const auto off_by = [&](const Vec& direction) {
+          along.setZero();
+          along.segment(half * d, d) = direction.segment(half * d, d);
+          if (const Scalar largest = largest_absolute(along); largest > Scalar(0)) along /= largest;
+          times(h, z, along.data(), 0, given);
+          return Differences(d, 1).compare(h, z, along, given);
+        };
+        const Scalar off = off_by(scaled);
+        if (off > Scalar(0) && off_by(v) > Scalar(0))
+          throw std::invalid_argument(
+              std::string(HasHessianTimes<H> ? "hessian_times" : "hessian") +
+              " of the Hamiltonian is not the derivative of its gradient: along some direction of " +
+              (half == 0 ? "q" : "p") + " it is off by " + std::to_string(static_cast<double>(off)) +
+              " of its size; check both with check_gradient() and with from_energy()");
+      }
     }
   }
 
@@ -215,34 +222,53 @@ class HessianProduct {
       return along / largest_absolute(along);
     }
 
-    /// Whether a product that H gives is near a difference, the usual one, which is `found`, or another; also
-    /// where differences cannot tell.
-    bool compare(const H& h, const Vec& z, const Vec& v, const Vec& given, Vec& found) {
-      prepare(h, z, true);
-      times(h, z, v, 0, found);
-      Vec other = z;
-      const Scalar usual = part_[0] * lengths_.along(v);
-      const auto is_near = [&](const Vec& product) { return norm(product - given) <= norm(product) / 100; };
-      const auto is_near_by = [&](const Scalar& shift) {
-        difference(h, z, v, shift, other);
-        return is_near(other);
-      };
-      if (is_near(found) || is_near_by(usual / 2) || !(norm(found - other) <= norm(found) / 1000))
-        return true;
-      // Where one half of z is far smaller than what it is on its way to, the shift may be one that the other
-      // does not feel; where units differ, one that steps over what bends a coordinate.
+    /// How far a half of a product that H gives is off from differences, the usual one or another, relative
+    /// to it; 0 where both are near, or differences cannot tell. Entries count in the lengths of coordinates.
+    Scalar compare(const H& h, const Vec& z, const Vec& v, const Vec& given) {
       using std::abs;
       using std::cbrt;
+      const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon();
+      const Eigen::Index d = z.size() / 2;
+      Vec found = z, other = z, weights = z;
+      prepare(h, z, true);
+      times(h, z, v, 0, found);
+      for (Eigen::Index i = 0; i < z.size(); ++i) weights[i] = lengths_.own(i, z);
+      const auto size = [&](Eigen::Index half, const Vec& of) {
+        return Scalar(of.segment(half * d, d).cwiseProduct(weights.segment(half * d, d)).norm());
+      };
+      const Scalar usual = part_[0] * lengths_.along(v);
+      Scalar off[2], rounding[2];
+      bool near[2];
+      const auto look_at = [&](const Vec& product) {
+        for (const Eigen::Index half : {0, 1})
+          near[half] = near[half] || size(half, product - given) <= size(half, product) / 100;
+        return near[0] && near[1];
+      };
+      const auto look_by = [&](const Scalar& shift) {
+        difference(h, z, v, shift, other);
+        return look_at(other);
+      };
+      for (const Eigen::Index half : {0, 1}) {
+        near[half] = false;
+        off[half] = size(half, given - found) / size(half, found);
+        rounding[half] = epsilon * std::max(size(half, search_.above()), size(half, search_.below())) / usual;
+      }
+      if (look_at(found) || look_by(usual / 2)) return Scalar(0);
+      for (const Eigen::Index half : {0, 1})
+        if (!(size(half, found - other) <= size(half, found) / 1000) ||
+            !(100 * rounding[half] < size(half, found)))
+          near[half] = true;
+      // Where one half of z is far smaller than what it is on its way to, the shift may be one that the other
+      // does not feel; where units differ, one that steps over what bends a coordinate.
       const Scalar smallest(1e-14);
-      const Scalar farther = cbrt(Eigen::NumTraits<Scalar>::epsilon()) * lengths_.farthest_along(v);
-      if (farther > Scalar(0) && is_near_by(farther)) return true;
+      const Scalar farther = cbrt(epsilon) * lengths_.farthest_along(v);
+      if (farther > Scalar(0) && look_by(farther)) return Scalar(0);
       Scalar least(0);  // below that rounding hides what some coordinate does
       for (Eigen::Index i = 0; i < z.size(); ++i)
-        if (v[i] != Scalar(0))
-          least = std::max<Scalar>(least, 1000 * Eigen::NumTraits<Scalar>::epsilon() * abs(z[i] / v[i]));
+        if (v[i] != Scalar(0)) least = std::max<Scalar>(least, 1000 * epsilon * abs(z[i] / v[i]));
       for (Scalar shift = usual / 8; shift > least && shift > usual * smallest; shift /= 8)
-        if (is_near_by(shift)) return true;
-      return false;
+        if (look_by(shift)) return Scalar(0);
+      return std::max(near[0] ? Scalar(0) : off[0], near[1] ? Scalar(0) : off[1]);
     }
 
     template <class Visitor>

@@ -1,0 +1,410 @@
+// Second derivatives by differences of the gradient, in systems that are hard for them.
+#include "catch.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <type_traits>
+#include <utility>
+
+#include <semiexplicit/chaos.hpp>
+#include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/time.hpp>
+
+#include "refusal.hpp"
+
+namespace test_differences {
+
+using namespace semiexplicit;
+
+/// A satellite near the lighter of two bodies that turn, in their frame.
+struct Satellite {
+  using Scalar = double;
+  static constexpr int Dof = 2;
+  static constexpr double lighter = 3.04e-6;
+  double length = 1;
+  template <class Q, class P>
+  static auto unscaled(const Q& q, const P& p) {
+    using std::sqrt;
+    const auto x = q[0] + lighter, y = q[0] - 1 + lighter;
+    return
+        typename Q::Scalar((p[0] * p[0] + p[1] * p[1]) / 2 - q[0] * p[1] + q[1] * p[0] -
+                           (1 - lighter) / sqrt(x * x + q[1] * q[1]) - lighter / sqrt(y * y + q[1] * q[1]));
+  }
+  void gradient(In<double, 2> q, In<double, 2> p, Out<double, 2> dHdq, Out<double, 2> dHdp) const {
+    const double x = q[0] / length, y = q[1] / length, u = x + lighter, v = u - 1;
+    const double far = std::pow(u * u + y * y, 1.5), near = std::pow(v * v + y * y, 1.5);
+    dHdq[0] = (-p[1] / length + (1 - lighter) * u / far + lighter * v / near) * length;
+    dHdq[1] = (p[0] / length + ((1 - lighter) / far + lighter / near) * y) * length;
+    dHdp[0] = p[0] + q[1];
+    dHdp[1] = p[1] - q[0];
+  }
+};
+
+TEST_CASE("A tangent map by differences is right close to a body, in any units", "[chaos]") {
+  const auto exact_h = from_energy<2>([](const auto& q, const auto& p) { return Satellite::unscaled(q, p); });
+  const auto scheme = schemes::low_defect6_s13();
+  for (const double length : {1e-3, 1.0, 1e11})
+    for (const double distance : {1e-2, 2.8e-4, 4.6e-5}) {
+      CAPTURE(length, distance);
+      TangentMap exact(exact_h, scheme);
+      TangentMap by_gradient(Satellite{length}, scheme);
+      Semiexplicit stepper(exact_h, scheme);
+      const double speed = std::sqrt(Satellite::lighter / distance);
+      PhasePoint<double, 2> z({1 - Satellite::lighter + distance, 0}, {0, speed + 1 + distance});
+      const double dt = 0.05 * distance / speed;
+      for (int n = 0; n < 20; ++n) {
+        PhasePoint<double, 2> scaled;
+        scaled.vector() = length * z.vector();
+        REQUIRE(exact.at(z, dt) == Status::success);
+        REQUIRE(by_gradient.at(scaled, dt) == Status::success);
+        CHECK((by_gradient.matrix() - exact.matrix()).norm() <= 1e-6 * exact.matrix().norm());
+        REQUIRE(stepper.step(z, dt).ok());
+      }
+    }
+}
+
+/// Rotors in a ring.
+struct Rotors {
+  using Scalar = double;
+  static constexpr int Dof = 6;
+  void gradient(In<double, 6> q, In<double, 6> p, Out<double, 6> dHdq, Out<double, 6> dHdp) const {
+    for (int i = 0; i < 6; ++i) dHdq[i] = std::sin(q[i] - q[(i + 1) % 6]) + std::sin(q[i] - q[(i + 5) % 6]);
+    dHdp = p;
+  }
+};
+
+TEST_CASE("Tangent vectors by differences are right where momenta begin at zero", "[chaos]") {
+  const auto ring = from_energy<6>([](const auto& q, const auto& p) {
+    using std::cos;
+    typename std::decay_t<decltype(q)>::Scalar sum(0);
+    for (Eigen::Index i = 0; i < 6; ++i) sum += p[i] * p[i] / 2 - cos(q[i] - q[(i + 1) % 6]);
+    return sum;
+  });
+  const auto scheme = schemes::low_defect6_s13();
+  TangentVectors exact(Semiexplicit(ring, scheme), 1);
+  TangentVectors by_gradient(Semiexplicit(Rotors(), scheme), 1);
+  for (int i = 0; i < 12; ++i) exact.vectors()(i, 0) = std::sin(1 + i * i);
+  by_gradient.vectors() = exact.vectors();
+  Semiexplicit stepper(ring, scheme);
+  PhasePoint<double, 6> z;
+  z.p().setZero();
+  for (int i = 0; i < 6; ++i) z.q()[i] = i % 2 == 0 ? 0 : std::acos(-1.0);  // an unstable equilibrium
+  for (int n = 0; n < 40; ++n) {
+    REQUIRE(exact.advance(z, 0.05).ok());
+    REQUIRE(by_gradient.advance(z, 0.05).ok());
+    CHECK((by_gradient.vectors() - exact.vectors()).norm() <= 1e-6 * exact.vectors().norm());
+    REQUIRE(stepper.step(z, 0.05).ok());
+  }
+}
+
+namespace {
+
+/// Two bodies in the plane that only feel each other, in other units: nothing holds their centre.
+template <class T, class Q, class P>
+T energy_of_pair(const Q& q, const P& p) {
+  using std::sqrt;
+  const T x = q[0] - q[2], y = q[1] - q[3];
+  return (p[0] * p[0] + p[1] * p[1]) / 2 + (p[2] * p[2] + p[3] * p[3]) / 6 - T(3) / sqrt(x * x + y * y);
+}
+
+auto pair_in_units(double length, double momentum) {
+  return from_energy<4>([=](const auto& q, const auto& p) {
+    using T = typename std::decay_t<decltype(q)>::Scalar;
+    const Eigen::Matrix<T, 4, 1> x = q / T(length), y = p / T(momentum);
+    return T(T(length * momentum) * energy_of_pair<T>(x, y));
+  });
+}
+
+}  // namespace
+
+TEST_CASE("Where second derivatives are given, units of positions and momenta are of no account", "[chaos]") {
+  PhasePoint<double, 4> start;
+  start.q() << 0.75, 0.1, -0.25, 0.05;
+  start.p() << 0.1, 1.3, -0.1, -1.25;
+  const auto with = [&](double length, double momentum, const auto& use) {
+    PhasePoint<double, 4> z = start;
+    z.q() *= length;
+    z.p() *= momentum;
+    use(pair_in_units(length, momentum), z);
+    z.q() /= length;
+    z.p() /= momentum;
+    return z;
+  };
+  for (const auto& [length, momentum] : {std::pair{0x1p37, 0x1p120}, {0x1p-10, 0x1p-90}}) {
+    CAPTURE(length, momentum);
+    Eigen::Matrix<double, 8, 8> plain, in_units;
+    const auto map_to = [](auto& matrix) {
+      return [&](const auto& h, auto& z) {
+        TangentMap map(h, schemes::low_defect4_s7());
+        for (int step = 0; step < 10; ++step) {
+          REQUIRE(map.at(z, 0.01) == Status::success);
+          Semiexplicit(h, schemes::low_defect4_s7()).step(z, 0.01);
+        }
+        matrix = map.matrix();
+      };
+    };
+    with(1, 1, map_to(plain));
+    with(length, momentum, map_to(in_units));
+    in_units.topRightCorner(4, 4) *= momentum / length;
+    in_units.bottomLeftCorner(4, 4) *= length / momentum;
+    CHECK((in_units - plain).norm() <= 1e-14 * plain.norm());
+
+    const auto by_gauss = [](const auto& h, auto& z) {
+      GaussLegendre gauss(h, {.stages = 3, .solver = StageSolver::newton});
+      CHECK(integrate(gauss, z, {.dt = 0.02, .steps = 20}).ok());
+    };
+    CHECK((with(length, momentum, by_gauss).vector() - with(1, 1, by_gauss).vector()).norm() <= 1e-12);
+  }
+}
+
+namespace {
+
+/// A relativistic electron in a trap, in SI units.
+struct Electron {
+  using Scalar = double;
+  static constexpr int Dof = 1;
+  static constexpr double mass = 9.109e-31, light = 2.998e8, strength = 1e-9;
+  double root(double p) const { return std::sqrt(mass * mass * light * light + p * p); }
+  void gradient(In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
+    dHdq[0] = strength * q[0] * (1 + q[0] * q[0] * 1e4);
+    dHdp[0] = light * p[0] / root(p[0]);
+  }
+};
+struct ElectronWithHessian : Electron {
+  void hessian(In<double, 1> q, In<double, 1> p, Eigen::Ref<Eigen::Matrix2d> hessian) const {
+    hessian.setZero();
+    hessian(0, 0) = strength * (1 + 3 * q[0] * q[0] * 1e4);
+    hessian(1, 1) = light * std::pow(mass * light / root(p[0]), 2) / root(p[0]);
+  }
+};
+
+/// A harmonic well with a narrow hill in it.
+struct Hill {
+  using Scalar = double;
+  static constexpr int Dof = 1;
+  double width;
+  double force(double x) const { return 0.1 * std::exp(-x * x); }
+  void gradient(In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
+    const double x = (q[0] - 1) / width;
+    dHdq[0] = q[0] - 2 * x / width * force(x);
+    dHdp[0] = p[0];
+  }
+};
+struct HillWithHessian : Hill {
+  void hessian(In<double, 1> q, In<double, 1>, Eigen::Ref<Eigen::Matrix2d> hessian) const {
+    const double x = (q[0] - 1) / width;
+    hessian << 1 + (4 * x * x - 2) / (width * width) * force(x), 0, 0, 1;
+  }
+};
+
+/// How far the tangent map by differences is from the exact one, relative to what the exact one changes.
+template <class H, class Exact>
+double error_of_map(const H& h, const Exact& exact, const PhasePoint<double, 1>& z, double dt) {
+  TangentMap map(h, schemes::strang());
+  TangentMap right(exact, schemes::strang());
+  REQUIRE(map.at(z, dt) == Status::success);
+  REQUIRE(right.at(z, dt) == Status::success);
+  double error = 0;
+  for (const auto& [i, j] : {std::pair{0, 1}, {1, 0}})
+    error = std::max(error, std::abs(map.matrix()(i, j) / right.matrix()(i, j) - 1));
+  return error;
+}
+
+}  // namespace
+
+TEST_CASE("A tangent map by differences is right at rest, in any units", "[chaos]") {
+  for (const double q : {1e-2, -3e-3, 2e-2})
+    for (const double dt : {1e-14, 1e-12})
+      CHECK(error_of_map(Electron(), ElectronWithHessian(), {q, 0}, dt) < 1e-8);
+  for (const double p : {1e-22, 1e-24})
+    CHECK(error_of_map(Electron(), ElectronWithHessian(), {0, p}, 1e-13) < 1e-8);
+}
+
+TEST_CASE("A tangent map by differences is right within a hill that is narrow beside the whole", "[chaos]") {
+  for (const double width : {1e-1, 1e-2, 1e-3})
+    for (const double place : {-2.0, -0.9, 0.1, 0.4, 1.3}) {
+      CAPTURE(width, place);
+      const HillWithHessian h{width};
+      CHECK(error_of_map(Hill{width}, h, {1 + place * width, 0.02}, width / 100) < 1e-6);
+    }
+}
+
+namespace {
+
+/// An electron in a wave of light, by its momentum across the beam, which nothing changes.
+struct ElectronInWave {
+  using Scalar = double;
+  static constexpr int Dof = 1;
+  double mass, speed_of_light, frequency, strength;
+  void gradient(double t, In<double, 1>, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
+    const double u = p[0] / (mass * speed_of_light) - strength * std::sin(frequency * t);
+    dHdq[0] = 0;
+    dHdp[0] = speed_of_light * u / std::sqrt(1 + u * u);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("A tangent map by differences is right from zero where no force acts, in SI units", "[chaos]") {
+  for (const double strength : {1e-3, 1.0, 5.0}) {
+    CAPTURE(strength);
+    const ElectronInWave wave{9.1e-31, 3e8, 2.35e15, strength}, in_ones{1, 1, 1, strength};
+    const auto stretch = [](const ElectronInWave& h) {  // dq/dp in its own units
+      const Autonomous driven(h);
+      TangentMap map(driven, schemes::low_defect6_s13());
+      REQUIRE(map.at(driven.extended({0, 0}, 0.0), 0.3 / h.frequency) == Status::success);
+      return map.matrix()(0, 2) * h.mass * h.frequency;
+    };
+    // ∫ (1 + u²)^(-3/2) dt by Simpson's rule
+    double right = 0;
+    for (int i = 0; i <= 100; ++i) {
+      const double u = strength * std::sin(0.003 * i);
+      right += (i % 100 == 0 ? 1 : i % 2 == 1 ? 4 : 2) * std::pow(1 + u * u, -1.5) * 0.001;
+    }
+    CHECK(std::abs(stretch(in_ones) - right) < 1e-4);
+    CHECK(std::abs(stretch(wave) - right) < 1e-4);
+  }
+}
+
+namespace {
+
+/// An atom in a harmonic trap and a standing wave of light, in SI units: many minima within the orbit.
+struct LatticeTrap {
+  using Scalar = double;
+  static constexpr int Dof = 1;
+  double ratio;  ///< of both curvatures
+  static constexpr double mass = 1.4e-25, wave_number = 8e6, stiffness = 5.5e-20;
+  void gradient(In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
+    dHdq[0] = stiffness * (q[0] - ratio / wave_number * std::sin(wave_number * q[0]));
+    dHdp[0] = p[0] / mass;
+  }
+};
+
+/// A spring of Toda's, which overflows 700 lengths away.
+struct TodaSpring {
+  using Scalar = double;
+  static constexpr int Dof = 1;
+  double length;
+  void gradient(In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
+    dHdq[0] = (1 - std::exp(-q[0] / length)) / length;
+    dHdp[0] = p[0];
+  }
+};
+struct TodaWithHessian : TodaSpring {
+  void hessian(In<double, 1> q, In<double, 1>, Eigen::Ref<Eigen::Matrix2d> all) const {
+    all << std::exp(-q[0] / length) / length / length, 0, 0, 1;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("A tangent map by differences is right at zero where the gradient overflows not far from it",
+          "[chaos]") {
+  for (const double length : {1., 1e-9, 1e-14, 1e-20}) {
+    CAPTURE(length);
+    TangentMap exact(TodaWithHessian{length}, schemes::low_defect4_s7());
+    TangentMap by_gradient(TodaSpring{length}, schemes::low_defect4_s7());
+    const PhasePoint<double, 1> z(0, 0.7);
+    REQUIRE(exact.at(z, 0.1 * length) == Status::success);
+    REQUIRE(by_gradient.at(z, 0.1 * length) == Status::success);
+    const Eigen::Vector2d scale(length, 1);
+    const Eigen::Matrix2d off =
+        scale.cwiseInverse().asDiagonal() * (by_gradient.matrix() - exact.matrix()) * scale.asDiagonal();
+    CHECK(off.cwiseAbs().maxCoeff() < 1e-9);
+  }
+}
+
+TEST_CASE("Differences are right where a second derivative passes through zero", "[chaos]") {
+  for (const double start : {1e-5, 1e-4}) {
+    CAPTURE(start);
+    const LatticeTrap h{1};
+    const double frequency = std::sqrt(2 * h.stiffness / h.mass);
+    Semiexplicit stepper(h, schemes::low_defect4_s7(),
+                         SimplifiedNewton{.stop = StoppingRule::product(1e-12)});
+    detail::SecondDerivatives<LatticeTrap> second(1);
+    PhasePoint<double, 1> z(start, 0);
+    double worst = 0;
+    for (int n = 0; n < 3000; ++n) {
+      Eigen::Matrix2d hessian;
+      second(h, z.vector(), hessian);
+      const double right = h.stiffness * (1 - std::cos(h.wave_number * z.q()[0]));
+      worst = std::max(worst, std::abs(hessian(0, 0) - right) / h.stiffness);
+      REQUIRE(stepper.step(z, 0.2 / frequency).ok());
+    }
+    CHECK(worst < 1e-5);
+  }
+}
+
+namespace {
+
+/// Two oscillators, each in units of its own, one with a wave on its spring, coupled weakly by a momentum.
+struct OwnUnits {
+  using Scalar = double;
+  static constexpr int Dof = 2;
+  static constexpr double wave = 21.8, coupling = 1.4e-5;
+  double first, second, action;
+  Eigen::Vector4d scale() const { return {first, second, action / first, action / second}; }
+  void gradient(In<double, 2> q, In<double, 2> p, Out<double, 2> dHdq, Out<double, 2> dHdp) const {
+    const double x = q[0] / first, y = q[1] / second, u = p[0] * first / action, v = p[1] * second / action;
+    dHdq[0] = action / first * (0.035 * x - 0.7 * std::sin(wave * x) / wave + coupling * y * u);
+    dHdq[1] = action / second * (0.035 * y + coupling * x * u);
+    dHdp[0] = first * (u + coupling * x * y);
+    dHdp[1] = second * v;
+  }
+  /// In units where all is 1.
+  Eigen::Matrix4d plain_hessian(const Eigen::Vector4d& z) const {
+    const Eigen::Vector4d at = z.cwiseQuotient(scale());
+    Eigen::Matrix4d all = Eigen::Vector4d(0.035 - 0.7 * std::cos(wave * at[0]), 0.035, 1, 1).asDiagonal();
+    all(0, 1) = all(1, 0) = coupling * at[2];
+    all(0, 2) = all(2, 0) = coupling * at[1];
+    all(1, 2) = all(2, 1) = coupling * at[0];
+    return all;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("Differences are right where coordinates are in units that are far apart from each other",
+          "[chaos]") {
+  for (const OwnUnits& h : {OwnUnits{1, 1, 1}, {8, 4e-6, 7e-8}, {4e-6, 8, 7e-8}, {1e-7, 1e4, 1}}) {
+    CAPTURE(h.first, h.second);
+    Semiexplicit stepper(h, schemes::low_defect4_s7());
+    detail::SecondDerivatives<OwnUnits> second(2);
+    PhasePoint<double, 2> z;
+    z.vector() = h.scale().cwiseProduct(Eigen::Vector4d(-0.16, 0.66, 0, -0.93));
+    double worst = 0;
+    for (int n = 0; n < 1000; ++n) {
+      Eigen::Matrix4d hessian;
+      second(h, z.vector(), hessian);
+      const Eigen::Matrix4d plain = h.scale().asDiagonal() * hessian * h.scale().asDiagonal() / h.action;
+      worst = std::max(worst, (plain - h.plain_hessian(z.vector())).cwiseAbs().maxCoeff());
+      REQUIRE(stepper.step(z, 0.01).ok());
+    }
+    CHECK(worst < 1e-7);
+  }
+}
+
+namespace {
+
+struct Springs {
+  using Scalar = double;
+  static constexpr int Dof = Eigen::Dynamic;
+  Eigen::Index n;
+  Eigen::Index dof() const { return n; }
+  void gradient(In<double, Dof> q, In<double, Dof> p, Out<double, Dof> dHdq, Out<double, Dof> dHdp) const {
+    dHdq = q;
+    dHdp = p;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("Lyapunov exponents refuse a state of another size", "[chaos][lyapunov]") {
+  Semiexplicit stepper(Springs{4}, schemes::strang());
+  LyapunovExponents lyapunov(stepper, 1);
+  PhasePoint<double, Eigen::Dynamic> z(5);
+  z.vector().setOnes();
+  CHECK(refuses([&] { lyapunov(0.0, z); }, "another number of degrees of freedom than the stepper"));
+}
+
+}  // namespace test_differences

@@ -399,6 +399,22 @@ struct Springs {
 
 }  // namespace
 
+TEST_CASE("A wrong Hessian is refused at the origin, where small shifts vanish in rounding", "[chaos]") {
+  struct Forgotten : TodaSpring {
+    void hessian_times(In<double, 1>, In<double, 1>, In<double, 1>, In<double, 1> dp, Out<double, 1> hq,
+                       Out<double, 1> hp) const {
+      hq[0] = 0;
+      hp = dp;
+    }
+  };
+  for (const double q : {0., 0.1}) {
+    Semiexplicit stepper(Forgotten{{1}}, schemes::strang());
+    LyapunovExponents lyapunov(stepper, 1);
+    CHECK(refuses([&] { lyapunov(0.0, PhasePoint<double, 1>(q, 0.5)); },
+                  "hessian_times of the Hamiltonian is not the derivative of its gradient"));
+  }
+}
+
 TEST_CASE("Lyapunov exponents refuse a state of another size", "[chaos][lyapunov]") {
   Semiexplicit stepper(Springs{4}, schemes::strang());
   LyapunovExponents lyapunov(stepper, 1);

@@ -305,6 +305,18 @@ TEST_CASE("Not judged is told from right", "[check_gradient]") {
   const auto at_edge = check_gradient(edge, PhasePoint<double, 1>(0, 1));
   CHECK_FALSE(at_edge.entries[0].judged);
   CHECK(at_edge.entries[1].judged);
+  const auto wall = make_hamiltonian<double, 2>(
+      [](const auto& q, const auto& p) {
+        if (!(q[0] > -0.01)) throw std::domain_error("beyond the wall");
+        return p.squaredNorm() / 2 + q[0] - 0.1 * std::log(q[0] + 0.01) + q[1] * q[1] / 2;
+      },
+      [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+        dHdq << 1 - 0.1 / (q[0] + 0.01), q[1];
+        dHdp = p;
+      });
+  for (const double q : {0., 1e-3, 0.3})
+    for (const double other : {0., 5.})
+      CHECK(check_gradient(wall, PhasePoint<double, 2>({q, other}, {0.3, 0.2})).ok());
 }
 
 TEST_CASE("The words on a gradient do not depend on the locale", "[check_gradient]") {

@@ -469,6 +469,16 @@ SEMIEXPLICIT_COLD void compare_packs(const H& hamiltonian, const PhasePoint<type
       outputs[i] = GradientOutput::other_packs;
 }
 
+/// NaN where the energy throws std::logic_error, as std::domain_error out of its domain.
+template <class H>
+typename H::Scalar energy_or_nan(const H& hamiltonian, const auto& q, const auto& p) {
+  try {
+    return hamiltonian.energy(q, p);
+  } catch (const std::logic_error&) {
+    return std::numeric_limits<typename H::Scalar>::quiet_NaN();
+  }
+}
+
 /// How far a coordinate that is zero, as all of its half are, is to go so that f, the energy, moves by about
 /// `energy`: its size, of which nothing else tells.
 template <class Scalar>
@@ -477,12 +487,8 @@ SEMIEXPLICIT_COLD std::optional<Scalar> size_by_energy(const ScalarFunction<Scal
   using std::abs;
   constexpr int most = 80;
   const Scalar here = f(Scalar(0)), factor(16);
-  const auto too_far = [&](const Scalar& x) {
-    try {
-      return !(abs(f(x) - here) <= energy && abs(f(-x) - here) <= energy);
-    } catch (const std::logic_error&) {  // out of the domain
-      return true;
-    }
+  const auto too_far = [&](const Scalar& x) {  // also out of the domain
+    return !(abs(f(x) - here) <= energy && abs(f(-x) - here) <= energy);
   };
   Scalar size = guess;
   int k = 0;
@@ -503,12 +509,14 @@ typename H::Scalar energy_rounding(const H& hamiltonian, const typename H::Scala
   using std::abs;
   using std::isfinite;
   const auto terms =
-      reference_size([&](const auto& q, const auto& p) { return hamiltonian.energy(q, p); }, energy, z).terms;
+      reference_size([&](const auto& q, const auto& p) { return energy_or_nan(hamiltonian, q, p); }, energy,
+                     z)
+          .terms;
   PhasePoint<Scalar, H::Dof> at = z, direction = z;
   const auto sizes = sizes_of_halves(z);
   const auto along = [&](const Scalar& s) -> Scalar {
     at.vector() = z.vector() + s * direction.vector();
-    return hamiltonian.energy(at.q(), at.p());
+    return energy_or_nan(hamiltonian, at.q(), at.p());
   };
   Scalar least = std::numeric_limits<Scalar>::infinity();
   std::uint64_t random = 1;
@@ -569,7 +577,7 @@ SEMIEXPLICIT_COLD GradientCheck<typename detail::EnergyDoor<H>::Scalar> check_gr
   for (Eigen::Index i = 0; i < 2 * d; ++i) {
     const auto energy_at = [&](const Scalar& x) -> Scalar {
       at.vector()[i] = x;
-      return hamiltonian.energy(at.q(), at.p());
+      return detail::energy_or_nan(hamiltonian, at.q(), at.p());
     };
     // The first step is meant to be too large, but not by much: about a tenth of the variable.
     const auto& [largest, typical] = sizes[i < d ? 0 : 1];

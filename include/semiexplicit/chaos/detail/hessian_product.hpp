@@ -237,27 +237,28 @@ class HessianProduct {
         return Scalar(of.segment(half * d, d).cwiseProduct(weights.segment(half * d, d)).norm());
       };
       const Scalar usual = part_[0] * lengths_.along(v);
-      Scalar off[2], rounding[2];
+      Scalar off[2];
       bool near[2];
-      const auto look_at = [&](const Vec& product) {
-        for (const Eigen::Index half : {0, 1})
-          near[half] = near[half] || size(half, product - given) <= size(half, product) / 100;
-        return near[0] && near[1];
+      // What rounding may make of a difference by that shift.
+      const auto rounding = [&](Eigen::Index half, const Scalar& shift) {
+        return epsilon * std::max(size(half, search_.above()), size(half, search_.below())) / shift;
       };
+      // A difference that rounding swallows proves nothing.
       const auto look_by = [&](const Scalar& shift) {
         difference(h, z, v, shift, other);
-        return look_at(other);
+        for (const Eigen::Index half : {0, 1})
+          near[half] = near[half] || (size(half, other - given) <= size(half, other) / 100 &&
+                                      size(half, other) > 100 * rounding(half, shift));
+        return near[0] && near[1];
       };
       for (const Eigen::Index half : {0, 1}) {
-        near[half] = false;
         off[half] = size(half, given - found) / size(half, found);
-        rounding[half] = epsilon * std::max(size(half, search_.above()), size(half, search_.below())) / usual;
+        near[half] = size(half, given - found) <= size(half, found) / 100 ||
+                     !(100 * rounding(half, usual) < size(half, found));
       }
-      if (look_at(found) || look_by(usual / 2)) return Scalar(0);
+      if ((near[0] && near[1]) || look_by(usual / 2)) return Scalar(0);
       for (const Eigen::Index half : {0, 1})
-        if (!(size(half, found - other) <= size(half, found) / 1000) ||
-            !(100 * rounding[half] < size(half, found)))
-          near[half] = true;
+        if (!(size(half, found - other) <= size(half, found) / 1000)) near[half] = true;
       // Where one half of z is far smaller than what it is on its way to, the shift may be one that the other
       // does not feel; where units differ, one that steps over what bends a coordinate.
       const Scalar smallest(1e-14);

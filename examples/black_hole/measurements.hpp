@@ -30,14 +30,17 @@ struct Ellipse {
 inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::optional<Ellipse>& ellipse) {
   struct Seen {
     double energy = 0, momentum = 0;  // at first
-    double nearest = std::numeric_limits<double>::infinity(), farthest = 0, highest = 0;
+    double highest = 0;
+    Largest closeness, distance;
     double last_r_momentum = 0, last_phi = 0, first = 0, latest = 0, turn = 0;
     std::int64_t rows = 0, apoapsides = 0;
     bool over_a_pole = false;
     void visit_memory(CheckpointMemory& visit) {
-      for (double* number : {&energy, &momentum, &nearest, &farthest, &highest, &last_r_momentum, &last_phi,
-                             &first, &latest, &turn})
+      for (double* number :
+           {&energy, &momentum, &highest, &last_r_momentum, &last_phi, &first, &latest, &turn})
         visit(*number);
+      closeness.visit_memory(visit);
+      distance.visit_memory(visit);
       visit(rows);
       visit(apoapsides);
       visit(over_a_pole);
@@ -64,28 +67,30 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
     ++s.rows;
     s.last_r_momentum = p[1];
     s.last_phi = q[3];
-    s.nearest = std::min(s.nearest, q[1]);
-    s.farthest = std::max(s.farthest, q[1]);
+    s.closeness.see(-q[1]);
+    s.distance.see(q[1]);
     // Over a pole theta goes on, and phi stays where it was.
     if (q[2] <= 0 || q[2] >= pi) s.over_a_pole = true;
     s.highest = s.over_a_pole ? pi / 2 : std::max(s.highest, std::asin(std::abs(std::cos(q[2]))));
   };
   const auto report = [=](std::ostream& out, const Run&) {
     const Seen& s = *seen;
+    const double nearest = -s.closeness.value(), farthest = s.distance.value();
     auto turned = hole;  // seen so that the orbit has a positive L
     if (s.momentum < 0) turned.spin = -hole.spin;
-    out << formatted("E = %.9g, L = %.9g; ", s.energy, s.momentum)
-        << formatted("r from %.5f to %.5f, ", s.nearest, s.farthest)
+    out << formatted("E = %.9g, L = %.9g; ", s.energy, s.momentum) << "r from "
+        << with_uncertainty(nearest, s.closeness.uncertain()) << " to "
+        << with_uncertainty(farthest, s.distance.uncertain()) << ", "
         << formatted("%.2f degrees off the equator\n", s.highest * 180 / pi)
         << formatted("innermost stable circular orbit%s: r = %.5f\n",
                      s.momentum * hole.spin < 0 ? " against the spin" : "", turned.innermost_stable_orbit());
     const std::string what = "turns from apoapsis to apoapsis";
-    if (s.nearest <= hole.mass + std::sqrt(hole.mass * hole.mass - hole.spin * hole.spin))
+    if (nearest <= hole.mass + std::sqrt(hole.mass * hole.mass - hole.spin * hole.spin))
       return print_none(out, what, "the body has fallen through the horizon");
     if (s.over_a_pole)
       return print_none(
           out, what, "the orbit goes over a pole, where phi does not count the half turns; give another --l");
-    if (s.farthest - s.nearest < 1e-6 * s.farthest)
+    if (farthest - nearest < 1e-6 * farthest)
       return print_none(
           out, what,
           "r stays the same: a circle, or too short a run; give another --e, --r or --l, or more --time");

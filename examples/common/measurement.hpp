@@ -148,6 +148,34 @@ inline std::string with_uncertainty(double value, double uncertain) {
   return formatted("%.*f", decimals, value) + formatted(" ± %.1g", uncertain);
 }
 
+/// The largest value of what is seen at steps of one size: the top of the parabola through three of them.
+class Largest {
+ public:
+  void see(double value) {
+    if (value > value_) value_ = value, uncertain_ = 0;
+    const double bend = before_ - 2 * last_ + value;
+    if (seen_ >= 2 && last_ >= before_ && last_ >= value && bend < 0) {
+      const double over = (before_ - value) * (before_ - value) / (-8 * bend);
+      if (last_ + over >= value_) value_ = last_ + over, uncertain_ = over - bend / 100;
+    }
+    before_ = last_;
+    last_ = value;
+    ++seen_;
+  }
+  double value() const { return value_; }
+  /// What the steps leave open; 0 where it is below the digits that are shown without it.
+  double uncertain() const { return uncertain_ > 1e-8 * std::abs(value_) ? uncertain_ : 0; }
+
+  void visit_memory(CheckpointMemory& visit) {
+    visit(seen_);
+    for (double* number : {&value_, &uncertain_, &before_, &last_}) visit(*number);
+  }
+
+ private:
+  std::int64_t seen_ = 0;
+  double value_ = -INFINITY, uncertain_ = 0, before_ = 0, last_ = 0;
+};
+
 /// A line "what: measured; reference: expected (difference)", which is absolute where 0 is expected.
 inline void print_comparison(std::ostream& out, const std::string& what, double measured,
                              const std::string& reference, double expected, double uncertain = 0) {

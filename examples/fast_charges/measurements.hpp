@@ -202,30 +202,48 @@ struct Stoermer {
 inline Measurement<3> stoermer(const Choice& c) {
   struct Seen {
     bool begun = false;
-    double l = 0, nearest = INFINITY, largest = 0;
+    double l = 0, turn = 0;  ///< turn: the largest from step to step
+    Eigen::Vector3d last = Eigen::Vector3d::Zero(), way = last;
+    Largest closeness, sine;
     void visit_memory(CheckpointMemory& visit) {
       visit(begun);
-      for (double* number : {&l, &nearest, &largest}) visit(*number);
+      visit(l);
+      visit(turn);
+      visit(last);
+      visit(way);
+      closeness.visit_memory(visit);
+      sine.visit_memory(visit);
     }
   };
   const auto seen = std::make_shared<Seen>();
   return {[=](double, const In<double, 3>& q, const In<double, 3>& p) {
-            if (!std::exchange(seen->begun, true)) seen->l = q[0] * p[1] - q[1] * p[0];
+            if (!std::exchange(seen->begun, true)) {
+              seen->l = q[0] * p[1] - q[1] * p[0];
+              seen->last = q;
+            }
+            const Eigen::Vector3d way = q - seen->last;
+            seen->turn = std::max(seen->turn, std::atan2(seen->way.cross(way).norm(), seen->way.dot(way)));
+            seen->last = q;
+            seen->way = way;
             const Stoermer region(c, {1, 0, 0}, {0, seen->l, 0});
-            seen->nearest = std::min(seen->nearest, q.norm());
-            seen->largest = std::max(seen->largest, std::abs(region.sine(std::hypot(q[0], q[1]), q[2])));
+            seen->closeness.see(-q.norm());
+            seen->sine.see(std::abs(region.sine(std::hypot(q[0], q[1]), q[2])));
           },
           [=](std::ostream& out, const Run&) {
             if (!only_field(c, "dipole_field"))
               return print_none(out, "Stoermer's region", "the formula holds for dipole_field alone");
             const Stoermer region(c, {1, 0, 0}, {0, seen->l, 0});
-            if (!std::isnormal(region.square) || !std::isfinite(seen->largest))
+            if (!std::isnormal(region.square) || !std::isfinite(seen->sine.value()))
               return print_none(out, "Stoermer's region", "there is no field, or no momentum");
             out << formatted("Stoermer's length: %.6g, angular momentum over it: %.6g\n",
                              std::sqrt(std::abs(region.square)),
-                             region.per_momentum / std::sqrt(std::abs(region.square)))
-                << formatted("largest |sin χ| on the way: %.10f; forbidden: above 1\n", seen->largest);
-            out << formatted("nearest to the dipole: %.8g\n", seen->nearest);
+                             region.per_momentum / std::sqrt(std::abs(region.square)));
+            if (const std::string coarse = too_coarse(seen->turn); !coarse.empty())
+              return print_none(out, "largest |sin χ|, and the place nearest to the dipole", coarse);
+            out << "largest |sin χ| on the way: "
+                << with_uncertainty(seen->sine.value(), seen->sine.uncertain())
+                << "; forbidden: above 1\nnearest to the dipole: "
+                << with_uncertainty(-seen->closeness.value(), seen->closeness.uncertain()) << '\n';
           },
           memory_of(seen)};
 }

@@ -84,6 +84,9 @@ endforeach()
 prints(fast_charges "does not compare the slippage of what is slow" "--preset undulator --b0 0.01T --gamma 2"
   "wiggle, m: [^\n]*difference 3.0e-04.\nslippage[^\n]*no closed form, .1 . K")
 prints(fast_charges "does not measure a gyration along the field" "--pitch 0" "gyrofrequency: not measured, it moves along the field")
+prints(fast_charges "does not measure where steps go through its turns" "--preset cosmic_ray --dt 0.005 --method gauss --stages 8"
+  "nearest to the dipole: not measured, it turns by up to 1[0-9][0-9] degrees in a step")
+prints(black_hole "says how well steps tell the closest approach" "--preset zoom_whirl --scheme low_defect6_s15 --dt 3.09 --time 300" "r from 1[.]8[0-9]* ± 0[.]00[1-9] to")
 prints(fast_charges "does not measure a region without a field" "--preset cosmic_ray --moment 0" "region: not measured, there is no field")
 prints(fast_charges "does not measure a turn from the axis" "--preset solenoid --x 0" "turn of the plane: not measured, it starts on the axis")
 check(charges "has no figures of a run that failed" "--dt 1e-6s --time 1e-4s --no-plot" EXIT_CODE 1 COMPLAINT "step 1 failed"

@@ -76,7 +76,7 @@ check(fast_charges "wiggles in an undulator" "--preset undulator --no-plot" FILE
   PRINTS "wiggle.*difference [0-9.]+e-04.*slippage.*difference [0-9.]+e-04")
 check(fast_charges "is turned by a solenoid" "--preset solenoid --no-plot" PRINTS "Larmor.*difference [0-9.]+e-0[67]")
 check(fast_charges "is focused by a quadrupole" "--preset quadrupole --no-plot" PRINTS "x at the end.*e-0[67].\n.*y at the end.*e-0[67].\n")
-check(fast_charges "stays out of Stoermer's region" "--preset cosmic_ray --no-plot" PRINTS "way: 0[.]99[0-9]+; forbidden: above 1")
+check(fast_charges "stays out of Stoermer's region" "--preset cosmic_ray --no-plot" PRINTS "way: 0[.]999[0-9] ± 0[.]000[1-4]; forbidden: above 1\nnearest to the dipole: 0[.]8830 ± 0[.]000[1-4]\n")
 check(fast_charges "audits its effects" "--audit --preset solenoid" ABSENT out PRINTS "called for at 1e-04: kinetic, solenoid")
 refuses(fast_charges "a charge that cannot move" "--effects electric" "nothing moves without kinetic or a magnetic field")
 refuses(fast_charges "a gamma below one" "--gamma 0.5" "--gamma: '0.5' is not a number above 1")

@@ -366,6 +366,48 @@ TEST_CASE("an energy at a late time has no noise by the time's size", "[long]") 
   }
 }
 
+/// H = p²/2 + w²q²/2 - F q cos Wt; counts its gradients.
+struct DrivenOscillator {
+  using Scalar = double;
+  static constexpr int Dof = 1;
+  static constexpr double w = 0.82088, W = 0.821387, F = 0.150495;
+  double* calls;
+  double energy(double t, In<double, 1> q, In<double, 1> p) const {
+    return p[0] * p[0] / 2 + w * w * q[0] * q[0] / 2 - F * q[0] * std::cos(W * t);
+  }
+  double gradient(double t, In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq,
+                  Out<double, 1> dHdp) const {
+    ++*calls;
+    dHdq[0] = w * w * q[0] - F * std::cos(W * t);
+    dHdp[0] = p[0];
+    return F * q[0] * W * std::sin(W * t);
+  }
+};
+
+TEST_CASE("a driven system that starts at zero gets its advice, within the bound on calls", "[long]") {
+  using Driven = DrivenOscillator;
+  for (const double bound : {1e5, 1e7}) {
+    CAPTURE(bound);
+    double calls = 0;
+    const Autonomous driven(Driven{&calls});
+    auto z = driven.extended({0, 0}, 0.0);
+    const double T = 332.641;
+    const auto cost = cost_of_accuracy(driven, z, T,
+                                       {.observable = [](const auto& q, const auto&) { return q[0]; },
+                                        .targets = {1e-5},
+                                        .max_gradients = bound});
+    INFO(cost.why(1e-5));
+    CHECK(calls <= bound);
+    const auto advice = cost.cheapest(1e-5);
+    if (!advice && bound < 1e6) continue;
+    REQUIRE(advice);
+    cost.run(z, *advice);
+    const double right = Driven::F / (Driven::w * Driven::w - Driven::W * Driven::W) *
+                         (std::cos(Driven::W * T) - std::cos(Driven::w * T));
+    CHECK(std::abs(z.q()[0] - right) < 3e-5 * 30.2);
+  }
+}
+
 TEST_CASE("H of a system with transformed time is kept where K is zero: parts of the run begin there",
           "[long]") {
   for (const double e : {0.9, 0.95}) {

@@ -122,7 +122,7 @@ class AnyHamiltonian : public std::conditional_t<Timed, ExtendedPhaseSpace<Scala
     const bool explicit_ = setting.method == Setting::Method::midpoint;
     Semiexplicit<AnyHamiltonian> stepper(
         *this, scheme,
-        SimplifiedNewton{.stop = explicit_ ? StoppingRule::product(any_correction) : setting.rule});
+        SimplifiedNewton{.stop = explicit_ ? StoppingRule::paper(any_correction) : setting.rule});
     const auto calls =
         explicit_ ? static_cast<std::int64_t>(scheme.kicks()) : std::int64_t{stepper.max_gradients()};
     return {std::move(stepper), calls};

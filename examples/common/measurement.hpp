@@ -104,6 +104,11 @@ inline void print_none(std::ostream& out, const std::string& what, const std::st
   out << what << ": not measured, " << why << '\n';
 }
 
+/// Between two vectors in space, in radians; 0 where one of them is zero.
+inline double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
 /// Follows how a point turns about the origin of a plane.
 class Turning {
  public:

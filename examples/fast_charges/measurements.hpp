@@ -59,7 +59,7 @@ inline Measurement<3> fast_gyration(const Choice& c) {
 /// The first place and the last, and how far it went along one axis and to the middle.
 struct Way {
   bool begun = false;
-  double t0 = 0, t = 0, widest = -INFINITY, closest = INFINITY, nearest = INFINITY;
+  double t0 = 0, t = 0, widest = -INFINITY, closest = INFINITY;
   double highest = 0, across = 0;  ///< the largest |y|, and canonical momentum across z
   double longest = 0;              ///< the way of a step
   Eigen::Vector3d first = Eigen::Vector3d::Zero(), last = first;
@@ -73,7 +73,6 @@ struct Way {
     t = now;
     widest = std::max(widest, q[0]);
     closest = std::min(closest, q[0]);
-    nearest = std::min(nearest, q.norm());
     highest = std::max(highest, std::abs(q[1]));
     across = std::max(across, p.head<2>().norm());
   }
@@ -86,7 +85,7 @@ struct Way {
   }
   void visit_memory(CheckpointMemory& visit) {
     visit(begun);
-    for (double* number : {&t0, &t, &widest, &closest, &nearest, &highest, &across, &longest}) visit(*number);
+    for (double* number : {&t0, &t, &widest, &closest, &highest, &across, &longest}) visit(*number);
     visit(first);
     visit(last);
   }
@@ -222,7 +221,7 @@ inline Measurement<3> stoermer(const Choice& c) {
               seen->last = q;
             }
             const Eigen::Vector3d way = q - seen->last;
-            seen->turn = std::max(seen->turn, std::atan2(seen->way.cross(way).norm(), seen->way.dot(way)));
+            seen->turn = std::max(seen->turn, angle_between(seen->way, way));
             seen->last = q;
             seen->way = way;
             const Stoermer region(c, {1, 0, 0}, {0, seen->l, 0});

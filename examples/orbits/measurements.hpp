@@ -153,8 +153,7 @@ inline Measurement<3> turning_orbit(const Choice& c, const std::string& unit, do
     seen->from_node.see(t, x.dot(v), {std::cos(omega), std::sin(omega), 0}, axis);
     seen->node.see(t, x[2], node, axis);
     seen->upright = std::min(seen->upright, node.norm() / momentum.norm());
-    if (!seen->last.isZero())
-      seen->step = std::max(seen->step, std::atan2(seen->last.cross(x).norm(), seen->last.dot(x)));
+    if (!seen->last.isZero()) seen->step = std::max(seen->step, angle_between(seen->last, x));
     seen->last = x;
     const TurnRates now = expected.rates(1 / (2 / x.norm() - v.squaredNorm() / gm), laplace.norm(),
                                          momentum.z() / momentum.norm());

@@ -36,22 +36,26 @@ look() { # where the last start went on from
   [ $((step % (every > 0 ? every : 1))) -eq 0 ] && [ "$step" -ge "$reached" ] || fail "went on from step $step after $reached"
   gone_on=$((gone_on + 1)) reached=$step
 }
-done_kills=0
+done_kills=0 code=0
+end_start() { # kills the start $child, which may have ended
+  kill -9 "$child" 2>/dev/null || true
+  code=0
+  wait "$child" 2>/dev/null || code=$?
+  look
+  case $code in
+    0) ;; # it was faster
+    137) done_kills=$((done_kills + 1)) ;;
+    *) fail "a start ended with exit code $code" ;;
+  esac
+}
 for ((attempt = 0; attempt < kills; ++attempt)); do
   start "$@" & # which becomes the program itself, so that the kill meets it and not a shell
   child=$!
   # A share of the whole run that lets about three quarters of the kills fall before its end.
   delay=$((took * (RANDOM % 1000 + 1) * 3 / (2000 * kills)))
   sleep "$(printf '%d.%06d' $((delay / 1000000)) $((delay % 1000000)))"
-  kill -9 "$child" 2>/dev/null || true
-  code=0
-  wait "$child" 2>/dev/null || code=$?
-  look
-  case $code in
-    0) break ;; # it was faster
-    137) done_kills=$((done_kills + 1)) ;;
-    *) fail "a start ended with exit code $code" ;;
-  esac
+  end_start
+  [ "$code" -ne 0 ] || break
 done
 if [ ! -e killed ] || saved || [ "$done_kills" -eq "$kills" ]; then
   (start "$@")
@@ -64,10 +68,7 @@ for ((attempt = 0; gone_on == 0 && attempt < 20; ++attempt)); do
   start "$@" &
   child=$!
   until useful || ! kill -0 "$child" 2>/dev/null; do sleep 0.001; done
-  kill -9 "$child" 2>/dev/null || true
-  code=0
-  wait "$child" 2>/dev/null || code=$?
-  [ "$code" -ne 137 ] || done_kills=$((done_kills + 1))
+  end_start
   (start "$@")
   look
 done

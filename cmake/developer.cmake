@@ -2,9 +2,8 @@
 option(SEMIEXPLICIT_DEVELOPER_WARNINGS "Compile the tests and programs with many warnings, as errors" OFF)
 option(SEMIEXPLICIT_SANITIZE "Compile the tests and programs with the address and undefined-behaviour sanitizers" OFF)
 option(SEMIEXPLICIT_TEST_COMPILERS "Test packages, every header alone and the compilers' messages, too: some minutes more" ON)
-set(SEMIEXPLICIT_TEST_PART all CACHE STRING "What is tested: all, library (with the pages) or programs")
-set_property(CACHE SEMIEXPLICIT_TEST_PART PROPERTY STRINGS all library programs)
-option(SEMIEXPLICIT_READ_ONLY "Compile for the warnings alone what the preset asan or test runs" OFF)
+set(SEMIEXPLICIT_TEST_PART all CACHE STRING "What is tested: all, library (with the pages), programs, or what is worth a second compiler")
+set_property(CACHE SEMIEXPLICIT_TEST_PART PROPERTY STRINGS all library programs second)
 option(SEMIEXPLICIT_NATIVE "Compile the examples and benchmarks for this machine, fully optimised" OFF)
 
 # For code that must be free of warnings whatever the options say.
@@ -52,12 +51,6 @@ if(SEMIEXPLICIT_NATIVE)
   target_compile_options(semiexplicit_program INTERFACE -O3 -march=native)
   target_compile_definitions(semiexplicit_program INTERFACE NDEBUG)
 endif()
-
-# semiexplicit_read_only(<target> <sources>...): they are compiled for the errors and warnings, and give no program.
-function(semiexplicit_read_only target)
-  add_library(${target} OBJECT ${ARGN})
-  set_target_properties(${target} PROPERTIES CXX_COMPILER_LAUNCHER "bash;${PROJECT_SOURCE_DIR}/cmake/read_only.sh")
-endfunction()
 
 # Ensembles use as many threads as OpenMP gives them; without it they have one.
 find_package(OpenMP QUIET COMPONENTS CXX)

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# test.sh [--programs | --all]: installs what is missing, builds the tests of the library and of the pages by clang++ and runs
-# them; with --programs, those of the bundled programs. --all does the rest: packages, the compilers' messages, the formatting,
-# the documentation, everything compiled by g++ and the most of it run, and the tests by clang++ with the address and
+# test.sh [--programs | --warnings | --all]: installs what is missing, builds the tests of the library and of the pages by
+# clang++ and runs them; with --programs, those of the bundled programs; with --warnings, everything is read by g++ with its
+# warnings as errors, and the formatting checked. --all does the rest: tests of methods, runs and ensembles, some programs and
+# benchmarks by g++, packages, the compilers' messages, the documentation, and the tests by clang++ with the address and
 # undefined-behaviour sanitizers.
 set -euo pipefail
 # shellcheck source=cmake/stage.sh
@@ -11,20 +12,24 @@ preset=test
 case "$*" in
   "") ;;
   --programs) preset=programs ;;
-  --all) preset= ;;
+  --warnings | --all) preset= ;;
   *)
     current_stage="arguments"
-    echo "usage: bash cmake/test.sh [--programs | --all]" >&2
+    echo "usage: bash cmake/test.sh [--programs | --warnings | --all]" >&2
     exit 2
     ;;
 esac
 
-# Configures, builds and tests one preset of CMakePresets.json.
-build_and_test() {
+# Configures and builds one preset of CMakePresets.json.
+build() {
   stage "$1: configure"
   cmake --preset "$1"
   stage "$1: build"
   cmake --build --preset "$1" --parallel "$(nproc)"
+}
+
+build_and_test() {
+  build "$1"
   stage "$1: test"
   ctest --preset "$1" --parallel "$(nproc)"
 }
@@ -47,8 +52,12 @@ if [ -n "$preset" ]; then
   exit
 fi
 bash cmake/install-dependencies.sh check
-stage "Formatting"
-check_format
+if [ "$*" = --warnings ]; then
+  stage "Formatting"
+  check_format
+  build warnings
+  exit
+fi
 build_and_test gcc
 stage "Documentation"
 bash cmake/docs.sh

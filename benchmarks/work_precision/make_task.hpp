@@ -4,6 +4,7 @@
 #include "gsl_methods.hpp"
 #include "odeint_methods.hpp"
 #include "own_methods.hpp"
+#include "reversible_methods.hpp"
 #include "sundials_methods.hpp"
 #include "task.hpp"
 
@@ -55,6 +56,7 @@ Task make_task(const Problem<H>& problem, bool is_short) {
   add_semiexplicit(task.lines, problem, end);
   add_tao(task.lines, problem, end);
   add_gauss_methods(task.lines, problem, end);
+  add_reversible(task.lines, problem, end);
   add_odeint(task.lines, problem, end);
   add_gsl(task.lines, problem, end);
   add_sundials(task.lines, problem, end);

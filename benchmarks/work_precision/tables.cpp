@@ -24,7 +24,8 @@ std::vector<std::string> family_names(bool ours) {
 /// The families of the library: ours, and its Gauss methods, which count as rivals of the semiexplicit ones
 /// above.
 bool in_library(const Family& family) {
-  return family.ours || family.name == family::gauss || family.name == family::gauss_lanes;
+  return family.ours || family.name == family::gauss || family.name == family::gauss_lanes ||
+         family.name == family::gauss_reversible;
 }
 std::vector<std::string> families_in_library(bool inside) {
   std::vector<std::string> names;

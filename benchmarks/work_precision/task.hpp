@@ -14,9 +14,11 @@ inline constexpr const char* low_defect = "semiexplicit, low-defect";
 inline constexpr const char* published = "semiexplicit, published";
 inline constexpr const char* paper_rule = "semiexplicit, paper's rule";
 inline constexpr const char* midpoint = "midpoint projection";
+inline constexpr const char* reversible = "semiexplicit, reversible steps";
 inline constexpr const char* tao = "Tao";
 inline constexpr const char* gauss = "Gauss, scalar";
 inline constexpr const char* gauss_lanes = "Gauss, lanes";
+inline constexpr const char* gauss_reversible = "Gauss, reversible steps";
 inline constexpr const char* rk78 = "odeint RK78";
 inline constexpr const char* bulirsch_stoer = "odeint Bulirsch-Stoer";
 inline constexpr const char* rk8pd = "GSL rk8pd";
@@ -39,9 +41,11 @@ inline const std::vector<Family>& families() {
       {family::published, true, "#56B4E9"},
       {family::paper_rule, true, "#8DA0CB"},
       {family::midpoint, true, "#009E73"},
+      {family::reversible, true, "#004D40"},
       {family::tao, false, "#CC79A7"},
       {family::gauss, false, "#E69F00"},
       {family::gauss_lanes, false, "#D55E00"},
+      {family::gauss_reversible, false, "#FF8FA3"},
       {family::rk78, false, "#999999"},
       {family::bulirsch_stoer, false, "#666666"},
       {family::rk8pd, false, "#B8860B"},

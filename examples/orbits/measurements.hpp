@@ -209,8 +209,8 @@ inline Measurement<3> turning_orbit(const Choice& c, const std::string& unit, do
       const auto place = [](double x) { return static_cast<int>(std::floor(std::log10(std::abs(x)))); };
       const int digits = std::clamp(std::min(4 - place(rounded), -place(uncertain)), 4, 15);
       const auto decimals = [&](double x) {
-        const double unit = std::pow(10, -digits);
-        return formatted("%.*f", digits, std::round(x / unit) * unit + 0.0);
+        const double last = std::pow(10, -digits);
+        return formatted("%.*f", digits, std::round(x / last) * last + 0.0);
       };
       out << what << ": " << decimals(rounded) << formatted(" ± %.1g ", uncertain) << unit
           << formatted(" from %d orbits", passages.orbits()) << (measured ? "" : " (± by the energy error)");

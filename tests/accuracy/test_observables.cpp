@@ -368,7 +368,7 @@ auto slow_and_fast(double frequency, double quartic, double coupling) {
 
 }  // namespace
 
-TEST_CASE("advice holds to the end where a bond nearly at rest makes large steps unstable late") {
+TEST_CASE("advice holds to the end where a bond nearly at rest makes large steps unstable late", "[long]") {
   for (const double stiffness : {1e4, 2e3, 1e3}) {
     CAPTURE(stiffness);
     const auto h = molecule(stiffness);

@@ -20,3 +20,14 @@ struct HenonHeiles {
     return {{0, y}, {std::sqrt(0.25 - y * y + 2 * y * y * y / 3), 0}};
   }
 };
+
+/// The same with the product of its second derivatives.
+struct HenonHeilesWithProduct : HenonHeiles {
+  void hessian_times(semiexplicit::In<double, 2> q, semiexplicit::In<double, 2>,
+                     semiexplicit::In<double, 2> dq, semiexplicit::In<double, 2> dp,
+                     semiexplicit::Out<double, 2> hq, semiexplicit::Out<double, 2> hp) const {
+    hq[0] = dq[0] + 2 * (dq[0] * q[1] + q[0] * dq[1]);
+    hq[1] = dq[1] + 2 * (q[0] * dq[0] - q[1] * dq[1]);
+    hp = dp;
+  }
+};

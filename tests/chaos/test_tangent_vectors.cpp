@@ -150,7 +150,7 @@ double error_by_differences(PhasePoint<double, 8> z, int steps) {
 
 }  // namespace
 
-TEST_CASE("Tangent vectors are the dense map times vectors", "[chaos]") {
+TEST_CASE("Tangent vectors are the dense map times vectors", "[chaos][long]") {
   const auto exact = from_energy<5>(lattice_energy);
   const auto z = some_point<double, 5>(5);
   const auto scheme = schemes::low_defect6_s13();
@@ -207,7 +207,7 @@ TEST_CASE("Tangent vectors by dual numbers are those by products", "[chaos]") {
             1e-14 * wanted.vectors().col(j).norm());
   };
   constexpr int any = Eigen::Dynamic;
-  const systems::NlsLattice<double> lattice(200);  // kicked in blocks
+  const systems::NlsLattice<double> lattice(100);  // kicked in blocks
   const WithProduct<double, any> product{{lattice}};
   for (const Eigen::Index count : {1, 7, 12})
     compare(Semiexplicit(lattice, schemes::strang(), tight), Semiexplicit(product, schemes::strang(), tight),

@@ -261,7 +261,7 @@ struct IonChainWithHessian : IonChain {
 
 }  // namespace
 
-TEST_CASE("Tangent vectors by differences are right at an equilibrium, in any units", "[chaos]") {
+TEST_CASE("Tangent vectors by differences are right at an equilibrium, in any units", "[chaos][long]") {
   const auto growth = [](const auto& h) {
     const double length = std::cbrt(h.charge / h.stiffness), dt = 0.05 * std::sqrt(h.mass / h.stiffness);
     Semiexplicit stepper(h, schemes::low_defect4_s7());
@@ -303,7 +303,7 @@ struct HenonHeilesInUnits {
 
 }  // namespace
 
-TEST_CASE("Exponents and alignment do not depend on units that are far apart", "[chaos][lyapunov]") {
+TEST_CASE("Exponents and alignment do not depend on units that are far apart", "[chaos][lyapunov][long]") {
   bool given = false;  // the vectors that the exponents start with
   const auto measured = [&](double length, double momentum) {
     Semiexplicit stepper(HenonHeilesInUnits{length, momentum}, schemes::low_defect4_s7());

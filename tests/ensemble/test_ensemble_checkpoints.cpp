@@ -136,7 +136,8 @@ void check(const Make& ensemble) {
       [](const auto& invariants) { return invariants["energy"].worst; });
 }
 
-TEST_CASE("An ensemble in lanes goes on from its checkpoint bit for bit, by any number of threads") {
+TEST_CASE("An ensemble in lanes goes on from its checkpoint bit for bit, by any number of threads",
+          "[long]") {
   check([](const auto& starts) { return Ensemble(Lattice5(), starts, scheme); });
 }
 

@@ -127,7 +127,7 @@ TEST_CASE("An ensemble says how its members are stepped") {
   CHECK(says(plain.how(), "takes no packs"));
 }
 
-TEST_CASE("A Hamiltonian from its energy has an ensemble by any number of threads") {
+TEST_CASE("A Hamiltonian from its energy has an ensemble by any number of threads", "[long]") {
   for (const Eigen::Index n : {5, 10, 40}) {
     CAPTURE(n);
     std::vector<PhasePoint<double, Eigen::Dynamic>> starts;
@@ -211,7 +211,7 @@ TEST_CASE("An observer may end the run of one member") {
   check(Ensemble(Lattice<5>{}, starts, scheme));
 }
 
-TEST_CASE("Each member has a Lyapunov exponent") {
+TEST_CASE("Each member has a Lyapunov exponent", "[long]") {
   const auto starts = lattices(5);
   const auto check = [&](auto ensemble) {
     using Exponents = LyapunovExponents<decltype(ensemble.stepper(0))>;

@@ -44,7 +44,7 @@ TEST_CASE("the region of bound orbits ends where those in the equator turn", "[e
   CHECK(region.inner < region.outer);
 }
 
-TEST_CASE("an orbit is done, falls, leaves, fails or takes too long", "[examples]") {
+TEST_CASE("an orbit is done, falls, leaves, fails or takes too long", "[examples][long]") {
   const Region region = allowed(hole, 0.95, 3);
   const State4 start = start_of(hole, region, 0, 2, 0.95, 3);
   const Orbit done = followed(start, region, 0.5);

@@ -96,8 +96,8 @@ TEST_CASE("Observers see at late times what they see at early ones", "[observers
 
 TEST_CASE("Observers do not forget steps in a long run of floats", "[observers][long]") {
   // 64 ε t exceeds dt after 131072 steps.
-  const Seen<float> seen(0, 0.02F, 300'000);
-  const Seen<double> wide(0, 0.02, 300'000);
+  const Seen<float> seen(0, 0.02F, 200'000);
+  const Seen<double> wide(0, 0.02, 200'000);
   CHECK(seen.served == 6);
   CHECK(std::abs(double(seen.count) / double(wide.count) - 1) < 0.02);
   CHECK(seen.exponent == Approx(wide.exponent).epsilon(0.3));  // chaotic, so other orbits of the same sea

@@ -37,7 +37,7 @@ TEST_CASE("Bounces that pile up are said, and no ball falls through the floor", 
 }
 
 TEST_CASE("Which crossings count does not depend on rounding where events change the state on the surface",
-          "[events]") {
+          "[events][long]") {
   const auto count_of = [](std::int64_t& n) { return [&n](double, const Point&) { ++n; }; };
   const auto run = [&](const auto& h, const auto& surface, Point z, double dt, const auto& action,
                        CrossingDirection direction) {
@@ -245,7 +245,7 @@ TEST_CASE("A kick of a run with transformed time leaves the orbit that of the Ha
   }
 }
 
-TEST_CASE("The end of a driven run that bounces is served by at_times", "[events]") {
+TEST_CASE("The end of a driven run that bounces is served by at_times", "[events][long]") {
   const Autonomous K(from_energy<1>([](const auto& t, const auto& q, const auto& p) {
     using std::cos;
     return p[0] * p[0] / 2 + q[0] * q[0] / 2 + 0.01 * q[0] * cos(t);

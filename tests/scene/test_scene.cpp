@@ -328,7 +328,7 @@ TEST_CASE("What strays is relative to nothing that is zero up to rounding", "[sc
   for (const AuditRow& row : radial.rows) CHECK(row.invariant_shift[1] < 1);
 }
 
-TEST_CASE("a circular binary shrinks to its merger as Peters says") {
+TEST_CASE("a circular binary shrinks to its merger as Peters says", "[long]") {
   // a = a₀ (1 - t/T)^(1/4), T = 5c⁵a₀⁴/(256ν(GM)³): half the size after 15/16 of the time.
   const double c = 10, nu = 0.25, merger = 5 * std::pow(c, 5) / (256 * nu);
   const Scene scene(Kinetic<double, 2>{}, Attraction<double, 2>{}, RadiationReaction<double, 2>{1, c, nu});

@@ -69,7 +69,7 @@ TEST_CASE("Solved exactly, the linear oscillator stays on the unit circle at ste
 }
 
 TEST_CASE("Simplified Newton gives up near 1.85 radians a step with Strang, the others go on",
-          "[stability]") {
+          "[stability][long]") {
   const Quadratic h{1, 0, 1};
   const auto survives = [&](const auto& solver, double dt) {
     Semiexplicit stepper(h, schemes::strang(), solver);

@@ -70,7 +70,7 @@ struct Rotor {
 };
 }  // namespace
 
-TEST_CASE("An angle that is not wound back does not loosen the stopping rule", "[stability]") {
+TEST_CASE("An angle that is not wound back does not loosen the stopping rule", "[stability][long]") {
   // A rotor coupled to an oscillator: the angle grows to 3e4, the motion is that of the angle modulo 2π.
   Semiexplicit stepper(Rotor(), schemes::strang<double>());
   PhasePoint<double, 2> z({0, 2}, {3, 0});

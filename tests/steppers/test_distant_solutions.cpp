@@ -59,7 +59,7 @@ TEST_CASE("No solver takes a distant solution of the projection for that of the 
   }
 }
 
-TEST_CASE("No solver accepts copies that are far apart: random states and large steps", "[failures]") {
+TEST_CASE("No solver accepts copies that are far apart: random states and large steps", "[failures][long]") {
   const systems::Product<double> h;
   const auto flung = [&](auto solver, const Scheme<double>& scheme) {
     std::mt19937_64 random(3);

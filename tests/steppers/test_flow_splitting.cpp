@@ -245,7 +245,8 @@ TEST_CASE("A step back with an exact flow undoes the step", "[flow_splitting]") 
   CHECK((z.vector() - before.vector()).norm() < 1e-11);
 }
 
-TEST_CASE("Angular momentum is kept to rounding, and the energy error does not grow", "[flow_splitting]") {
+TEST_CASE("Angular momentum is kept to rounding, and the energy error does not grow",
+          "[flow_splitting][long]") {
   const auto scene = relativistic<double>(1e-6, 1e-6);
   auto stepper = stepper_for(scene, kepler<double>());
   PhasePoint<double, 2> z = start<double>();

@@ -172,7 +172,7 @@ double energy_error_of_pendulum(int stages, float dt, int steps) {
 
 }  // namespace
 
-TEST_CASE("Gauss's methods go on to iterate where an angle has wound up", "[gauss]") {
+TEST_CASE("Gauss's methods go on to iterate where an angle has wound up", "[gauss][long]") {
   // The iteration converges slowly, and not evenly; in double the error stays at 1.02e-5.
   CHECK(energy_error_of_pendulum<GaussLegendre<Pendulum>>(4, 0.264884f, 20'000) < 3e-5);
   CHECK(energy_error_of_pendulum<GaussLegendreLanes<Pendulum>>(4, 0.264884f, 20'000) < 3e-5);

@@ -94,8 +94,8 @@ TEST_CASE("Both solvers take many degrees of freedom that are known at compile t
   w = z;
   GaussLegendre by_newton(ManyProducts{}, {.stages = 2, .solver = StageSolver::newton});
   GaussLegendre by_sweeps(ManyProducts{}, {.stages = 2});
-  integrate(by_newton, z, {.dt = 0.1, .steps = 3});
-  integrate(by_sweeps, w, {.dt = 0.1, .steps = 3});
+  integrate(by_newton, z, {.dt = 0.1, .steps = 1});
+  integrate(by_sweeps, w, {.dt = 0.1, .steps = 1});
   CHECK((z.vector() - w.vector()).norm() < 1e-13);
 }
 
@@ -156,7 +156,7 @@ TEST_CASE("Newton's method comes to an end at an equilibrium", "[gauss]") {
       CAPTURE(stages, dt);
       GaussLegendre gauss(h, {.stages = stages, .solver = StageSolver::newton});
       PhasePoint<double, 2> z({0.49, y}, {-y, 0.49});
-      for (int n = 0; n < 20; ++n) {
+      for (int n = 0; n < 8; ++n) {
         const StepReport report = gauss.step(z, dt);
         REQUIRE(report.ok());
         CHECK(report.evaluations < 20);

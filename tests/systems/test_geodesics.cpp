@@ -126,7 +126,7 @@ TEST_CASE("in Kerr-Schild coordinates a body falls through the horizon, and circ
     (hole.energy(z.q(), z.p()) > -0.5 ? low : high) = middle;
   }
   const double t = std::sqrt(2.0) / 3 * (std::pow(r0, 1.5) - 1);  // to r = 1, inside
-  integrate(stepper, z, {.dt = 0.01, .t_end = t});
+  integrate(stepper, z, {.dt = 0.03, .t_end = t});
   CHECK(z.q()[1] == Approx(1).epsilon(1e-7));
   CHECK(hole.energy(z.q(), z.p()) == Approx(-0.5).epsilon(1e-9));
 

@@ -109,7 +109,7 @@ TEST_CASE("A circular orbit of second post-Newtonian order has the energy of its
   CHECK(excess / (x * x) == Approx(-(81 - 57 * nu + nu * nu) / 24).epsilon(0.01));
 }
 
-TEST_CASE("Arenstorf's orbit closes and keeps Jacobi's constant", "[systems]") {
+TEST_CASE("Arenstorf's orbit closes and keeps Jacobi's constant", "[systems][long]") {
   const double mu = 0.012277471, period = 17.0652165601579625588917206249,
                speed = -2.00158510637908252240537862224;
   const Chosen<2> scene{Kinetic<double, 2>{}, TwoCentres<double, 2>::restricted(mu),

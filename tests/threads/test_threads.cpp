@@ -175,7 +175,8 @@ TEST_CASE("An exception of a gradient in a thread leaves the state, and comes ou
   }
 }
 
-TEST_CASE("The other doubled steps of a large lattice have the same bits by any number of threads") {
+TEST_CASE("The other doubled steps of a large lattice have the same bits by any number of threads",
+          "[long]") {
   const Threads back;
   const systems::NlsLattice<double> lattice(40'000);
   const auto start = some_state<double>(lattice.dof());

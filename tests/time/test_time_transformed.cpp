@@ -265,7 +265,7 @@ struct SwingingKepler {
 
 }  // namespace
 
-TEST_CASE("A driven system is transformed by monitors of its own coordinates", "[time transformed]") {
+TEST_CASE("A driven system is transformed by monitors of its own coordinates", "[time transformed][long]") {
   for (const double t0 : {0.0, 0x1p20}) {
     CAPTURE(t0);
     const double e = 0.8;

@@ -20,14 +20,14 @@ namespace {
 
 using namespace semiexplicit;
 
-const Semiexplicit stepper(HenonHeilesWithProduct{}, schemes::low_defect6_s13());
+const Semiexplicit henon_heiles(HenonHeilesWithProduct{}, schemes::low_defect6_s13());
 constexpr double chaotic = -0.25, regular = 0.1;
 
 template <class... Observers>
 void run(double y, std::int64_t steps, Observers&&... observers) {
-  auto own = stepper;
+  auto stepper = henon_heiles;
   auto z = HenonHeiles::point(y);
-  integrate(own, z, {.dt = 0.2, .steps = steps}, observers...);
+  integrate(stepper, z, {.dt = 0.2, .steps = steps}, observers...);
 }
 
 /// x'' + x⁵ = sin 2.19t.
@@ -63,7 +63,7 @@ TEST_CASE("A ring of eight vortices parts at Havelock's rate", "[lyapunov][long]
 
 TEST_CASE("Chaos has a positive exponent, order has none, and they come in pairs", "[lyapunov][long]") {
   const auto exponents = [](double y, int steps) {
-    LyapunovExponents lyapunov(stepper);
+    LyapunovExponents lyapunov(henon_heiles);
     run(y, steps, lyapunov);
     return lyapunov.exponents();
   };
@@ -82,8 +82,8 @@ TEST_CASE("Chaos has a positive exponent, order has none, and they come in pairs
 }
 
 TEST_CASE("In chaos alignment indices decay at the rates of the exponents", "[alignment][long]") {
-  AlignmentIndex gali(stepper, 4);
-  LyapunovExponents lyapunov(stepper);
+  AlignmentIndex gali(henon_heiles, 4);
+  LyapunovExponents lyapunov(henon_heiles);
   run(chaotic, 50'000, gali, lyapunov);
   const double t = 1e4;
   const auto x = lyapunov.exponents();
@@ -97,7 +97,7 @@ TEST_CASE("In chaos alignment indices decay at the rates of the exponents", "[al
 }
 
 TEST_CASE("On a torus GALI_2 stays, GALI_3 falls as 1/t² and GALI_4 as 1/t⁴", "[alignment][long]") {
-  AlignmentIndex gali(stepper, 4);
+  AlignmentIndex gali(henon_heiles, 4);
   std::vector<double> t, means[5];
   double sums[5] = {};
   int seen = 0;

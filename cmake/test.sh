@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# test.sh [--programs | --warnings | --all]: installs what is missing, builds the tests of the library and of the pages by
-# clang++ and runs them; with --programs, those of the bundled programs; with --warnings, everything is read by g++ with its
+# test.sh [--programs | --warnings | --all]: installs what is missing, builds the tests of the library by clang++ and runs
+# them; with --programs, those of the bundled programs and of the pages; with --warnings, everything is read by g++ with its
 # warnings as errors, and the formatting checked. --all does the rest: tests of methods, runs and ensembles, some programs and
 # benchmarks by g++, packages, the compilers' messages, the documentation, and the tests by clang++ with the address and
 # undefined-behaviour sanitizers.

@@ -6,8 +6,10 @@
 #include <exception>
 #include <filesystem>
 #include <iostream>
+#include <iterator>
 #include <memory>
 #include <set>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <system_error>
@@ -73,9 +75,17 @@ CLI::Validator number(const std::string& words, const Holds& holds) {
 inline CLI::Validator positive() {
   return number<double>("a positive number", [](double x) { return x > 0 && std::isfinite(x); });
 }
+/// In decimal digits: CLI11 takes 010 for octal and 0x10 for hexadecimal.
 inline CLI::Validator whole_number(std::int64_t least, std::int64_t most) {
-  return number<std::int64_t>("a whole number from " + std::to_string(least) + " to " + std::to_string(most),
-                              [=](std::int64_t n) { return least <= n && n <= most; });
+  const CLI::Validator in_range =
+      number<std::int64_t>("a whole number from " + std::to_string(least) + " to " + std::to_string(most),
+                           [=](std::int64_t n) { return least <= n && n <= most; });
+  return {[=](std::string& text) {
+            const std::string digits = text.substr(std::min(text.find_first_not_of("+-"), text.size()));
+            return digits.size() > 1 && digits.front() == '0' ? "'" + text + "' begins with 0; leave that out"
+                                                              : in_range(text);
+          },
+          "", in_range.get_description()};
 }
 
 /// Accepts one of `words`; otherwise names the nearest and all of them.
@@ -125,14 +135,18 @@ inline std::vector<std::string> option_names(const CLI::App& app) {
   return names;
 }
 
-/// CLI11's reader of files in TOML or INI; an unknown name is refused with the nearest ones.
+/// CLI11's reader of files in TOML or INI; an unknown name is refused with the nearest ones, and so is what
+/// CLI11 would read as something else or skip.
 class ConfigFile : public CLI::ConfigTOML {
  public:
   explicit ConfigFile(const CLI::App& app) : app_(app) {}
 
   std::vector<CLI::ConfigItem> from_config(std::istream& in) const override {
     if (in.peek() == 0xEF) in.ignore(3);  // the mark that some editors put before UTF-8
-    std::vector<CLI::ConfigItem> read = CLI::ConfigTOML::from_config(in);
+    const std::string text{std::istreambuf_iterator<char>(in), {}};
+    check_lines(text);
+    std::istringstream lines(text);
+    std::vector<CLI::ConfigItem> read = CLI::ConfigTOML::from_config(lines);
     std::set<std::string> names;
     for (const auto& [parents, name, values] : read)
       if (!parents.empty())
@@ -147,6 +161,37 @@ class ConfigFile : public CLI::ConfigTOML {
   }
 
  private:
+  /// Every line is to be empty, a comment, a [section] or name = value, with all quotes and brackets closed.
+  static void check_lines(const std::string& text) {
+    std::istringstream lines(text);
+    std::string name;
+    bool in_array = false;
+    for (std::string line; std::getline(lines, line);) {
+      const std::size_t begin = line.find_first_not_of(" \t\r");
+      if (begin == std::string::npos || line[begin] == '#' || line[begin] == ';') continue;
+      std::size_t at = begin;
+      if (!in_array) {
+        if (line[begin] == '[') continue;
+        at = line.find('=');
+        name = CLI::detail::trim_copy(line.substr(begin, at == std::string::npos ? at : at - begin));
+        if (at++ == std::string::npos) refuse("'" + name + "' has no value; write name = value");
+      }
+      char quote = 0;
+      for (; at < line.size() && (quote != 0 || line[at] != '#'); ++at) {
+        const char c = line[at];
+        if (quote != 0 && c == '#')
+          refuse("'" + name + "' has a # within quotes, which would begin a comment; give it as an argument");
+        if (quote != 0 ? c == quote : c == '"' || c == '\'')
+          quote = quote == 0 ? c : '\0';
+        else if (quote == 0 && in_array && c == '=')
+          refuse("'" + name + "' has a [ without its ]");
+        else if (quote == 0 && (c == '[' || c == ']'))
+          in_array = c == '[';
+      }
+      if (quote != 0) refuse("'" + name + "' has a quote that is not closed");
+    }
+    if (in_array) refuse("'" + name + "' has a [ without its ]");
+  }
   [[noreturn]] static void refuse(const std::string& why) {
     throw CLI::ConfigError(why, CLI::ExitCodes::ConfigError);
   }

@@ -161,6 +161,24 @@ TEST_CASE("The run keeps its bits beside an estimate, and every() changes little
   CHECK(*sparse.error() == Approx(*estimate.error()).epsilon(1e-3));
 }
 
+TEST_CASE("A sparse estimate of steps that choose their lengths is refused at the first it would guess",
+          "[error estimate]") {
+  const Semiexplicit fixed(Kepler(), schemes::blanes_moan4());
+  ReversibleSteps stepper(fixed, monitors::Distance());
+  Point z = kepler_orbit(0.8, 1);
+  auto estimate = with_error_estimate(fixed);
+  CHECK(refuses([&] { integrate(stepper, z, {.dt = 0.05, .t_end = 41}, every(50, estimate)); },
+                "take every() away"));
+  CHECK(stepper.time() > 0);
+  ReversibleSteps again(fixed, monitors::Distance());
+  z = kepler_orbit(0.8, 1);
+  CHECK(integrate(again, z, {.dt = 0.05, .t_end = 41}, every(1, estimate)).ok());
+  const double error = (z.vector() - kepler_orbit(0.8, 42).vector()).norm();
+  REQUIRE(estimate.error());
+  CHECK(*estimate.error() > error / 3);
+  CHECK(*estimate.error() < 3 * error);
+}
+
 TEST_CASE("A sparse estimate counts on over runs that follow one another", "[error estimate]") {
   const Semiexplicit stepper(Kepler(), schemes::blanes_moan4());
   const auto run_of = [&](std::int64_t first) {

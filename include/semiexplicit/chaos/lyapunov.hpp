@@ -27,8 +27,10 @@ namespace semiexplicit {
 /// motion. Let the stepper be the one that makes the run.
 ///
 /// k exponents cost 2 + ck plain steps a step, where c is the cost of a product over that of a gradient (1 to
-/// 2, benchmarks/chaos), k d of memory and no heap in a step. A hessian_times that is no derivative of the
-/// gradient at the first state is refused with std::invalid_argument.
+/// 2, benchmarks/chaos), k d of memory and no heap in a step. A hessian or hessian_times is compared with
+/// differences of the gradient at the first state, along two directions, and refused with
+/// std::invalid_argument where it is off by more than a hundredth along both: another system's is found so,
+/// a single wrong entry that counts little there may not be.
 ///
 /// Source: G. Benettin, L. Galgani, A. Giorgilli, J.-M. Strelcyn, Meccanica 15 (1980) 9 and 21.
 template <class Stepper>

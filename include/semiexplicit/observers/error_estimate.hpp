@@ -50,7 +50,8 @@ class ErrorEstimate {
   }
 
   /// Takes in the next state; false where an observer of the companion asked to stop. Throws
-  /// std::invalid_argument where an event has changed the state.
+  /// std::invalid_argument where an event has changed the state, and where every() hides steps of a run that
+  /// chooses their lengths.
   bool operator()(const Scalar& t, const State& z, const IntegrationReport& run = {}) {
     using Next = typename detail::RunClock<Scalar>::Next;
     if (run.changes > 0)
@@ -62,7 +63,12 @@ class ErrorEstimate {
     // Where steps are cut into parts the companion's would be those same parts, or fail as the run's did.
     if (run.subdivided > 0 && next == Next::follows) failed_ = true;
     if (next == Next::follows) {
-      if (!parted_ && !failed_) go_on(clock_.interval(t, run), clock_.steps_since(t, run));
+      const std::int64_t steps = clock_.steps_since(t, run);
+      if (steps > 1 && run.taken != 0)
+        throw std::invalid_argument(
+            "with_error_estimate: the steps of this run have lengths of their own, and it has to see each of "
+            "them; take every() away from it");
+      if (!parted_ && !failed_) go_on(clock_.interval(t, run), steps);
     } else if (next != Next::again) {
       companion_ = difference_ = z;
       parted_ = failed_ = false;
@@ -202,13 +208,14 @@ class ErrorEstimate {
 /// Observers of the companion see its states: a figure that is measured on both runs, a period or a
 /// precession, has the error error_of(on_the_run, on_the_companion).
 ///
-/// No estimate either from the first step on that was cut into parts (IntegrationOptions::subdivide).
+/// No estimate either from the first step on that was cut into parts (IntegrationOptions::subdivide). A run
+/// that begins at another state than the last one seen begins a new estimate.
 ///
 /// An observer and no stepper, so that the run stays what it is, bit for bit, and takes any stepper of
 /// phase points: one that chooses its steps as well, around which the companion halves each (give it
-/// `stepper.stepper()`). Costs twice the gradient calls of the run. Errors that both have in common, a wrong
-/// H or a start that is off, it cannot see. With a TimeTransformed both are compared at the same s, and the
-/// time is left out: the error at the same time is another.
+/// `stepper.stepper()`, and no every()). Costs twice the gradient calls of the run. Errors that both have in
+/// common, a wrong H or a start that is off, it cannot see. With a TimeTransformed both are compared at the
+/// same s, and the time is left out: the error at the same time is another.
 ///
 /// Source: E. Hairer, S. Nørsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed., section II.4
 /// (Richardson).

@@ -31,8 +31,8 @@ using namespace semiexplicit;
 inline std::int64_t steps_in(double time, double dt) {
   if (dt > time)
     throw std::invalid_argument(
-        "--dt is larger than --time, be it given or the program's own; give a longer time, or a smaller step "
-        "(not with --accuracy or --cost, which choose it)");
+        "--dt is larger than --time, be it given or the program's own; give a longer time, or a smaller "
+        "step");
   const double count = time / dt, whole = std::round(count);
   if (!(count <= 1e15)) throw std::invalid_argument("--time / --dt is more steps than anybody can wait for");
   return static_cast<std::int64_t>(std::abs(count - whole) <= 1e-9 * count ? whole : std::ceil(count));

@@ -189,6 +189,8 @@ class ConfigFile : public CLI::ConfigTOML {
           in_array = c == '[';
       }
       if (quote != 0) refuse("'" + name + "' has a quote that is not closed");
+      if (in_array && line.find_last_of('[') == line.substr(0, at).find_last_not_of(" \t\r"))
+        refuse("'" + name + "' has nothing behind its [; write the first entry on the same line");
     }
     if (in_array) refuse("'" + name + "' has a [ without its ]");
   }

@@ -606,4 +606,52 @@ TEST_CASE(
   }
 }
 
+/// A ring of oscillators in wells with a corner: the force on each jumps where its coordinate is 0.
+struct Jumps {
+  using Scalar = double;
+  static constexpr int Dof = Eigen::Dynamic;
+  Eigen::Index n;
+  Eigen::Index dof() const { return n; }
+  double energy(In<double, Dof> q, In<double, Dof> p) const {
+    double sum = 0;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const double stretched = q[(i + 1) % n] - q[i];
+      sum += p[i] * p[i] * (1 + 0.25 * q[i] * q[i]) / 2 + q[i] * q[i] / 2 + 0.3 * std::abs(q[i]) +
+             0.1 * stretched * stretched;
+    }
+    return sum;
+  }
+  void gradient(In<double, Dof> q, In<double, Dof> p, Out<double, Dof> dHdq, Out<double, Dof> dHdp) const {
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const double before = q[(i + n - 1) % n], behind = q[(i + 1) % n];
+      dHdq[i] = 0.25 * p[i] * p[i] * q[i] + q[i] +
+                (q[i] > 0   ? 0.3
+                 : q[i] < 0 ? -0.3
+                            : 0) +
+                0.2 * (2 * q[i] - before - behind);
+      dHdp[i] = p[i] * (1 + 0.25 * q[i] * q[i]);
+    }
+  }
+};
+
+TEST_CASE("a start where forces jump gives advice that was tried, or none", "[long]") {
+  for (const Eigen::Index n : {2, 3, 5, 8})
+    for (int start = 0; start < 4; ++start) {
+      CAPTURE(n, start);
+      PhasePoint<double, Eigen::Dynamic> z0(n);
+      for (Eigen::Index i = 0; i < 2 * n; ++i) {
+        const double x = 0.2 * std::sin(7.0 * static_cast<double>(i * i + 1) + 3.0 * start);
+        z0.vector()[i] = x > 0 ? x : 0;  // half of them on the jump
+      }
+      const auto cost = cost_of_accuracy(Jumps{n}, z0, 20, {.targets = {1e-2}});
+      const auto advice = cost.cheapest(1e-2);
+      if (!advice) continue;
+      CHECK(advice->tried > 1e-3 * 20);
+      auto z = z0;
+      Invariants invariants(Jumps{n});
+      CHECK(cost.run(z, *advice, invariants).ok());
+      CHECK(invariants["energy"].worst <= 3e-2);
+    }
+}
+
 }  // namespace test_long_advice

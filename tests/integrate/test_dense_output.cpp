@@ -105,6 +105,8 @@ TEST_CASE("Output at times between the steps", "[dense output]") {
   CHECK(calls == 1);
   const auto nothing = [](double, const auto&) {};
   CHECK(refuses([&] { at_times(rotor, {0, 1, 0.5}, nothing); }, "sort them"));
+  CHECK(refuses([&] { at_times(rotor, {0, 1, 1, 2}, nothing); }, "time 2 is there twice"));
+  CHECK(refuses([&] { at_times(rotor, {1, 1}, nothing); }, "time 1 is there twice"));
   auto early = at_times(rotor, {-1, 0.5}, nothing);
   CHECK(refuses([&] { integrate(stepper, z, {.dt = 0.02, .steps = 9}, early); }, "before the start"));
 }

@@ -140,12 +140,17 @@ class Problem {
     table.time_scale = table.time;
     double h = std::min(table.time, visible * static_cast<double>(state_size(hamiltonian, z0)) / speed);
     if (!(h > 0)) h = visible * table.time * 1e-3;
+    const auto change_after = [&](double time) {
+      State moved = z0;
+      moved.vector() += Scalar(time) * velocity.vector();
+      return static_cast<double>(norm(velocity_at(moved).vector() - velocity.vector()));
+    };
     try {
       for (; h < table.time; h *= 10) {
-        State moved = z0;
-        moved.vector() += Scalar(h) * velocity.vector();
-        const double change = static_cast<double>(norm(velocity_at(moved).vector() - velocity.vector()));
+        const double change = change_after(h);
         if (!(change > visible * speed)) continue;
+        // A jump of a force is as large after a longer time.
+        if (3 * h < table.time && change_after(3 * h) < 1.5 * change) continue;
         if (std::isfinite(change)) table.time_scale = std::min(table.time, h * speed / change);
         break;
       }

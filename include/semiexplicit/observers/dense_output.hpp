@@ -400,7 +400,10 @@ class AtTimes {
       if (!isfinite(times_[i]))
         throw std::invalid_argument("at_times: time " + std::to_string(i) +
                                     " is NaN or Inf; give finite ones");
-      if (i > 0 && !((times_[i] > times_[i - 1]) == (times_[1] > times_[0]) && times_[i] != times_[i - 1]))
+      if (i > 0 && times_[i] == times_[i - 1])
+        throw std::invalid_argument("at_times: time " + std::to_string(i) +
+                                    " is there twice; give each once");
+      if (i > 0 && (times_[i] > times_[i - 1]) != (times_[1] > times_[0]))
         throw std::invalid_argument("at_times: the times neither rise nor fall throughout; sort them");
     }
   }

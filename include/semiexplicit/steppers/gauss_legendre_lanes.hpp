@@ -25,9 +25,8 @@ template <class H>
 class GaussLegendreLanes : public detail::GaussShell<GaussLegendreLanes<H>, H> {
   static_assert(HasPackGradient<H>,
                 "GaussLegendreLanes needs a gradient that takes packs: make gradient() a template that only "
-                "indexes its "
-                "arguments, and add `using PackGradientOf = <your type>;` (see HasPackGradient); or take "
-                "GaussLegendre");
+                "indexes its arguments, and add `using PackGradientOf = <your type>;` (HasPackGradient); or "
+                "take GaussLegendre");
   using Shell = detail::GaussShell<GaussLegendreLanes<H>, H>;
   friend Shell;
 

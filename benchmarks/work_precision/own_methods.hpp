@@ -48,16 +48,15 @@ const double* numbers(const ExtendedPoint<double, Dof>& zeta, std::vector<double
   return mean.data();
 }
 
-/// The whole number of steps to `end` that comes nearest from above, and a run with so many.
-template <class S>
-Outcome run_steps(S stepper, typename S::State state, double end, double dt_wanted, Watch* watch) {
-  const auto steps = static_cast<std::int64_t>(std::ceil(end / dt_wanted * (1 - 1e-12)));
-  const double dt = end / static_cast<double>(steps);
+/// The loop of the library's own methods while more(outcome), which may say why not: step(state) reports, and
+/// time(outcome) is where it has come to.
+template <class State, class More, class Step, class Time>
+Outcome run_while(State state, Watch* watch, const More& more, const Step& step, const Time& time) {
   Outcome outcome;
   std::vector<double> buffer;
   const double begin = cpu_seconds();
-  while (outcome.steps < steps) {
-    const StepReport report = stepper.step(state, dt);
+  while (more(outcome)) {
+    const StepReport report = step(state);
     outcome.gradients += report.gradients;
     if (!report.ok()) {
       outcome.status = status_name(report.status);
@@ -65,15 +64,25 @@ Outcome run_steps(S stepper, typename S::State state, double end, double dt_want
     }
     ++outcome.steps;
     if (watch == nullptr) continue;
-    const double t = static_cast<double>(outcome.steps) * dt;
-    if (watch->due(t) && !watch->see(t, numbers(state, buffer))) {
+    if (const double t = time(outcome); watch->due(t) && !watch->see(t, numbers(state, buffer))) {
       outcome.status = "energy lost";
       break;
     }
   }
   outcome.seconds = cpu_seconds() - begin;
-  outcome.t = static_cast<double>(outcome.steps) * dt;
+  outcome.t = time(outcome);
   return outcome;
+}
+
+/// The whole number of steps to `end` that comes nearest from above, and a run with so many.
+template <class S>
+Outcome run_steps(S stepper, typename S::State state, double end, double dt_wanted, Watch* watch) {
+  const auto steps = static_cast<std::int64_t>(std::ceil(end / dt_wanted * (1 - 1e-12)));
+  const double dt = end / static_cast<double>(steps);
+  return run_while(
+      std::move(state), watch, [&](const Outcome& so_far) { return so_far.steps < steps; },
+      [&](auto& z) { return stepper.step(z, dt); },
+      [&](const Outcome& so_far) { return static_cast<double>(so_far.steps) * dt; });
 }
 
 /// `calls` gradient calls a step at the coarsest setting.

@@ -7,9 +7,9 @@
 
 #ifdef SEMIEXPLICIT_BENCHMARK_BOOST
 #include <boost/math/special_functions/jacobi_elliptic.hpp>
+#endif
 
 #include <semiexplicit/systems.hpp>
-#endif
 
 #include "measure.hpp"
 #include "systems.hpp"

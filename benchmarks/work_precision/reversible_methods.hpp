@@ -1,6 +1,7 @@
 #pragma once
 
-#include <cstdint>
+#include <algorithm>
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,31 +16,17 @@ namespace work_precision {
 /// A run by steps that follow the motion, which ends at `end` itself; `ds` is the step in their parameter.
 template <class S>
 Outcome run_along(S stepper, typename S::State state, double end, double ds, Watch* watch) {
-  Outcome outcome;
-  std::vector<double> buffer;
-  const double begin = cpu_seconds();
   stepper.begin(state, 0.0);
-  while (!stepper.reached(end)) {
-    if (watch != nullptr && outcome.steps % 1024 == 1023 && watch->is_late()) {
-      outcome.status = "too slow";
-      break;
-    }
-    const StepReport report = stepper.step_until(state, ds, end);
-    outcome.gradients += report.gradients;
-    if (!report.ok()) {
-      outcome.status = status_name(report.status);
-      break;
-    }
-    ++outcome.steps;
-    if (watch == nullptr || !watch->due(stepper.time())) continue;
-    if (!watch->see(stepper.time(), numbers(state, buffer))) {
-      outcome.status = "energy lost";
-      break;
-    }
-  }
-  outcome.seconds = cpu_seconds() - begin;
-  outcome.t = stepper.time();
-  return outcome;
+  return run_while(
+      std::move(state), watch,
+      [&](Outcome& so_far) {
+        if (watch == nullptr || so_far.steps % 1024 != 1023 || !watch->is_late())
+          return !stepper.reached(end);
+        so_far.status = "too slow";
+        return false;
+      },
+      [&](auto& z) { return stepper.step_until(z, ds, end); },
+      [&](const Outcome&) { return stepper.time(); });
 }
 
 /// The parameter is the time of the first step.

@@ -21,16 +21,10 @@ std::vector<std::string> family_names(bool ours) {
   return names;
 }
 
-/// The families of the library: ours, and its Gauss methods, which count as rivals of the semiexplicit ones
-/// above.
-bool in_library(const Family& family) {
-  return family.ours || family.name == family::gauss || family.name == family::gauss_lanes ||
-         family.name == family::gauss_reversible;
-}
 std::vector<std::string> families_in_library(bool inside) {
   std::vector<std::string> names;
   for (const Family& family : families())
-    if (in_library(family) == inside) names.push_back(family.name);
+    if (family.in_library == inside) names.push_back(family.name);
   return names;
 }
 

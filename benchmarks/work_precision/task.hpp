@@ -32,6 +32,7 @@ struct Family {
   std::string name;
   bool ours;
   std::string colour;
+  bool in_library = ours;  ///< its Gauss methods are, and count as rivals of the semiexplicit ones
 };
 
 /// All of them, in the order of tables and legends.
@@ -43,9 +44,9 @@ inline const std::vector<Family>& families() {
       {family::midpoint, true, "#009E73"},
       {family::reversible, true, "#004D40"},
       {family::tao, false, "#CC79A7"},
-      {family::gauss, false, "#E69F00"},
-      {family::gauss_lanes, false, "#D55E00"},
-      {family::gauss_reversible, false, "#FF8FA3"},
+      {family::gauss, false, "#E69F00", true},
+      {family::gauss_lanes, false, "#D55E00", true},
+      {family::gauss_reversible, false, "#FF8FA3", true},
       {family::rk78, false, "#999999"},
       {family::bulirsch_stoer, false, "#666666"},
       {family::rk8pd, false, "#B8860B"},

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <concepts>
 #include <cstdint>
 #include <exception>
 #include <filesystem>
@@ -66,6 +67,11 @@ struct Settings {
 template <class Number, class Holds>
 CLI::Validator number(const std::string& words, const Holds& holds) {
   return {[=](std::string& text) {
+            if constexpr (std::integral<Number>) {  // CLI11 takes 010 for octal and 0x10 for hexadecimal
+              const std::size_t digits = std::min(text.find_first_not_of("+-"), text.size());
+              if (digits + 1 < text.size() && text[digits] == '0')
+                return "'" + text + "' begins with 0; leave that out";
+            }
             Number value{};
             const bool fine = CLI::detail::lexical_cast(text, value) && holds(value);
             return fine ? std::string() : "'" + text + "' is not " + words;
@@ -75,17 +81,9 @@ CLI::Validator number(const std::string& words, const Holds& holds) {
 inline CLI::Validator positive() {
   return number<double>("a positive number", [](double x) { return x > 0 && std::isfinite(x); });
 }
-/// In decimal digits: CLI11 takes 010 for octal and 0x10 for hexadecimal.
 inline CLI::Validator whole_number(std::int64_t least, std::int64_t most) {
-  const CLI::Validator in_range =
-      number<std::int64_t>("a whole number from " + std::to_string(least) + " to " + std::to_string(most),
-                           [=](std::int64_t n) { return least <= n && n <= most; });
-  return {[=](std::string& text) {
-            const std::string digits = text.substr(std::min(text.find_first_not_of("+-"), text.size()));
-            return digits.size() > 1 && digits.front() == '0' ? "'" + text + "' begins with 0; leave that out"
-                                                              : in_range(text);
-          },
-          "", in_range.get_description()};
+  return number<std::int64_t>("a whole number from " + std::to_string(least) + " to " + std::to_string(most),
+                              [=](std::int64_t n) { return least <= n && n <= most; });
 }
 
 /// Accepts one of `words`; otherwise names the nearest and all of them.

@@ -155,6 +155,7 @@ class ConfigFile : public CLI::ConfigTOML {
         refuse("'" + name + "' is there twice");
       else if (std::count(values.begin(), values.end(), "") > 0)
         refuse("'" + name + "' has no value");
+    std::erase_if(read, [this](const CLI::ConfigItem& item) { return is_flag_left_out(item); });
     return read;
   }
 
@@ -192,6 +193,11 @@ class ConfigFile : public CLI::ConfigTOML {
     }
     if (in_array) refuse("'" + name + "' has a [ without its ]");
   }
+  /// CLI11 counts `name = false` as given: what the flag excludes would be refused.
+  bool is_flag_left_out(const CLI::ConfigItem& item) const {
+    return app_.get_option("--" + item.name)->get_expected_max() == 0 &&
+           item.inputs == std::vector<std::string>{"false"};
+  }
   [[noreturn]] static void refuse(const std::string& why) {
     throw CLI::ConfigError(why, CLI::ExitCodes::ConfigError);
   }
@@ -199,7 +205,7 @@ class ConfigFile : public CLI::ConfigTOML {
   const CLI::App& app_;
 };
 
-/// Adds --config, a file of such options: a regular one of at most 1 MB, for others may have no end.
+/// Adds --config, a file of such options: a regular one of at most 100 kB, for others may have no end.
 inline void add_config(CLI::App& app) {
   const auto short_file = [](const std::string& text) -> std::string {
     if (text.empty()) return "'' is no file";
@@ -207,7 +213,7 @@ inline void add_config(CLI::App& app) {
     const std::filesystem::file_status there = std::filesystem::status(text, failure);
     if (!std::filesystem::exists(there)) return "";  // which is refused elsewhere
     if (!std::filesystem::is_regular_file(there)) return "'" + text + "' is not a regular file";
-    return std::filesystem::file_size(text, failure) > 1'000'000 ? "'" + text + "' is longer than 1 MB" : "";
+    return std::filesystem::file_size(text, failure) > 100'000 ? "'" + text + "' is longer than 100 kB" : "";
   };
   app.set_config("--config", "", "file of such options in TOML, as name = value lines")
       ->check(CLI::Validator(short_file, "", "short file"))

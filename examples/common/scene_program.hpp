@@ -77,6 +77,15 @@ void refuse_start(const RuntimeScene<double, Dof>& scene, const PhasePoint<doubl
         "these values make no start: its position, momentum or energy is not finite; " + suspects);
 }
 
+/// The effects with forces of their own; empty where there are none.
+template <int Dof>
+std::string working_forces(const RuntimeScene<double, Dof>& scene) {
+  std::vector<std::string> names;
+  for (const auto& effect : scene.effects())
+    if (effect.motion()) names.push_back(effect.name());
+  return joined(names);
+}
+
 /// Says which effects are on and what they make of the method; chooses it where the user has not.
 template <int Dof>
 void settle_method(const RuntimeScene<double, Dof>& scene, Method& method) {
@@ -93,10 +102,7 @@ void settle_method(const RuntimeScene<double, Dof>& scene, Method& method) {
                 : method.name == "splitting" ? "separable: plain explicit splitting, no doubling"
                                              : "separable, and taken as any other by " + method.name)
             << '\n';
-  std::string forces;
-  for (const auto& effect : scene.effects())
-    if (effect.motion()) forces += (forces.empty() ? "" : ", ") + effect.name();
-  if (!forces.empty())
+  if (const std::string forces = working_forces(scene); !forces.empty())
     std::cout << "not symplectic, by " << forces
               << ": the energy changes by the work of these forces, see the books at the end\n";
 }
@@ -236,6 +242,11 @@ int run_scene_program(const SceneProgram<Dof>& program, int argc, char** argv, c
       refuse_options(app, "--audit",
                      {"--method", "--solver", "--rule", "--tolerance", "--omega", "--stages"});
     const std::string usual = scene.is_separable() ? "splitting" : "semiexplicit";
+    if (cost_wanted && !scene.is_symplectic())
+      throw std::invalid_argument(std::string(cost.curve ? "--cost" : "--accuracy") +
+                                  " is about Hamiltonian systems, and the energy changes by the work of " +
+                                  working_forces(scene) +
+                                  "; give --dt and look at the figures' errors, or leave that effect out");
     if (!cost_wanted) refuse_idle_options(app, {method.name.empty() ? usual : method.name});
     std::cout << preset.name << ": " << preset.about << " (units: " << preset.units.about << ")\n";
     if (request.audit) {

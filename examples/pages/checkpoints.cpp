@@ -9,7 +9,7 @@
 
 using namespace semiexplicit;
 
-const std::filesystem::path file = "page_82.checkpoint";
+const std::filesystem::path file = "product.checkpoint";
 
 /// Runs to the end, or to step `until`; gives the last state.
 PhasePoint<double, 1> run(std::int64_t until, double& energy_error) {

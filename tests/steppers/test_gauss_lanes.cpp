@@ -73,7 +73,7 @@ TEST_CASE("Stages in lanes take the steps of the stages one by one", "[gauss]") 
   same_as_one_by_one(Kepler{}, {{1, 0}, {0, 0.9}}, 0.05);
 }
 
-TEST_CASE("Stages in lanes: another step or another state is not extrapolated to", "[gauss]") {
+TEST_CASE("Stages in lanes: another direction is not extrapolated to", "[gauss]") {
   GaussLegendreLanes stepper(lattice, {.stages = 4}), fresh(lattice, {.stages = 4});
   auto z = start;
   for (int n = 0; n < 3; ++n) REQUIRE(stepper.step(z, 0.05).ok());

@@ -6,6 +6,7 @@
 #include <memory>
 #include <stdexcept>
 
+#include <semiexplicit/ensemble.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 #include <semiexplicit/systems.hpp>
 
@@ -181,7 +182,39 @@ TEST_CASE("Extrapolated starting values save iterations and change nothing else"
   }
 }
 
-TEST_CASE("Another step or another state is not extrapolated to", "[gauss]") {
+TEST_CASE("Steps that change are extrapolated to, in lanes and one by one, and change nothing else", "[gauss]") {
+  const auto check = [](auto make) {
+    for (const int stages : {3, 4, 6, 8}) {
+      CAPTURE(stages);
+      const auto run = [&](bool extrapolate, PhasePoint<double, 3>& z) {
+        auto stepper = make({.stages = stages, .extrapolate = extrapolate});
+        std::int64_t gradients = 0;
+        for (int n = 0; n < 200; ++n) {
+          const StepReport report = stepper.step(z, 0.02 * (1 + 0.3 * std::sin(n)));
+          REQUIRE(report.ok());
+          gradients += report.gradients;
+        }
+        return static_cast<double>(gradients);
+      };
+      PhasePoint<double, 3> with = start, without = start;
+      CHECK(run(true, with) <= 0.85 * run(false, without));
+      CHECK((with.vector() - without.vector()).norm() <= 1e-13);
+    }
+  };
+  check([](const GaussLegendreOptions& options) { return GaussLegendre(lattice, options); });
+  check([](const GaussLegendreOptions& options) { return GaussLegendreLanes(lattice, options); });
+}
+
+TEST_CASE("A step of more than twice the last one is not extrapolated to", "[gauss]") {
+  GaussLegendre stepper(lattice, {.stages = 4}), fresh(lattice, {.stages = 4});
+  PhasePoint<double, 3> z = start;
+  for (int n = 0; n < 3; ++n) REQUIRE(stepper.step(z, 0.02).ok());
+  PhasePoint<double, 3> copy = z;
+  CHECK(stepper.step(z, 0.041).gradients == fresh.step(copy, 0.041).gradients);
+  CHECK((z.vector() - copy.vector()).norm() <= 1e-15);
+}
+
+TEST_CASE("Another direction or another state is not extrapolated to", "[gauss]") {
   GaussLegendre stepper(lattice, {.stages = 4}), fresh(lattice, {.stages = 4});
   PhasePoint<double, 3> z = start;
   for (int n = 0; n < 3; ++n) REQUIRE(stepper.step(z, 0.05).ok());

@@ -77,20 +77,24 @@ void check_tableaus(const Scalar& tolerance) {
       }
       power = power.cwiseProduct(t.c).eval();
     }
-    // Values at the nodes of a polynomial of degree s - 1, carried one step ahead.
-    for (int i = 0; i < stages; ++i)
-      for (int k = 0; k < stages; ++k) {
-        Scalar sum(0), largest(0), here(1);
-        for (int j = 0; j < stages; ++j) {
-          Scalar value(1);
-          for (int l = 0; l < k; ++l) value *= t.c[j];
-          sum += t.extrapolation(i, j) * value;
-          using std::abs;
-          const Scalar size = abs(t.extrapolation(i, j));
-          if (size > largest) largest = size;
+    // A polynomial of degree s - 1 from its values at the nodes, where the stages of a next step lie.
+    for (const Scalar& ratio : {fraction(1, 8), Scalar(1), Scalar(2)})
+      for (int i = 0; i < stages; ++i) {
+        using std::abs;
+        Scalar at[8];
+        const Scalar x = 1 + ratio * t.c[i];
+        t.lagrange(x, at);
+        for (int k = 0; k < stages; ++k) {
+          Scalar sum(0), largest(0), here(1);
+          for (int j = 0; j < stages; ++j) {
+            Scalar value(1);
+            for (int l = 0; l < k; ++l) value *= t.c[j];
+            sum += at[j] * value;
+            if (abs(at[j]) > largest) largest = abs(at[j]);
+          }
+          for (int l = 0; l < k; ++l) here *= x;
+          CHECK(close((sum - here) / (largest + 1) / here, Scalar(0)));
         }
-        for (int l = 0; l < k; ++l) here *= 1 + t.c[i];
-        CHECK(close((sum - here) / (largest + 1) / here, Scalar(0)));
       }
   }
 }

@@ -35,7 +35,7 @@ class GaussLegendre : public detail::GaussShell<GaussLegendre<H>, H> {
   /// Throws std::invalid_argument unless 1 ≤ stages ≤ 8, max_iterations ≥ 1 and tolerance ≥ 0.
   GaussLegendre(H hamiltonian, GaussLegendreOptions options = {})
       : Shell(std::move(hamiltonian), options),
-        extrapolation_(this->extrapolation_of_increments()),
+        extrapolation_(options.stages, options.stages),
         quadrature_(tableau_.b),
         gradients_(Stages::Zero(small ? padded : 2 * dof(), options.stages)),
         started_(gradients_),
@@ -61,6 +61,16 @@ class GaussLegendre : public detail::GaussShell<GaussLegendre<H>, H> {
   Eigen::Index size() const { return quadrature_.size() == 0 ? 0 : point_.size(); }
 
   void scale_weights(const Scalar& dt) { quadrature_ = dt * tableau_.b; }
+
+  /// The matrix that makes dt b_i X_i of the next step from those of this one.
+  void follow_by(const Scalar& ratio) {
+    Scalar values[8];
+    for (Eigen::Index i = 0; i < extrapolation_.rows(); ++i) {
+      tableau_.lagrange(Scalar(1 + ratio * tableau_.c[i]), values);
+      for (Eigen::Index j = 0; j < extrapolation_.cols(); ++j)
+        extrapolation_(i, j) = ratio * values[j] * tableau_.b[i] / tableau_.b[j];
+    }
+  }
 
   Scalar increment(Eigen::Index i) const {
     Scalar sum(0);

@@ -46,10 +46,7 @@ class GaussLegendreLanes : public detail::GaussShell<GaussLegendreLanes<H>, H> {
       throw std::invalid_argument(
           "GaussLegendreLanes: only StageSolver::fixed_point; GaussLegendre has Newton's method");
     for (int j = 0; j < 8; ++j) extrapolation_[j] = weight_[j] = Scalar(0);
-    for (int j = 0; j < options.stages; ++j) {
-      extrapolation_[j] = column([&](int i) { return tableau_.extrapolation(i, j); });
-      weight_[j] = column([&](int i) { return tableau_.m(i, j); });
-    }
+    for (int j = 0; j < options.stages; ++j) weight_[j] = column([&](int i) { return tableau_.m(i, j); });
   }
 
  private:
@@ -72,6 +69,12 @@ class GaussLegendreLanes : public detail::GaussShell<GaussLegendreLanes<H>, H> {
 
   void scale_weights(const Scalar& dt) {
     quadrature_ = column([&](int j) { return dt * tableau_.b[j]; });
+  }
+
+  void follow_by(const Scalar& ratio) {
+    const Many used = column([](int) { return 1; });
+    tableau_.lagrange(Many(1 + ratio * column([&](int i) { return tableau_.c[i]; })), extrapolation_);
+    for (int j = 0; j < options_.stages; ++j) extrapolation_[j] *= used;
   }
 
   Scalar increment(Eigen::Index i) const {

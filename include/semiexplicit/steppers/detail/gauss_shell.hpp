@@ -53,6 +53,7 @@ namespace detail {
 ///
 ///     Eigen::Index size() const;                 // 2d, or 0 where the stages were moved from
 ///     void scale_weights(const Scalar& dt);      // dt b_j, for another dt than before
+///     void follow_by(const Scalar& ratio);       // how to extrapolate to a step so many times as long
 ///     Status solve(const State& z, bool extrapolate, StepReport& report);  // then iterate()
 ///     Scalar increment(Eigen::Index i) const;    // Σ_j dt b_j X_ji
 ///     void visit_stages(Visitor& visit);  // the gradients, which the next stages are extrapolated from
@@ -71,7 +72,11 @@ class GaussShell {
     StepReport report{.status = status_at_start(dt, stages.size() != 0, z.vector().size() == stages.size())};
     if (!report.ok()) return report;
 
-    const bool goes_on = options_.extrapolate && last_dt_ == dt && update_.continues(z);
+    const bool goes_on = options_.extrapolate && can_follow(dt) && update_.continues(z);
+    if (goes_on && ratio_ != dt / last_dt_) {
+      ratio_ = dt / last_dt_;
+      stages.follow_by(ratio_);
+    }
     last_dt_ = Scalar(0);  // nothing to extrapolate from until the step is done, also where a gradient throws
     if (weights_dt_ != dt) stages.scale_weights(dt);
     weights_dt_ = dt;
@@ -122,11 +127,6 @@ class GaussShell {
                                   ": max_iterations must be 1 or more, and tolerance 0 or more and finite");
   }
 
-  /// The matrix that makes dt b_j X_j of the next step from those of this one.
-  auto extrapolation_of_increments() const {
-    return (tableau_.b.asDiagonal() * tableau_.extrapolation * tableau_.b.cwiseInverse().asDiagonal()).eval();
-  }
-
   /// Repeats sweep(), which returns the sum of the absolute values of what it changed in the stages'
   /// displacements from z, until that is zero, or nothing beside them in any units, within the tolerance, or
   /// but the rounding of z and the displacements. displaced() is the sum of their absolute values.
@@ -171,6 +171,12 @@ class GaussShell {
   GaussTableau<Scalar> tableau_;
 
  private:
+  /// Whether a step of dt is near enough to the last one: a polynomial of degree s - 1 grows fast behind it.
+  bool can_follow(const Scalar& dt) const {
+    using std::abs;
+    return (dt > Scalar(0)) == (last_dt_ > Scalar(0)) && abs(dt) <= most_ratio * abs(last_dt_);
+  }
+
   /// Σ |zᵢ| without (t, p_t), where the time is a coordinate; `all` elsewhere.
   static Scalar size_without_time(const State& z, const Scalar& all) {
     if constexpr (InExtendedPhaseSpace<H>)
@@ -179,8 +185,11 @@ class GaussShell {
       return all;
   }
 
+  static constexpr int most_ratio = 2;
+
   CompensatedUpdate<Scalar, Dof> update_;
   Scalar last_dt_ = Scalar(0), weights_dt_ = Scalar(0);
+  Scalar ratio_ = Scalar(0);  ///< that the stages know how to follow by
 };
 
 }  // namespace detail

@@ -24,8 +24,8 @@ struct GaussTableau {
 
   Vector<Scalar, Eigen::Dynamic> c;  ///< nodes in [0, 1], ascending
   Vector<Scalar, Eigen::Dynamic> b;  ///< weights
+  Vector<Scalar, Eigen::Dynamic> w;  ///< 1/Π(c_j - c_k) over k ≠ j: ℓ_j(x) = w_j Π(x - c_k) / (x - c_j)
   Matrix m;                          ///< a_ij / b_j
-  Matrix extrapolation;              ///< stage values of the next step from those of this one: ℓ_j(1 + c_i)
 
   /// Throws std::invalid_argument unless 1 ≤ stages ≤ 8.
   SEMIEXPLICIT_COLD explicit GaussTableau(int stages) {
@@ -34,36 +34,40 @@ struct GaussTableau {
                                   " stages asked for; give 1 to 8");
     c.resize(stages);
     b.resize(stages);
+    w.setOnes(stages);
     m.resize(stages, stages);
-    extrapolation.resize(stages, stages);
     for (int i = 0; i < stages; ++i) {
       const auto [root, slope] = legendre_root(stages, i);
       c[i] = (1 - root) / 2;
       b[i] = 1 / ((1 - root * root) * slope * slope);
     }
+    for (int j = 0; j < stages; ++j)
+      for (int k = 0; k < stages; ++k)
+        if (k != j) w[j] /= c[j] - c[k];
     for (int i = 0; i < stages; ++i) {
+      // a_ij is the integral of ℓ_j from 0 to c_i, which the method's own quadrature integrates exactly.
+      Scalar integral[8]{}, value[8];
+      for (int k = 0; k < stages; ++k) {
+        lagrange(Scalar(c[i] * c[k]), value);
+        for (int j = 0; j < stages; ++j) integral[j] += c[i] * b[k] * value[j];
+      }
       m(i, i) = Scalar(1) / 2;
       for (int j = i + 1; j < stages; ++j) {
-        // a_ij is the integral of ℓ_j from 0 to c_i, which the method's own quadrature integrates exactly.
-        Scalar integral(0);
-        for (int k = 0; k < stages; ++k) integral += b[k] * lagrange(j, c[i] * c[k]);
-        m(i, j) = c[i] * integral / b[j];
-        m(j, i) = 1 - m(i, j);
+        m(j, i) = 1 - integral[j] / b[j];
         m(i, j) = 1 - m(j, i);  // exact, as 1/2 <= m_ji <= 2; the line above may round
       }
-      for (int j = 0; j < stages; ++j) extrapolation(i, j) = lagrange(j, 1 + c[i]);
     }
   }
 
- private:
-  /// ℓ_j(x), the polynomial that is 1 at c_j and 0 at the other nodes.
-  Scalar lagrange(int j, const Scalar& x) const {
-    Scalar value(1);
-    for (int k = 0; k < c.size(); ++k)
-      if (k != j) value *= (x - c[k]) / (c[j] - c[k]);
-    return value;
+  /// ℓ_0(x), ..., ℓ_{s-1}(x) at an x that is no node, into values; x may be a pack of them.
+  template <class X>
+  void lagrange(const X& x, X* values) const {
+    X all(Scalar(1));
+    for (Eigen::Index k = 0; k < c.size(); ++k) all = all * (x - c[k]);
+    for (Eigen::Index j = 0; j < c.size(); ++j) values[j] = all * w[j] / (x - c[j]);
   }
 
+ private:
   struct Root {
     Scalar root, slope;
   };

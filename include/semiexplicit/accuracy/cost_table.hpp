@@ -40,7 +40,8 @@ struct CostRow {
   double seconds = 0;    ///< of processor time; NaN where that was not measured
   LimitedBy limit = LimitedBy::step;
   Status status = Status::success;  ///< why the setting failed in a trial; the figures above are NaN then
-  double tried = 0;                 ///< how far, in time: less than the whole where calls did not suffice
+  double tried = 0;                 ///< how far, in time: less than the whole where calls did not suffice,
+                                    ///< 0 where interpolated
   double harder = 1;                ///< how much finer steps must be in what comes after that
   bool lasts = true;                ///< false: it has to be tried to the end to be advised, and was not
   bool interpolated = false;        ///< between two trials of the same scheme, instead of tried itself
@@ -209,6 +210,7 @@ struct CostTable {
     row.seconds = mean(a.seconds, b.seconds);
     row.limit = b.limit == LimitedBy::rounding ? a.limit : b.limit;
     row.interpolated = true;
+    row.tried = 0;
     return row;
   }
 };

@@ -192,7 +192,9 @@ class Reference {
         by_two_(problem, method),
         by_three_(problem, method),
         coarse_(problem.z0),
-        fine_(problem.z0) {}
+        fine_(problem.z0) {
+    restart();
+  }
 
   /// Goes on to `length`, with samples all along. For the first stretch of a run steps become smaller until
   /// both runs are apart by no more than `enough` of the largest ‖f‖, or smaller ones no longer help. False:
@@ -209,9 +211,7 @@ class Reference {
       last = std::min(last, now);
       if (share_ < 1e-3) break;
       share_ /= 1.5;
-      coarse_ = fine_ = problem_.z0;
-      time_ = size_ = 0;
-      samples_.clear();
+      restart();
     }
     if (time_ == 0) return follow(length);
     return true;
@@ -243,6 +243,13 @@ class Reference {
   }
 
  private:
+  SEMIEXPLICIT_COLD void restart() {
+    coarse_ = fine_ = problem_.z0;
+    time_ = 0;
+    size_ = static_cast<double>(norm(problem_.first));
+    samples_.clear();
+  }
+
   SEMIEXPLICIT_COLD bool follow(double length) {
     const double from = time_, begin = problem_.table.spent_gradients;
     // Those of before become as few as the new ones.
@@ -261,7 +268,7 @@ class Reference {
     for (double planned = 0; time_ < length;) {
       for (; next < count && planned <= time_; ++next)
         planned = from + (next - 0.3 * std::fmod(0.618034 * next, 1.0)) / count * (length - from);
-      if (!step(length)) return false;
+      if (!step(length, (length - from) / least_count)) return false;
       problem_.measure(fine_, fine);
       if (!all_finite(fine)) {
         problem_.table.observable_end = time_;
@@ -277,8 +284,8 @@ class Reference {
     return true;
   }
 
-  /// Two steps of one run, three of the other, not beyond `end`.
-  SEMIEXPLICIT_COLD bool step(double end) {
+  /// Two steps of one run, three of the other, of `most` together and not beyond `end`.
+  SEMIEXPLICIT_COLD bool step(double end, double most) {
     const double left = end - time_;
     double dt = 2 * share_ * hardest_;
     if (varies_) {
@@ -288,6 +295,7 @@ class Reference {
       while (dt > 1.5 * local) dt /= much_easier;
       while (much_easier * dt <= local) dt *= much_easier;
     }
+    dt = std::min(dt, most);
     dt = dt < 0.999 * left ? dt : left;
     bool cut = pacer_.cut();
     for (int attempt = 0; attempt < 40 && time_ + dt > time_ && !cut; ++attempt, dt /= 2) {
@@ -307,7 +315,7 @@ class Reference {
   }
 
   inline static const Setting method{.method = Setting::Method::gauss, .stages = 8};
-  static constexpr int count = 80;
+  static constexpr int count = 80, least_count = 32;  ///< samples of a stretch, if steps are short; at least
   static constexpr double much_easier = 4;
 
   Problem<Any>& problem_;

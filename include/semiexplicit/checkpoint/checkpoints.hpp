@@ -43,6 +43,8 @@ namespace detail {
 template <class Scalar>
 bool same_but_for_rounding(const Scalar& there, const Scalar& here) {
   using std::abs;
+  using std::isfinite;
+  if (!isfinite(here)) return there == here;
   return abs(there - here) <= std::pow(std::numeric_limits<Scalar>::epsilon(), Scalar(0.75)) * abs(here);
 }
 

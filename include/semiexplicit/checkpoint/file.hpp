@@ -75,7 +75,7 @@ struct CheckpointFrame {
   }
 };
 
-/// All of a file, or nothing where there is none. Throws std::invalid_argument where it cannot be read.
+/// All of a file, or nothing where there is none. Throws std::runtime_error where it cannot be read.
 inline std::optional<std::string> read_if_there(const std::filesystem::path& path) {
   std::error_code failure;
   const auto type = std::filesystem::status(path, failure).type();  // a link to nothing is nothing
@@ -85,7 +85,8 @@ inline std::optional<std::string> read_if_there(const std::filesystem::path& pat
   if (type == std::filesystem::file_type::regular) in.open(path, std::ios::binary);
   if (in.is_open()) bytes.assign(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
   if (!in.is_open() || in.bad())
-    throw std::invalid_argument("cannot be read; check what it is and who may read it");
+    throw std::runtime_error("checkpoint " + path.string() +
+                             ": cannot be read; check what it is and who may read it");
   return bytes;
 }
 
@@ -97,7 +98,7 @@ class CheckpointFile {
 
   /// Hands the contents to restore(), and gives false where there is no such file. What that throws as
   /// std::invalid_argument gets the name of the file; the file is not locked then. Throws std::runtime_error
-  /// where it cannot be written, or another run that is alive has it open.
+  /// where it cannot be read or written, or another run that is alive has it open.
   template <class Restore>
   bool read(const Restore& restore) {
     std::error_code failure;
@@ -120,7 +121,8 @@ class CheckpointFile {
     return true;
   }
 
-  /// Takes the place of what is there, whole. Throws std::runtime_error where that is a file of another kind.
+  /// Takes the place of what is there, whole. Throws std::runtime_error where that is a file of another kind,
+  /// or cannot be read.
   void write(std::string_view contents) {
     DurableFile file(path_);
     take();
@@ -152,6 +154,10 @@ class CheckpointFile {
     if (to.direct) return;
     std::string head(CheckpointFrame::magic.size(), '\0');
     std::ifstream in(to.path, std::ios::binary);
+    std::error_code failure;
+    if (!in.is_open() && std::filesystem::exists(to.path, failure))
+      throw std::runtime_error("checkpoint " + path_.string() +
+                               ": a file that cannot be read is there; give another name, or move it away");
     in.read(head.data(), static_cast<std::streamsize>(head.size()));
     head.resize(static_cast<std::size_t>(in.gcount()));
     if (!head.empty() && head != CheckpointFrame::magic)

@@ -95,6 +95,7 @@ class OdeintStepper {
     if (!report.ok())
       throw IntegrationError({.status = report.status,
                               .t = static_cast<double>(t),
+                              .dt = static_cast<double>(dt),
                               .steps = steps_,
                               .evaluations = report.evaluations,
                               .gradients = report.gradients,

@@ -80,21 +80,11 @@ class EnergyColumn : public TracedColumn<T, Rows> {
   /// known to be inside.
   SEMIEXPLICIT_INTO_TERM typename LanesFor<T>::type load(const Place& place, Eigen::Index last,
                                                          bool expected) const {
-    if (place.stride == 1 && place.wrap == 0) {
-      const bool inside = expected || (place.first >= 0 && last < this->size());
-      if (!inside) lanes_part() = true;
-      return (inside ? at_ : nothing()).load(inside ? place.first : 0);
-    }
+    if (place.stride == 1 && place.wrap == 0 && (expected || (place.first >= 0 && last < this->size())))
+      return at_.load(place.first);
     if (place.stride == 0 && (expected || (place.first >= 0 && place.first < this->size())))
       return same(at_[place.first]);
     return gathered(place);
-  }
-  static SEMIEXPLICIT_INTO_TERM HalfPoint<T> nothing() {
-    static constexpr typename Planes<T>::Plain zeros[std::size_t(lanes_of<typename Planes<T>::Plain>)] = {};
-    if constexpr (Planes<T>::planes == 1)
-      return {zeros};
-    else
-      return {zeros, zeros};
   }
   template <class S>
   static SEMIEXPLICIT_INTO_TERM LanePack<S> same(const S& x) {
@@ -106,17 +96,17 @@ class EnergyColumn : public TracedColumn<T, Rows> {
     all.derivative[0] = LanePack<S>(x.derivative[0]);
     return all;
   }
-  /// Entries apart from each other.
+  /// Entries apart from each other. A lane beyond the column gets the first one's, with which the term comes
+  /// to an end: it is the first lane that its branches follow.
   SEMIEXPLICIT_NOINLINE auto gathered(Place place) const {
     using L = typename LanesFor<T>::type;
     constexpr Eigen::Index size = lanes_of<typename Planes<T>::Plain>;
     typename Planes<T>::Plain values[std::size_t(size * Planes<T>::planes)] = {};
     for (Eigen::Index k = 0; k < size; ++k) {
-      const Eigen::Index i = place.of_lane(k);
-      if (i < 0 || i >= this->size())
-        lanes_part() = true;
-      else
-        put(at_[i], values + k);
+      const auto is_inside = [this](Eigen::Index i) { return i >= 0 && i < this->size(); };
+      Eigen::Index i = place.of_lane(k);
+      if (!is_inside(i)) lanes_part() = true, i = place.of_lane(0);
+      if (is_inside(i)) put(at_[i], values + k);
     }
     L x;
     take(values, x);

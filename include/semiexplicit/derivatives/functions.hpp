@@ -146,8 +146,8 @@ struct Operators : Differentiating {
   }
   friend SEMIEXPLICIT_INTO_TERM X max(const X& x, const X& y) { return x < y ? y : x; }
   friend SEMIEXPLICIT_INTO_TERM X min(const X& x, const X& y) { return y < x ? y : x; }
-  friend SEMIEXPLICIT_INTO_TERM X fmax(const X& x, const X& y) { return x < y ? y : x; }
-  friend SEMIEXPLICIT_INTO_TERM X fmin(const X& x, const X& y) { return y < x ? y : x; }
+  friend SEMIEXPLICIT_INTO_TERM X fmax(const X& x, const X& y) { return x < y || x != x ? y : x; }
+  friend SEMIEXPLICIT_INTO_TERM X fmin(const X& x, const X& y) { return y < x || x != x ? y : x; }
 };
 
 // What an energy may call, found by argument-dependent lookup: `using std::sqrt; sqrt(x)`, or plain

@@ -316,8 +316,33 @@ auto sum_over_pairs(Count n, const Term& term) {
   }
 }
 
+namespace detail::autodiff {
+
+/// How many entries an array has, as far as it tells.
+template <class Array>
+Eigen::Index entries_of(const Array& array) {
+  if constexpr (requires { array.derived(); })
+    return array.derived().size();
+  else if constexpr (requires { std::size(array); })
+    return static_cast<Eigen::Index>(std::size(array));
+  else
+    return std::numeric_limits<Eigen::Index>::max();
+}
+
+/// The number in lane k, or the first lane's where there is no such entry.
+template <class Inside>
+SEMIEXPLICIT_INTO_TERM Eigen::Index lane_or_first(const Place& place, Eigen::Index k, const Inside& inside) {
+  const Eigen::Index i = place.of_lane(k);
+  if (inside(i)) return i;
+  lanes_part() = true;
+  return place.of_lane(0);
+}
+
+}  // namespace detail::autodiff
+
 /// array[i], in a term of sum_over() or sum_over_pairs(), for the several terms at once that i may stand for.
-/// Arrays are pointers, containers and vectors of Eigen.
+/// Arrays are containers and vectors of Eigen, and pointers to entries for all terms, also those that a branch
+/// leaves out.
 template <class Array, std::integral I>
 auto at(const Array& array, I i) {
   if constexpr (requires { array.derived(); })
@@ -332,6 +357,9 @@ SEMIEXPLICIT_INTO_TERM auto at(const Array& array, const detail::autodiff::LaneI
   using Pack = detail::autodiff::LanePack<S>;
   const detail::autodiff::Place place = i.place();
   if (place.stride == 0) return Pack(at(array, place.first));
+  const Eigen::Index size = detail::autodiff::entries_of(array);
+  const auto inside = [size](Eigen::Index k) { return k >= 0 && k < size; };
+  const bool in_a_row = place.stride == 1 && place.wrap == 0 && inside(place.first) && inside(i.last());
   if constexpr (!requires { array.derived(); })
     if constexpr (requires {
                     { std::data(array) } -> std::convertible_to<const S*>;
@@ -342,15 +370,17 @@ SEMIEXPLICIT_INTO_TERM auto at(const Array& array, const detail::autodiff::LaneI
         data = std::data(array);
       else
         data = array;
-      if (place.stride == 1 && place.wrap == 0) return Pack::load(data + place.first);
+      if (in_a_row) return Pack::load(data + place.first);
     }
   if constexpr (requires {
                   array.derived().innerStride();
                   { array.derived().data() } -> std::convertible_to<const S*>;
                 })
-    if (array.derived().innerStride() == 1 && place.stride == 1 && place.wrap == 0)
+    if (array.derived().innerStride() == 1 && in_a_row)
       return Pack::load(array.derived().data() + place.first);
-  return Pack::of([&](int k) { return static_cast<S>(at(array, place.of_lane(k))); });
+  return Pack::of([&](int k) {
+    return static_cast<S>(at(array, detail::autodiff::lane_or_first(place, k, inside)));
+  });
 }
 
 /// matrix(i, j), of a matrix of Eigen.
@@ -362,8 +392,12 @@ template <class Matrix, class S>
 SEMIEXPLICIT_INTO_TERM auto at(const Matrix& matrix, const detail::autodiff::LaneIndex<S>& i,
                                const detail::autodiff::LaneIndex<S>& j) {
   const detail::autodiff::Place row = i.place(), column = j.place();
-  return detail::autodiff::LanePack<S>::of(
-      [&](int k) { return static_cast<S>(at(matrix, row.of_lane(k), column.of_lane(k))); });
+  return detail::autodiff::LanePack<S>::of([&](int k) {
+    using detail::autodiff::lane_or_first;
+    return static_cast<S>(
+        at(matrix, lane_or_first(row, k, [&](Eigen::Index r) { return r >= 0 && r < matrix.rows(); }),
+           lane_or_first(column, k, [&](Eigen::Index c) { return c >= 0 && c < matrix.cols(); })));
+  });
 }
 template <class Matrix, class S, std::integral J>
 SEMIEXPLICIT_INTO_TERM auto at(const Matrix& matrix, const detail::autodiff::LaneIndex<S>& i, J j) {

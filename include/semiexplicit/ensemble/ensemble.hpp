@@ -104,8 +104,10 @@ class Ensemble {
 
     EnsembleReport report = gathered(options, options.done, start);
     if (options.done == 0) report = tell(report);
-    std::int64_t length = 1;  // of a part
-    while (report.done < options.steps && !report.stopped) {
+    bool begun = options.done > 0;  // observers of members hear of the start also where there are no steps
+    std::int64_t length = 1;        // of a part
+    while ((report.done < options.steps || !begun) && !report.stopped) {
+      begun = true;
       if (options.together > 0)
         length = options.together - report.done % options.together;
       else if (!whole)
@@ -119,7 +121,8 @@ class Ensemble {
       const double seconds = since(part_start);
       if (seconds < 0.25) length = std::min<std::int64_t>(2 * length, std::int64_t{1} << 40);
       if (seconds > 1) length = std::max<std::int64_t>(length / 2, 1);
-      report = tell(gathered(options, part.until, start));
+      report = gathered(options, part.until, start);
+      if (part.until > part.from) report = tell(report);
     }
     return report;
   }
@@ -258,6 +261,8 @@ class Ensemble {
       throw std::invalid_argument(
           "Ensemble: steps, every, threads, together and done must not be negative; to go back in time give "
           "a negative dt");
+    if (!std::isfinite(options.t0))
+      throw std::invalid_argument("Ensemble: t0 is not finite; give the time of the start");
     detail::require_subdivide("Ensemble", options.subdivide);
     if (options.done > options.steps)
       throw std::invalid_argument("Ensemble: " + std::to_string(options.done) + " steps are done of " +

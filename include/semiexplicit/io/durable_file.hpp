@@ -183,6 +183,8 @@ class DurableFile {
   std::uint64_t length() const { return length_; }
   /// Where they are until commit().
   const std::filesystem::path& part() const { return part_; }
+  /// And behind it.
+  const std::filesystem::path& destination() const { return to_.path; }
   /// Whether this is no regular file, so that nothing can be read back.
   bool direct() const { return to_.direct; }
 

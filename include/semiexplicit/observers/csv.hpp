@@ -67,7 +67,7 @@ class CsvWriter {
   /// See Describable.
   template <class List>
   void describe(List& list) const {
-    list("columns", columns_);
+    list("columns", header_.substr(0, header_.size() - 1));
   }
   /// How long the .part is, and its checksum; see CheckpointMemory. What is saved is on the disk first. After
   /// what is put back the next row follows that length of the .part of the earlier run, and replaces the
@@ -121,11 +121,12 @@ class CsvWriter {
   /// The first bytes of the file that has its name already; nothing where it is shorter.
   std::string committed(std::uint64_t length) const {
     std::error_code failure;
-    const std::uintmax_t size = std::filesystem::file_size(path_, failure);
+    const std::uintmax_t size = std::filesystem::file_size(file_.destination(), failure);
     if (failure || size < length) return {};
     std::string bytes;
     bytes.resize(length);
-    std::ifstream(path_, std::ios::binary).read(bytes.data(), static_cast<std::streamsize>(length));
+    std::ifstream(file_.destination(), std::ios::binary)
+        .read(bytes.data(), static_cast<std::streamsize>(length));
     return bytes;
   }
 

@@ -322,8 +322,8 @@ class UniversalKepler {
 
 /// Kepler's motion about a centre at the origin, the exact flow of Kinetic + Attraction: ellipses, parabolas,
 /// hyperbolas, and the orbits of repulsion (GM < 0) and of no force, for times of either sign and of any
-/// number of periods. On a straight line through the centre the body turns back there, which is the limit of
-/// narrow ellipses.
+/// number of periods. On a straight line through a centre that attracts the body turns back there, which is
+/// the limit of narrow ellipses.
 ///
 /// The errors are a few roundings of q and of p, without a preferred sign: the energy of a million calls
 /// walks by 1e-13 to 1e-12. Of n periods at once the phase has an error of n roundings. About 0.2 µs a call.
@@ -341,6 +341,12 @@ struct KeplerFlow {
   Status increments(const Scalar& t, const auto& q, const auto& p, auto& dq, auto& dp) const {
     using std::floor;
     using std::sqrt;
+    if (gm == 0) {  // through the centre, too
+      const Scalar sum = detail::dot<Dim>(q, q) + detail::dot<Dim>(p, p) + t;
+      if (!(sum - sum == 0)) return Status::not_finite;
+      for (int i = 0; i < Dim; ++i) dq[i] = t * p[i], dp[i] = Scalar(0);
+      return Status::success;
+    }
     const Scalar r0 = sqrt(detail::dot<Dim>(q, q)), eta0 = detail::dot<Dim>(q, p);
     const Scalar inverse = 1 / r0, beta = 2 * gm * inverse - detail::dot<Dim>(p, p);
     const Scalar root = sqrt(beta < 0 ? Scalar(-beta) : beta);

@@ -42,9 +42,10 @@ PhasePoint<Scalar, 3> state_of(const Elements<Scalar>& orbit, const Scalar& gm) 
   if (!(orbit.a > 0 && orbit.e >= 0 && orbit.e < 1 && gm > 0))
     throw std::invalid_argument("state_of: a bound orbit has a > 0, 0 <= e < 1 and GM > 0");
   const Scalar x = eccentric_anomaly(orbit.mean_anomaly, orbit.e);
-  const Scalar minor = sqrt(1 - orbit.e * orbit.e);
-  const Scalar speed = sqrt(gm / orbit.a) / (1 - orbit.e * cos(x));
-  const Scalar along = orbit.a * (cos(x) - orbit.e), across = orbit.a * minor * sin(x);
+  // 1 - e stands alone, since near the periapsis nothing else is left of 1 - e cos x and cos x - e.
+  const Scalar minor = sqrt((1 - orbit.e) * (1 + orbit.e)), half = sin(x / 2), bend = 2 * half * half;
+  const Scalar speed = sqrt(gm / orbit.a) / ((1 - orbit.e) + orbit.e * bend);
+  const Scalar along = orbit.a * ((1 - orbit.e) - bend), across = orbit.a * minor * sin(x);
   const Scalar v_along = -speed * sin(x), v_across = speed * minor * cos(x);
   const Scalar co = cos(orbit.node), so = sin(orbit.node), ci = cos(orbit.inclination),
                si = sin(orbit.inclination), cw = cos(orbit.periapsis), sw = sin(orbit.periapsis);

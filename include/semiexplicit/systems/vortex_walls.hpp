@@ -71,19 +71,20 @@ struct FlatWall {
   static auto by_y(const auto&, const auto& y, const auto&, const auto& v) { return 2 * (y + v); }
 };
 
-/// w for the wall |z| = R: |R² - z w̄|².
+/// w for the wall |z| = R: |R² - z w̄|² = R² |z - w|² + (R² - |z|²) (R² - |w|²).
 template <class Scalar>
 struct RoundWall {
   Scalar r2;  ///< R²
   auto value(const auto& x, const auto& y, const auto& u, const auto& v) const {
-    return r2 * r2 - 2 * r2 * (x * u + y * v) + (x * x + y * y) * (u * u + v * v);
+    return r2 * ((x - u) * (x - u) + (y - v) * (y - v)) + inside(x, y) * inside(u, v);
   }
   auto by_x(const auto& x, const auto&, const auto& u, const auto& v) const {
-    return 2 * (x * (u * u + v * v) - r2 * u);
+    return 2 * (r2 * (x - u) - x * inside(u, v));
   }
   auto by_y(const auto&, const auto& y, const auto& u, const auto& v) const {
-    return 2 * (y * (u * u + v * v) - r2 * v);
+    return 2 * (r2 * (y - v) - y * inside(u, v));
   }
+  auto inside(const auto& x, const auto& y) const { return r2 - x * x - y * y; }  // small near the wall
 };
 
 }  // namespace detail

@@ -543,6 +543,22 @@ TEST_CASE("A change of the working directory takes no file along", "[checkpoint]
     checkpoints.remove();
     CHECK(!fs::exists(here.path / "run.checkpoint"));
   }
+  // Killed between commit() and remove(): the file that has its name is found from elsewhere, too.
+  const auto run = [&](bool again) {
+    fs::current_path(here.path);
+    z = PhasePoint<double, 1>(-3, 0);
+    IntegrationOptions<double> options{.dt = 0.01, .steps = 40};
+    CsvTrajectory rows("rows.csv", 1);
+    Checkpoints checkpoints("rows.checkpoint", {.every = 40}, stepper, options, rows);
+    fs::current_path(there.path);
+    options.done = checkpoints.resume(z);
+    CHECK(options.done.steps == (again ? 40 : 0));
+    integrate(stepper, z, options, rows, checkpoints);
+    rows.commit();
+  };
+  run(false);
+  run(true);
+  CHECK(fs::exists(here.path / "rows.csv"));
 }
 
 }  // namespace test_files

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -113,6 +114,20 @@ struct Saved {
   }
 };
 
+/// An observer that hands on what its file says of itself.
+struct NamedColumns {
+  static constexpr const char* name = "NamedColumns";
+  std::shared_ptr<CsvWriter> csv;
+
+  void operator()(double, const Point&) {}
+  template <class List>
+  void describe(List& list) const {
+    csv->describe(list);
+  }
+  template <class Visitor>
+  void visit_memory(Visitor&&) {}
+};
+
 const systems::Product<double> h;
 auto usual() { return Semiexplicit(h, schemes::strang<double>()); }
 const auto q_of = [](const auto& q, const auto&) { return q[0]; };
@@ -196,6 +211,15 @@ TEST_CASE("Every option of the library's observers counts", "[checkpoint]") {
   };
   differs(following(q_of), following([](const auto& q, const auto&) { return 1.001 * q[0]; }),
           "another mine");
+  const auto infinite = [&](double c) {
+    return following([c](const auto&, const auto&) { return c / 0.0; });
+  };
+  differs(infinite(1), infinite(-1), "another mine");
+  differs(infinite(1), following(q_of), "another mine");
+  const auto file = [](const char* name) {
+    return NamedColumns{std::make_shared<CsvWriter>("/dev/null", std::vector<std::string>{"t", name})};
+  };
+  differs(file("energy"), file("mass"), "observer 1 columns: t,energy");
   auto stepper = usual();
   differs(LyapunovExponents(stepper, 1), LyapunovExponents(stepper, 2), "observer 1 exponents: 1");
 }

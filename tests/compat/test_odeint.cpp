@@ -97,6 +97,7 @@ TEST_CASE("A step that fails under odeint throws and keeps the state", "[odeint]
     stepper.do_step(stepper.system(), x, 0.05, 1e3);
   } catch (const IntegrationError& error) {
     message = error.what();
+    CHECK(error.report().dt == 1e3);
   }
   CHECK(says(message, "step 2 failed at t = 0.05 (dt = 1000)"));
   CHECK(x == before);

@@ -278,6 +278,23 @@ TEST_CASE("Slopes neither overflow nor cancel where the function does not", "[de
   CHECK_FALSE(isfinite(derivative(0, [](auto q) { return pow(q, -1); })));
 }
 
+TEST_CASE("fmax and fmin leave out what is no number, wherever it stands", "[from_energy]") {
+  for (const double none : {std::nan(""), -std::nan("")}) {
+    const auto slope = [&](auto f) {
+      const auto h = from_energy<1>([f](const auto& q, const auto&) { return f(q[0]); });
+      PhasePoint<double, 1> gradient;
+      const PhasePoint<double, 1> z(0.7, 0);
+      h.gradient(z.q(), z.p(), gradient.q(), gradient.p());
+      return gradient.q()[0];
+    };
+    using std::fmax, std::fmin;
+    CHECK(slope([=](const auto& q) { return fmax(q * none, 2 * q); }) == 2);
+    CHECK(slope([=](const auto& q) { return fmax(2 * q, q * none); }) == 2);
+    CHECK(slope([=](const auto& q) { return fmin(q * none, 3 * q); }) == 3);
+    CHECK(slope([=](const auto& q) { return fmin(3 * q, q * none); }) == 3);
+  }
+}
+
 TEST_CASE("Derivatives of functions near their limits have all digits", "[from_energy]") {
   const auto steps = from_energy<2>([](const auto& q, const auto&) {
     using std::expm1, std::tanh;

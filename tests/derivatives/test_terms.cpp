@@ -3,6 +3,8 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <span>
+#include <stdexcept>
 #include <vector>
 
 #include <boost/multiprecision/cpp_bin_float.hpp>
@@ -250,6 +252,66 @@ TEST_CASE("Terms may branch", "[terms]") {
     });
   };
   CHECK(error_of(n, cut) <= 1e-14);
+}
+
+TEST_CASE("A guarded term gets no numbers that are not there", "[terms]") {
+  // The last terms' lanes reach beyond the end: what a branch keeps from there may throw, go on, or not
+  // exist.
+  for (const Index n : {5, 8, 32, 50}) {
+    CAPTURE(n);
+    PhasePoint<double, Eigen::Dynamic> positive = some_point(n);
+    positive.vector().array() += 1.5;
+    const auto throwing = [=](const auto& q, const auto&) {
+      using std::log;
+      return sum_over(n, [&](auto i) {
+        auto sum = q[i] * q[i];
+        if (i >= n - 1) return sum;
+        const auto next = q[i + 1];
+        if (!(next > 0)) throw std::domain_error("q is not positive");
+        return sum + log(next) * q[i];
+      });
+    };
+    CHECK(error_at(throwing, positive) <= 1e-15);
+    const auto iterating = [=](const auto& q, const auto&) {
+      return sum_over(n, [&](auto i) {
+        auto sum = q[i] * q[i];
+        if (i < n - 1) {  // Heron's root of the next
+          const auto next = q[i + 1];
+          auto x = next;
+          for (int k = 0; x * x - next > 1e-14 || next - x * x > 1e-14; ++k) {
+            if (k == 100) throw std::runtime_error("the iteration does not end");
+            x = (x + next / x) / 2;
+          }
+          sum += q[i] * x;
+        }
+        return sum;
+      });
+    };
+    PhasePoint<double, Eigen::Dynamic> equal(n);
+    equal.vector().setConstant(2.5);
+    CHECK(error_at(iterating, equal) <= 1e-12);
+    CHECK(error_at(iterating, positive) <= 1e-12);
+    // Behind the n - 1 constants lies what no constant is.
+    std::vector<double> bonds(static_cast<std::size_t>(n), 0.5);
+    bonds.back() = std::nan("");
+    const std::span<const double> there(bonds.data(), bonds.size() - 1);
+    const Eigen::Map<const Eigen::VectorXd> mapped(bonds.data(), n - 1);
+    const auto bond = [=](const auto& constants) {
+      return [=](const auto& q, const auto&) {
+        return sum_over(n, [&](auto i) {
+          auto sum = q[i] * q[i];
+          if (i < n - 1) {
+            const auto k = at(constants, i);
+            if (!(k > 0.4)) throw std::runtime_error("a constant that is none");
+            sum += k * (q[i + 1] - q[i]) * (q[i + 1] - q[i]);
+          }
+          return sum;
+        });
+      };
+    };
+    CHECK(error_of(n, bond(there)) <= 1e-15);
+    CHECK(error_of(n, bond(mapped)) <= 1e-15);
+  }
 }
 
 TEST_CASE("A term may reach far and touch many variables", "[terms]") {

@@ -219,6 +219,15 @@ TEST_CASE("An observer hears of every member at the times asked for") {
   int calls = 0;  // without .every at each step
   ensemble.run({.dt = 0.01, .steps = 5, .threads = 1}, [&](Eigen::Index, double, const auto&) { ++calls; });
   CHECK(calls == 37 * 6);
+  const auto in_no_step = [](auto ensemble) {
+    int told = 0, together = 0;
+    ensemble.run(
+        {.dt = 0.01, .steps = 0, .threads = 1}, [&](Eigen::Index, double, const auto&) { ++told; },
+        [&](double, const EnsembleReport&) { ++together; });
+    return std::pair(told, together);
+  };
+  CHECK(in_no_step(Ensemble(Lattice5(), lattices(), scheme)) == std::pair(37, 1));
+  CHECK(in_no_step(Ensemble(Lattice5(), lattices(), scheme, Broyden{})) == std::pair(37, 1));
 }
 
 TEST_CASE("An exception of the observer comes out when the others are done") {
@@ -301,6 +310,7 @@ TEST_CASE("An ensemble that makes no sense is refused") {
                 "member 1 has 5 degrees of freedom and the Hamiltonian 4"));
   Ensemble fine(Lattice5(), lattices(3), scheme);
   CHECK(refuses([&] { fine.run({.dt = 0.1, .steps = -1}); }, "must not be negative"));
+  CHECK(refuses([&] { fine.run({.dt = 0.1, .steps = 1, .t0 = std::nan("")}); }, "t0 is not finite"));
   CHECK(fine.run({.dt = 0, .steps = 1}).failed == 3);
   CHECK(says(fine.failure(0), "dt is zero"));
 }

@@ -333,6 +333,32 @@ TEST_CASE("An ensemble whose observers hear of no step is resumed") {
   CHECK(run(Interrupt{99}) == 30);
 }
 
+TEST_CASE("An ensemble with a member whose gradient is infinite is resumed") {
+  const Folder folder;
+  std::vector<PhasePoint<double, 1>> starts{{1, 0}, {-800, 0}, {2, 0}};
+  const auto morse = make_hamiltonian<double, 1>([](const auto&, const auto&) { return 0.0; },
+                                                 [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+                                                   const double e = std::exp(-q[0]);
+                                                   dHdq[0] = 2 * (1 - e) * e;
+                                                   dHdp[0] = p[0];
+                                                 });
+  const auto run = [&](Interrupt dies) {
+    Ensemble ensemble(morse, starts, scheme);
+    EnsembleOptions options{.dt = 0.02, .steps = 30, .together = 5};
+    EnsembleCheckpoints checkpoints(folder.path / "run.checkpoint", {.every = 10}, ensemble, options);
+    options.done = checkpoints.resume();
+    const auto report = ensemble.run(options, checkpoints, dies);
+    CHECK(report.failed == 1);
+    return std::pair(options.done, ensemble.state(2));
+  };
+  CHECK(run(Interrupt{15}).first == 0);
+  const auto [done, state] = run(Interrupt{99});
+  CHECK(done == 10);
+  Ensemble undisturbed(morse, starts, scheme);
+  undisturbed.run({.dt = 0.02, .steps = 30});
+  CHECK(same_bits(state, undisturbed.state(2)));
+}
+
 TEST_CASE("An ensemble is not resumed with other functions of its observers") {
   Saved saved;
   saved.save(functions(), times());

@@ -279,6 +279,12 @@ TEST_CASE("Kepler's flow without a force is a straight line, and with a repellin
   CHECK(z.q()[0] == Approx(0.4));
   CHECK(z.q()[1] == Approx(0.9));
   CHECK(z.p()[0] == Approx(-0.3));
+  for (const double t : {-2.5, 0.5, 1.5, 2.5, 1e5}) {  // through the centre, at t = 1
+    PhasePoint<double, 2> straight({1, 0}, {-1, 0});
+    REQUIRE(move(KeplerFlow<double, 2>{0}, straight, t) == Status::success);
+    CHECK(straight.q()[0] == 1 - t);
+    CHECK(straight.p()[0] == -1);
+  }
   z = PhasePoint<double, 2>({1, 0.5}, {-2, 0.2});
   const double before = z.p().squaredNorm() / 2 + 0.7 / z.q().norm();
   const KeplerFlow<double, 2> repelling{-0.7};

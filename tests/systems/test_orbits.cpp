@@ -60,6 +60,21 @@ double periapsis_advance(const Chosen<2>& scene, const Eigen::Vector4d& start, d
 
 }  // namespace
 
+TEST_CASE("States near the periapsis of steep orbits have the energy of these, to rounding", "[systems]") {
+  for (const double off : {1e-1, 1e-4, 1e-6, 1e-8}) {
+    CAPTURE(off);
+    for (double mean = 3; mean > 1e-10; mean *= 0.7) {
+      const auto z = state_of(
+          Elements<double>{
+              .a = 1, .e = 1 - off, .inclination = 0.3, .node = 1, .periapsis = 2, .mean_anomaly = mean},
+          1.0);
+      const auto q = z.q().cast<long double>().eval(), p = z.p().cast<long double>().eval();
+      const long double per_a = 2 / q.norm() - p.squaredNorm();
+      CHECK(std::abs(static_cast<double>(per_a) - 1) <= 1e-14 / off);  // 2/r is rounded by that
+    }
+  }
+}
+
 TEST_CASE("Mercury's perihelion turns by 42.98 arcseconds a century with 1PN and not without", "[systems]") {
   const double gm = 4 * pi * pi, a = 0.38709893, e = 0.20563069, c = 63241.077;  // au, years
   const double year_orbits = std::pow(a, -1.5), speed = std::sqrt(gm / a * (1 + e) / (1 - e));

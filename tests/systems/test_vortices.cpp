@@ -91,6 +91,25 @@ TEST_CASE("A vortex in a disk turns at the known rate, two feel each other's ima
   CHECK(both.y[1] == Approx(-r * std::sin(rate * t)).margin(1e-10));
 }
 
+TEST_CASE("A vortex near a round wall moves as its place says, to rounding", "[systems]") {
+  const vortices::Circulations<double, 1> circulation(Vector<double, 1>(2.0));
+  const vortices::Disk disk(circulation, 1.0);
+  for (const double off : {1e-2, 1e-4, 1e-6, 1e-8}) {
+    CAPTURE(off);
+    const Vector<double, 1> q(0.6 * (1 - off) / circulation.x_per_q[0]),
+        p(0.8 * (1 - off) / circulation.y_per_p[0]);
+    Vector<double, 1> by_q(0.0), by_p(0.0);
+    disk.add_gradient(q, p, by_q, by_p);
+    const auto x = static_cast<long double>(q[0] * circulation.x_per_q[0]),
+               y = static_cast<long double>(p[0] * circulation.y_per_p[0]), inside = 1 - x * x - y * y;
+    const auto close = 4e-16 / off;  // what the rounding of a place is worth
+    CHECK(by_p[0] * circulation.x_per_q[0] ==
+          Approx(static_cast<double>(-y / (std::acos(-1.0L) * inside))).epsilon(4 * close));
+    CHECK(disk.energy(q, p) ==
+          Approx(static_cast<double>(std::log(inside) / std::acos(-1.0L))).margin(close));
+  }
+}
+
 TEST_CASE("A strained vortex of strength one moves as the flow does", "[systems]") {
   const Circulations one(list({2.0}));
   const auto end = run(Chosen{vortices::Strain(one, 0.5)}, one, list({0.3}), list({0.9}), 0.02, 100);

@@ -341,8 +341,8 @@ SEMIEXPLICIT_INTO_TERM Eigen::Index lane_or_first(const Place& place, Eigen::Ind
 }  // namespace detail::autodiff
 
 /// array[i], in a term of sum_over() or sum_over_pairs(), for the several terms at once that i may stand for.
-/// Arrays are containers and vectors of Eigen, and pointers to entries for all terms, also those that a branch
-/// leaves out.
+/// Arrays are containers and vectors of Eigen, and pointers to entries for all terms, also those that a
+/// branch leaves out.
 template <class Array, std::integral I>
 auto at(const Array& array, I i) {
   if constexpr (requires { array.derived(); })
@@ -378,9 +378,8 @@ SEMIEXPLICIT_INTO_TERM auto at(const Array& array, const detail::autodiff::LaneI
                 })
     if (array.derived().innerStride() == 1 && in_a_row)
       return Pack::load(array.derived().data() + place.first);
-  return Pack::of([&](int k) {
-    return static_cast<S>(at(array, detail::autodiff::lane_or_first(place, k, inside)));
-  });
+  return Pack::of(
+      [&](int k) { return static_cast<S>(at(array, detail::autodiff::lane_or_first(place, k, inside))); });
 }
 
 /// matrix(i, j), of a matrix of Eigen.

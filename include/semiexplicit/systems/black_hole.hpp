@@ -68,8 +68,8 @@ struct Kerr {
   }
 
   /// The equatorial circular orbit at r, in the sense of the spin (L > 0); its angular velocity dφ/dt is
-  /// circular_rate(r). NaN between the horizon and the photon orbit. Source: Bardeen, Press, Teukolsky (1972), eqs. (2.12),
-  /// (2.13), (2.16).
+  /// circular_rate(r). NaN between the horizon and the photon orbit. Source: Bardeen, Press, Teukolsky
+  /// (1972), eqs. (2.12), (2.13), (2.16).
   PhasePoint<Scalar, 4> circular(Scalar r) const {
     using std::acos;
     using std::sqrt;

@@ -23,7 +23,7 @@ void add_gauss(std::vector<Line>& lines, const char* family, const Problem<H>& p
                                   std::move(stepper), problem, end, 3.0 * stages, in_short));
   };
   for (const int stages : {1, 2, 3, 4, 6, 8}) {
-    for (const double tolerance : {0.0, 1e-12, 1e-10, 1e-8, 1e-6})
+    for (const double tolerance : {0.0, 1e-12, 1e-10, 1e-8, 1e-6, 1e-4, 1e-3})
       add(stages, tolerance, true, tolerance == 0 && stages == 4);
     for (const double tolerance : {0.0, 1e-8}) add(stages, tolerance, false, false);
   }

@@ -58,7 +58,7 @@ void add_reversible(std::vector<Line>& lines, const Problem<H>& problem, double 
       }
     }
     for (const int stages : {3, 4, 6, 8})
-      for (const double tolerance : {0.0, 1e-10, 1e-8}) {
+      for (const double tolerance : {0.0, 1e-10, 1e-8, 1e-6, 1e-4}) {
         const GaussLegendreOptions options{.stages = stages, .tolerance = tolerance * size};
         const auto line = [&](auto gauss) {
           lines.push_back(line_along(

@@ -144,7 +144,8 @@ void restore_all_or_nothing(CheckpointMemory& from, const Visit& visit, const Re
 /// save, on it is locked as long as this object lives, and another run on it is refused; in this process
 /// another object may resume from it and go on, which ends this one's right to the file. Refers to the
 /// stepper and the observers, which must outlive it. `steps` may grow from run to run, and `t_end` where the
-/// steps that it takes stay the same: it is refused where dt divides one of the times only. A checkpoint
+/// steps that it takes stay the same: it is refused where dt divides one of the times only. What was shown
+/// at the t_end of then keeps that time, which may differ from t0 + n dt by its rounding. A checkpoint
 /// holds for the compiler and the flags that the program was built with, as the last bits of any
 /// floating-point result do.
 template <class S, class... Observers>

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <exception>
 #include <functional>
 #include <numbers>
 #include <stdexcept>
@@ -362,6 +363,93 @@ TEST_CASE("An observer within at_times() stops the run", "[observers]") {
   const auto report = integrate(move, z, {.dt = 0.1, .steps = 100}, at);
   CHECK(report.status == Status::stopped);
   CHECK(seen == 2);
+}
+
+namespace {
+
+/// Runs to t = 20 with steps of 0.1, and goes on from the last good step behind every exception; their
+/// number.
+int go_on_to_20(Point& z, auto& observer) {
+  auto move = stepper();
+  double now = 0;
+  const auto clock = [&](double t, const Point&) { now = t; };
+  for (int thrown = 0;; ++thrown) {
+    REQUIRE(thrown < 20);
+    try {
+      integrate(move, z, {.dt = 0.1, .t0 = now, .t_end = 20}, clock, observer);
+      return thrown;
+    } catch (const std::exception&) {
+    }
+  }
+}
+
+}  // namespace
+
+TEST_CASE("A run goes on with the observer of a section that has thrown, and loses no other crossing",
+          "[observers]") {
+  for (const int nodes : {2, 4, 6}) {
+    CAPTURE(nodes);
+    const auto options = PoincareSectionOptions{.direction = CrossingDirection::both, .nodes = nodes};
+    // Not a number at the start, and from t = 2π - 0.045 to 2π + 0.045, ...
+    std::vector<double> times;
+    auto section = poincare_section(
+        rotor, [](const auto& q, const auto&) { return std::sqrt(0.999 - q[0]) - 0.7; },
+        [&](double t, const Point&) { times.push_back(t); }, options);
+    Point z(1, 0);
+    CHECK(go_on_to_20(z, section) > 0);
+    REQUIRE(times.size() == 7);
+    CHECK(times[0] == Approx(std::acos(0.509)).margin(1e-4));
+    CHECK(times[1] == Approx(2 * std::numbers::pi - std::acos(0.509)).margin(1e-4));
+
+    // Its action throws at the first crossings.
+    int calls = 0;
+    auto throwing = poincare_section(
+        rotor, [](const auto& q, const auto&) { return q[0] - 0.9; },
+        [&](double, const Point&) {
+          if (++calls < 3) throw std::runtime_error("full");
+        },
+        options);
+    z = Point(1, 0);
+    CHECK(go_on_to_20(z, throwing) == 2);
+    CHECK(calls == 7);
+    CHECK(throwing.count() == 7);
+  }
+}
+
+TEST_CASE("A run goes on with at_times() behind an exception of its observer or of the gradient",
+          "[observers]") {
+  std::vector<double> times;
+  for (int i = 0; i < 60; ++i) times.push_back(0.03 + 0.05 * i);
+  for (const int nodes : {2, 4, 6}) {
+    CAPTURE(nodes);
+    std::vector<double> served;
+    int calls = 0;
+    auto at = at_times(
+        rotor, times,
+        [&](double t, const Point&) {
+          if (++calls < 5) throw std::runtime_error("full");
+          served.push_back(t);
+        },
+        nodes);
+    Point z(1, 0);
+    CHECK(go_on_to_20(z, at) > 0);
+    CHECK(served == std::vector<double>(times.begin() + 4, times.end()));
+
+    int gradients = 0;
+    const auto once = make_hamiltonian<double, 1>(
+        [](const auto& q, const auto& p) { return (q[0] * q[0] + p[0] * p[0]) / 2; },
+        [&](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+          if (++gradients == 1) throw std::runtime_error("no licence");
+          dHdq[0] = q[0];
+          dHdp[0] = p[0];
+        });
+    served.clear();
+    auto of_once = at_times(
+        once, times, [&](double t, const Point&) { served.push_back(t); }, nodes);
+    z = Point(1, 0);
+    CHECK(go_on_to_20(z, of_once) == 1);
+    CHECK(served == std::vector<double>(times.begin() + 1, times.end()));
+  }
 }
 
 TEST_CASE("Dense output of a state of another size is refused", "[observers]") {

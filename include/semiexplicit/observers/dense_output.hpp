@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <exception>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
@@ -319,6 +320,25 @@ class DenseOutput {
 
 namespace detail {
 
+/// The first exception of several calls, which is passed on when all of them were made.
+class FirstException {
+ public:
+  template <class Call>
+  void of(const Call& call) {
+    try {
+      call();
+    } catch (...) {
+      if (!first_) first_ = std::current_exception();
+    }
+  }
+  void pass_on() const {
+    if (first_) std::rethrow_exception(first_);
+  }
+
+ private:
+  std::exception_ptr first_;
+};
+
 /// The intervals of a run, each once, as soon as they can be interpolated to the full degree: what at_times()
 /// and poincare_section() look at.
 template <class H>
@@ -330,26 +350,30 @@ class Intervals {
 
   Intervals(H hamiltonian, int nodes) : dense(std::move(hamiltonian), nodes) {}
 
-  /// Takes in the next state, and hands look(i) the intervals from state i of `dense` to the next one.
+  /// Takes in the next state, and hands look(i) the intervals from state i of `dense` to the next one. What
+  /// look() throws is passed on when the state is in and all are seen: the run may go on from there.
   template <class Look>
   void take(const Scalar& t, const State& z, const IntegrationReport& run, const Look& look) {
+    FirstException thrown;
     const auto done = [&](Next next) {
       cut_ = next == Next::changed;
-      finish(look);
+      show(look, thrown);
       if (next != Next::follows) ++(next == Next::changed ? arcs_ : orbits_);
     };
     const bool more = dense.push(t, z, run, done);
     cut_ = run.at_event;
-    if (!more) return;
-    ++unseen_;
-    if (dense.ready()) finish(look);
+    if (more) ++unseen_;
+    if (dense.ready()) show(look, thrown);
+    thrown.pass_on();
   }
 
   /// Hands on the intervals that were not yet, of a run that ended before it had as many states as the
   /// interpolation has nodes.
   template <class Look>
   void finish(const Look& look) {
-    for (std::size_t i = dense.size() - 1 - unseen_; unseen_ > 0; ++i, --unseen_) look(i);
+    FirstException thrown;
+    show(look, thrown);
+    thrown.pass_on();
   }
 
   /// Whether it has seen nothing yet.
@@ -374,6 +398,11 @@ class Intervals {
   DenseOutput<H> dense;
 
  private:
+  template <class Look>
+  void show(const Look& look, FirstException& thrown) {
+    for (std::size_t i = dense.size() - 1 - unseen_; unseen_ > 0; ++i, --unseen_) thrown.of([&] { look(i); });
+  }
+
   std::size_t unseen_ = 0;  ///< intervals at the end
   std::int64_t orbits_ = 0, arcs_ = 0;
   bool cut_ = false;  ///< the last state is that of an event
@@ -424,7 +453,7 @@ class AtTimes {
     if (intervals_.dense.size() != 1) return;  // a run of no step
     between_ = intervals_.dense.state(0);
     while (next_ < times_.size() && !(beyond(times_[next_], clock(0)) || beyond(clock(0), times_[next_])))
-      serve({});
+      serve(times_[next_++], {});
   }
 
   /// How many of the times were served.
@@ -478,6 +507,7 @@ class AtTimes {
     const Scalar from = clock(i), to = clock(i + 1);
     const bool forward = intervals_.dense.interval(i) > Scalar(0);
     bool go_on = true;
+    detail::FirstException thrown;
     while (next_ < times_.size()) {
       const Scalar t = times_[next_];
       if (forward ? beyond(t, to) : beyond(to, t)) break;
@@ -485,15 +515,18 @@ class AtTimes {
         throw std::invalid_argument(
             "at_times: t = " + detail::in_words(t, 9) +
             " lies before the start of the run, or the run turned round before it; leave it out");
-      intervals_.dense.after(i, where(i, t, from, to), between_);
-      go_on = serve(run) && go_on;
+      ++next_;
+      thrown.of([&] {
+        intervals_.dense.after(i, where(i, t, from, to), between_);
+        go_on = serve(t, run) && go_on;
+      });
     }
+    thrown.pass_on();
     return go_on;
   }
 
-  /// Hands the observer the state `between_`, at the next of the times.
-  bool serve(const IntegrationReport& run) {
-    const Scalar t = times_[next_++];
+  /// Hands the observer the state `between_`, at the time t.
+  bool serve(const Scalar& t, const IntegrationReport& run) {
     if constexpr (extended)
       return detail::notify_between(observer_, t, system().point(between_), run);
     else
@@ -532,7 +565,8 @@ class AtTimes {
 /// rise or fall with the run, by interpolation between the steps (see DenseOutput). With a TimeTransformed
 /// they are physical times, and z is the phase point without time. Call finish() after a run of fewer than
 /// nodes - 1 steps. A named observer is referred to, a temporary is kept. Throws std::invalid_argument for
-/// times that are not finite, not sorted or lie before the start.
+/// times that are not finite, not sorted or lie before the start. What the observer throws is passed on when
+/// the other times of the step were handed to it.
 ///
 /// Where a step is long the states between are far worse than those at the steps: interpolation_error()
 /// tells. If it is too large, shorten the steps, or end a run at each time by t_end.

@@ -596,6 +596,38 @@ TEST_CASE("What throws at an event leaves the state of the step before", "[event
   }
 }
 
+TEST_CASE("An action that throws, or a surface that is NaN, takes no event from the other kinds",
+          "[events]") {
+  // All within one step, q = cos t from 0.07 to -0.03.
+  for (const bool action : {true, false}) {
+    CAPTURE(action);
+    int calls = 0;
+    const auto level = [](double s) { return [s](const auto& q, const auto&) { return q[0] - s; }; };
+    const auto tell = [](double, const Point&) {};
+    auto watch = events(Oscillator(), on_event(level(-0.02), tell),
+                        on_event([&](const auto& q, const auto&) { return action ? q[0] : std::sqrt(q[0]); },
+                                 [&](double, const Point&) {
+                                   if (++calls == 1) throw std::runtime_error("action");
+                                 }),
+                        on_event(level(0.02), tell), on_event(level(-0.01), tell));
+    Point z(1, 0);
+    double now = 0;
+    const auto run = [&] {
+      auto stepper = semiexplicit_of(Oscillator());
+      integrate(
+          stepper, z, {.dt = 0.1, .t0 = now, .t_end = 3}, [&](double t, const Point&) { now = t; }, watch);
+    };
+    if (action) {
+      CHECK_THROWS_AS(run(), std::runtime_error);
+      run();
+    } else {
+      while (now < 3) CHECK_THROWS_AS(run(), std::invalid_argument);
+    }
+    for (const std::size_t k : {0U, 2U, 3U}) CHECK(watch.count(k) == 1);
+    CHECK(calls == (action ? 1 : 0));
+  }
+}
+
 TEST_CASE("Lyapunov exponents refuse a run whose state is changed", "[events]") {
   auto stepper = semiexplicit_of(Ball());
   Point z(0.5, 0);

@@ -466,9 +466,10 @@ class Events {
     using std::abs;
     const Scalar shortest = shortly(h), near = abs(shortest) < abs(h) ? shortest : h;
     bool go_on = true;
+    detail::FirstException thrown;
     std::array<bool, number> found{};
     std::array<Scalar, number> when{};
-    each([&](std::size_t k, auto& kind) {
+    const auto look_at = [&](std::size_t k, auto& kind) {
       const auto at = [&](const Scalar& x) {
         dense().sought_after(i, x, at_event_);
         return value(kind, at_event_);
@@ -485,24 +486,27 @@ class Events {
       sides_[k] = crossing.to;
       found[k] = kind.counts(crossing.to);
       when[k] = crossing.x;
-    });
+    };
+    each([&](std::size_t k, auto& kind) { thrown.of([&] { look_at(k, kind); }); });
     for (;;) {
       std::size_t next = none;
       for (std::size_t k = 0; k < number; ++k)
         if (found[k] && (next == none || abs(when[k]) < abs(when[next]))) next = k;
-      if (next == none) return go_on;
+      if (next == none) break;
       found[next] = false;
       // Of a surface that its action moves on the side counts anew.
       std::array<Scalar, number> before{};
       each([&](std::size_t k, auto& kind) { before[k] = value(kind, end); });
-      go_on = tell(next, i, when[next], run) && go_on;
+      thrown.of([&] { go_on = tell(next, i, when[next], run) && go_on; });
       each([&](std::size_t k, auto& kind) {
         const Scalar s = value(kind, end);
-        if (s == before[k] || detail::side_of(s) == 0) return;
+        if (s == before[k] || !(abs(s) > Scalar(0))) return;    // NaN is refused by look_at()
         if (detail::side_of(s) != sides_[k]) found[k] = false;  // it is no longer crossed there
         sides_[k] = detail::side_of(s);
       });
     }
+    thrown.pass_on();
+    return go_on;
   }
 
   /// Tells the n-th kind of its event at the time x after state i.

@@ -308,6 +308,7 @@ Status cut_at_events(S& stepper, typename S::State& start, typename S::State& st
   Scalar h = options.dt;
   constexpr int most = 1000;
   for (int events = 0;; ++events) {
+    const auto known = observer.known();
     StepReport searched;  // the first step of the search that failed, if any
     const auto move = [&](const Scalar& x, typename S::State& z) {
       z = start;
@@ -322,6 +323,7 @@ Status cut_at_events(S& stepper, typename S::State& start, typename S::State& st
     if (!searched.ok()) {
       report.last = searched;
       state = start;
+      observer.back_to(known, start);
       return searched.status;
     }
     if (!found) {
@@ -340,6 +342,7 @@ Status cut_at_events(S& stepper, typename S::State& start, typename S::State& st
     report.last = move(x, state);
     if (!report.last.ok()) {
       state = start;
+      observer.back_to(known, start);
       return report.last.status;
     }
     Scalar now = x == h ? end : Scalar(t + x);
@@ -458,12 +461,14 @@ IntegrationReport integrate_checked(S& stepper, typename S::State& state,
     if (!report.last.ok() && !step_in_parts(stepper, state, options, report)) return fail(report.last.status);
     report.max_correction = std::max(report.max_correction, report.last.correction);
     if constexpr (changing_observers == 1) {
-      const Status status = [&] {
+      auto& changes = changing(observers...);
+      const Status status = [&, known = changes.known()] {
         try {
           return cut_at_events(stepper, start_of_rest, state, t, time_after(report.steps + 1), options,
-                               report, wanted, changing(observers...));
+                               report, wanted, changes);
         } catch (...) {
           state = whole;
+          changes.back_to(known, whole);
           throw;
         }
       }();

@@ -568,13 +568,15 @@ TEST_CASE("A failure behind an event leaves the state of the event", "[events]")
   CHECK(z.p()[0] == 1);
 }
 
-TEST_CASE("What throws at an event leaves the state of the step before", "[events]") {
+TEST_CASE("What throws at an event leaves the state of the step before, and no event is counted twice",
+          "[events]") {
   auto stepper = semiexplicit_of(Ball());
   for (const bool action : {true, false}) {
     for (const int which : {1, 2}) {  // two bounces in a step of 3
       CAPTURE(action, which);
       Point z(0.5, 0), good = z;
       int bounces = 0;
+      bool thrown = false;
       auto watch = events(Ball(), on_event(
                                       height,
                                       [&](double, Point& at) {
@@ -582,16 +584,19 @@ TEST_CASE("What throws at an event leaves the state of the step before", "[event
                                         if (++bounces == which && action) throw std::runtime_error("action");
                                       },
                                       CrossingDirection::falling));
-      CHECK_THROWS_AS(integrate(stepper, z, {.dt = 3.5, .steps = 10}, watch,
-                                [&](double, const Point& at, const IntegrationReport& run) {
-                                  if (!run.at_event)
-                                    good = at;
-                                  else if (bounces == which && !action)
-                                    throw std::runtime_error("observer");
-                                }),
-                      std::runtime_error);
+      const auto observer = [&](double, const Point& at, const IntegrationReport& run) {
+        if (!run.at_event)
+          good = at;
+        else if (bounces == which && !action && !std::exchange(thrown, true))
+          throw std::runtime_error("observer");
+      };
+      CHECK_THROWS_AS(integrate(stepper, z, {.dt = 3.5, .steps = 10}, watch, observer), std::runtime_error);
       CHECK(z.vector() == good.vector());
       CHECK(z.p()[0] == 0);
+      CHECK(watch.count() == 0);
+      const auto report = integrate(stepper, z, {.dt = 3.5, .steps = 10}, watch, observer);
+      CHECK(report.changes == 17);  // at t = 1, 3, ..., 33
+      CHECK(watch.count() == report.changes);
     }
   }
 }
@@ -652,8 +657,9 @@ namespace {
 struct Quarters {
   using Scalar = double;
   using State = PhasePoint<double, 1>;
+  bool others = false;
   StepReport step(State& z, const double& dt) {
-    if (dt != 0.25) return {.status = Status::no_convergence};
+    if (dt != 0.25 && !others) return {.status = Status::no_convergence};
     z.q() += dt * z.p();
     return {};
   }
@@ -672,6 +678,44 @@ TEST_CASE("A step of the search for an event that fails ends the run at the last
   CHECK(report.steps == 2);
   CHECK(z.q()[0] == 0.5);
   CHECK(watch.count() == 0);
+  // And nothing is lost of it where a better stepper goes on.
+  stepper.others = true;
+  integrate(stepper, z, {.dt = 0.25, .t0 = report.t, .t_end = 1}, watch);
+  CHECK(watch.count() == 1);
+  CHECK(z.q()[0] == Approx(0.2));
+}
+
+TEST_CASE("An exception in the search for an event loses none", "[events]") {
+  // With an event of another kind before it in the same step.
+  bool armed = false;
+  const auto H =
+      make_hamiltonian<double, 1>([](const auto& q, const auto& p) { return p[0] * p[0] / 2 + q[0]; },
+                                  [&](const auto&, const auto& p, auto& dHdq, auto& dHdp) {
+                                    if (std::exchange(armed, false)) throw std::runtime_error("no licence");
+                                    dHdq[0] = 1;
+                                    dHdp[0] = p[0];
+                                  });
+  int told = 0, calls = 0;
+  auto watch = events(
+      H,
+      on_event([](const auto& q, const auto&) { return q[0] - 0.01; },
+               [&](double, const Point&) { armed = ++told == 1; }, CrossingDirection::falling),
+      on_event(
+          height, [&](double, Point& at) { ++calls, at.p()[0] = -at.p()[0]; }, CrossingDirection::falling));
+  auto stepper = semiexplicit_of(H);
+  Point z(0.5, 0);
+  double now = 0;
+  const auto clock = [&](double t, const Point&, const IntegrationReport& run) {
+    if (!run.at_event) now = t;
+  };
+  CHECK_THROWS_AS(integrate(stepper, z, {.dt = 0.3, .t_end = 3.9}, clock, watch), std::runtime_error);
+  CHECK(now == Approx(0.9));
+  CHECK(watch.count() == 0);
+  integrate(stepper, z, {.dt = 0.3, .t0 = now, .t_end = 3.9}, clock, watch);
+  CHECK(watch.count(0) == 2);
+  CHECK(watch.count(1) == 2);
+  CHECK(calls == 2);
+  CHECK(z.q()[0] == Approx(elastic(3.9)));
 }
 
 }  // namespace test_events

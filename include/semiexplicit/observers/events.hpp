@@ -161,6 +161,17 @@ class Events {
     each([&](std::size_t, auto& kind) { detail::visit_inner(visit, kind.action); });
   }
 
+  /// What it knows of the orbit, and back to that, at the state z: for integrate(), which takes back a step
+  /// that fails or throws at an event.
+  auto known() const {
+    return std::tuple(sides_, counts_, open_, pending_, fired_, rests_, level_, since_, scale_);
+  }
+  template <class Known>
+  void back_to(const Known& known, const State& z) {
+    std::tie(sides_, counts_, open_, pending_, fired_, rests_, level_, since_, scale_) = known;
+    last_ = z;
+  }
+
   /// An event within a step, the x after its start.
   struct Found {
     std::size_t kind = none;

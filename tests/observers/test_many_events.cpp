@@ -245,6 +245,25 @@ TEST_CASE("A kick of a run with transformed time leaves the orbit that of the Ha
   }
 }
 
+TEST_CASE("A time shortly behind one of many bounces gets the state behind it", "[events]") {
+  // A ball with the speed 10 between walls at 0 and 1 is at 1 at t = 0.1, 0.3, ...
+  const auto H = from_energy<1>([](const auto&, const auto& p) { return p[0] * p[0] / 2; });
+  const int bounces = 10'000;
+  for (const double later : {1e-9, 1e-10, 1e-11}) {
+    CAPTURE(later);
+    GaussLegendre stepper(H, {.stages = 1});
+    PhasePoint<double, 1> z(0, 10);
+    const auto turn = [](double, PhasePoint<double, 1>& at) { at.p() *= -1; };
+    auto watch = events(H, on_event([](const auto& q, const auto&) { return q[0] * (1 - q[0]); }, turn,
+                                    CrossingDirection::falling));
+    double speed = 0;
+    auto at = at_times(H, {double(bounces - 1) / 10 + later},
+                       [&](double, const PhasePoint<double, 1>& w) { speed = w.p()[0]; });
+    integrate(stepper, z, {.dt = 0.073, .t_end = (bounces + 20) / 10.0}, watch, at);
+    CHECK(speed == -10);
+  }
+}
+
 TEST_CASE("The end of a driven run that bounces is served by at_times", "[events][long]") {
   const Autonomous K(from_energy<1>([](const auto& t, const auto& q, const auto& p) {
     using std::cos;

@@ -499,7 +499,8 @@ class AtTimes {
   /// Whether a is above b by more than the rounding of times: n·(T/n) need not be T, nor t0 + n·dt be 0; and
   /// a time within the state begins anew, without its compensation, wherever an event cuts a step.
   bool beyond(const Scalar& a, const Scalar& b) const {
-    return a - b > Scalar(double(2 + intervals_.arcs())) * Eigen::NumTraits<Scalar>::epsilon() *
+    const std::int64_t sums = extended ? intervals_.arcs() : 0;
+    return a - b > Scalar(double(2 + sums)) * Eigen::NumTraits<Scalar>::epsilon() *
                        std::max(rounding_.size(a), rounding_.size(b));
   }
 

@@ -367,8 +367,8 @@ class Intervals {
     thrown.pass_on();
   }
 
-  /// Hands on the intervals that were not yet, of a run that ended before it had as many states as the
-  /// interpolation has nodes.
+  /// Hands on the intervals that were not yet, of a run that ended before there were as many states, from its
+  /// start or from the last event that changed one, as the interpolation has nodes.
   template <class Look>
   void finish(const Look& look) {
     FirstException thrown;
@@ -447,7 +447,7 @@ class AtTimes {
     return go_on;
   }
 
-  /// Serves the times of a run that ended before it had as many states as the interpolation has nodes.
+  /// Serves the last times, where fewer than nodes - 1 steps were taken from the start or the last event.
   void finish() {
     intervals_.finish([this](std::size_t i) { look(i, {}); });
     if (intervals_.dense.size() != 1) return;  // a run of no step
@@ -564,8 +564,9 @@ class AtTimes {
 
 /// `at_times(H, {0, 0.5, 1}, observer)`: an observer that calls another one, (t, z), at these times, which
 /// rise or fall with the run, by interpolation between the steps (see DenseOutput). With a TimeTransformed
-/// they are physical times, and z is the phase point without time. Call finish() after a run of fewer than
-/// nodes - 1 steps. A named observer is referred to, a temporary is kept. Throws std::invalid_argument for
+/// they are physical times, and z is the phase point without time. Call finish() at the end: the last
+/// ones wait for it where fewer than nodes - 1 steps were taken from the start, or from the last event that
+/// changed the state. A named observer is referred to, a temporary is kept. Throws std::invalid_argument for
 /// times that are not finite, not sorted or lie before the start. What the observer throws is passed on when
 /// the other times of the step were handed to it.
 ///

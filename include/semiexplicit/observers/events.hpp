@@ -109,7 +109,7 @@ class Events {
     last_ = z;
   }
 
-  /// Looks through a run that ended before it had as many states as the interpolation has nodes.
+  /// Looks through the last steps, where fewer than nodes - 1 were taken from the start or the last event.
   void finish() {
     if constexpr (!changes_state) intervals_.finish([this](std::size_t i) { look(i, {}); });
   }
@@ -570,8 +570,8 @@ class Events {
 /// Where no action changes the state, events are found to rounding on the interpolation of the run
 /// (DenseOutput, `nodes` states), whose steps stay as they are and must resolve the motion:
 /// interpolation_error() tells how far; actions hear of the first ones up to nodes -
-/// 1 steps late, and finish() hands on the last ones of a shorter run. One that returns false ends the run
-/// after the step.
+/// 1 steps late, and finish() hands on the last ones where fewer steps were taken from the start, or from the
+/// last event of another observer that changed the state. One that returns false ends the run after the step.
 ///
 /// Where an action may change the state, integrate() cuts the step at every event: it finds the time by steps
 /// of the stepper itself, to 1e-12 of the step and better, for five to ten steps more an event; every other

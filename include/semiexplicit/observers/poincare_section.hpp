@@ -42,8 +42,9 @@ class PoincareSection : public Events<H, OnEvent<Surface, Observer>> {
 /// state that only touches it, nor a jump over it by an action of events(), which says what counts where the
 /// state is changed on the surface itself. Of an extended Hamiltonian s has the extended q and p, so that the
 /// time is the last q, and the observer gets the time and the phase point without it. An observer that
-/// returns false ends the run. Call finish() after a run of fewer than nodes - 1 steps. A named observer is
-/// referred to, a temporary is kept.
+/// returns false ends the run. Call finish() at the end: the last ones wait for it where fewer than
+/// nodes - 1 steps were taken from the start, or from the last event that changed the state. A named observer
+/// is referred to, a temporary is kept.
 ///
 /// Points and times are as accurate as the run and the interpolation: on an orbit of systems::Product with 80
 /// steps a period the times are found to 1e-10 with four nodes and to 1e-12 with six. With steps that do not

@@ -200,6 +200,21 @@ TEST_CASE("A sparse estimate counts on over runs that follow one another", "[err
   }
 }
 
+TEST_CASE("An estimate goes on in a run from the last state, whatever its t0", "[error estimate]") {
+  const Semiexplicit stepper(Kepler(), schemes::blanes_moan4());
+  for (const double t0 : {0.0, 20.0}) {
+    CAPTURE(t0);
+    auto moves = stepper;
+    Point z = kepler_orbit(0.4, 1);
+    auto estimate = with_error_estimate(stepper);
+    integrate(moves, z, {.dt = 0.05, .steps = 400}, estimate);
+    integrate(moves, z, {.dt = 0.05, .steps = 20, .t0 = t0}, estimate);
+    const double error = (z.vector() - kepler_orbit(0.4, 22).vector()).norm();
+    CHECK(*estimate.error() < 3 * error);
+    CHECK(error < 3 * *estimate.error());
+  }
+}
+
 TEST_CASE("A resumed run has the same estimate", "[error estimate]") {
   const Folder folder;
   const Kepler h;

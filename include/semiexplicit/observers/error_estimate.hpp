@@ -59,7 +59,8 @@ class ErrorEstimate {
           "with_error_estimate: an event has changed the state, which its companion knows nothing of; "
           "estimate "
           "the arcs between events by runs of their own");
-    const Next next = clock_.relation(t, clock_.started() && z.vector() == last_.vector(), run);
+    const bool same = clock_.started() && z.vector() == last_.vector();
+    const Next next = clock_.relation(t, same, run);
     // Where steps are cut into parts the companion's would be those same parts, or fail as the run's did.
     if (run.subdivided > 0 && next == Next::follows) failed_ = true;
     if (next == Next::follows) {
@@ -69,7 +70,7 @@ class ErrorEstimate {
             "with_error_estimate: the steps of this run have lengths of their own, and it has to see each of "
             "them; take every() away from it");
       if (!parted_ && !failed_) go_on(clock_.interval(t, run), steps);
-    } else if (next != Next::again) {
+    } else if (!same) {
       companion_ = difference_ = z;
       parted_ = failed_ = false;
       error_ = worst_ = Scalar(0);
@@ -209,7 +210,8 @@ class ErrorEstimate {
 /// precession, has the error error_of(on_the_run, on_the_companion).
 ///
 /// No estimate either from the first step on that was cut into parts (IntegrationOptions::subdivide). A run
-/// that begins at another state than the last one seen begins a new estimate.
+/// that begins at another state than the last one seen begins a new estimate; one that begins at that state
+/// goes on with it, whatever its t0.
 ///
 /// An observer and no stepper, so that the run stays what it is, bit for bit, and takes any stepper of
 /// phase points: one that chooses its steps as well, around which the companion halves each (give it

@@ -215,6 +215,19 @@ TEST_CASE("An estimate goes on in a run from the last state, whatever its t0", "
   }
 }
 
+TEST_CASE("Observers of the companion are shown the times that those of the run are", "[error estimate]") {
+  Semiexplicit stepper(Kepler(), schemes::blanes_moan4());
+  Point z = kepler_orbit(0.4, 1);
+  Record<double, 2> all, tenth, all_there, tenth_there;
+  auto sparse = every(10, tenth);
+  auto estimate = with_error_estimate(stepper, {}, all_there, every(10, tenth_there));
+  for (const double t0 : {0.0, 1.5})
+    integrate(stepper, z, {.dt = 0.1, .steps = 15, .t0 = t0}, all, sparse, estimate);
+  CHECK(all_there.t == all.t);
+  CHECK(tenth_there.t == tenth.t);
+  CHECK(tenth.t.size() == 4);
+}
+
 TEST_CASE("A resumed run has the same estimate", "[error estimate]") {
   const Folder folder;
   const Kepler h;

@@ -77,7 +77,6 @@ class ErrorEstimate {
     }
     clock_.set(t, run, next);
     last_ = z;
-    if (next == Next::again) return true;
     judge(t);
     return tell(t, run);
   }

@@ -107,7 +107,8 @@ TEST_CASE("Where orbits part the estimate says nothing, and when", "[error estim
   Semiexplicit stepper(h, schemes::blanes_moan6());
   Point z({0, 0.1}, {0.5, 0.1});
   z.p()[0] = std::sqrt(2 * (1.0 / 6 - 0.005 + 0.001 / 3) - 0.01);  // the energy is 1/6, nearly
-  auto estimate = with_error_estimate(stepper);
+  Record<double, 2> there;
+  auto estimate = with_error_estimate(stepper, {}, there);
   double before = 0;
   integrate(stepper, z, {.dt = 0.2, .t_end = 2000}, estimate, [&](double t, const Point&) {
     if (estimate.error()) before = t;
@@ -122,6 +123,7 @@ TEST_CASE("Where orbits part the estimate says nothing, and when", "[error estim
   CHECK(*estimate.parted_at() < 1000);
   CHECK(before < *estimate.parted_at());
   CHECK(before > *estimate.parted_at() - 0.5);
+  CHECK(there.t.back() == before);  // the companion stands still from there on
 }
 
 TEST_CASE("Figures that are measured on both runs have an error", "[error estimate]") {

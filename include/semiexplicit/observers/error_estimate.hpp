@@ -78,7 +78,7 @@ class ErrorEstimate {
     clock_.set(t, run, next);
     last_ = z;
     judge(t);
-    return tell(t, run);
+    return parted_ || tell(t, run);  // from there on the companion stands still
   }
 
   /// The error of (q, p) at the last state, in the Euclidean norm, without the work p_t of a driven system;
@@ -102,7 +102,8 @@ class ErrorEstimate {
 
   /// When the two parted, or a step of the companion failed; nothing where they have not.
   std::optional<Scalar> parted_at() const { return parted_ ? std::optional(parted_at_) : std::nullopt; }
-  /// The companion's state, which is the better one.
+  /// The companion's state, which is the better one. Where they have parted it is that at parted_at(), or,
+  /// where a step had failed or was cut into parts, the one before.
   const State& companion() const { return companion_; }
   /// Gradient calls of the companion.
   std::int64_t gradients() const { return gradients_; }
@@ -205,8 +206,8 @@ class ErrorEstimate {
 ///
 /// Where neighbouring orbits part the difference grows to the size of the orbit, and then tells nothing: from
 /// the first moment on at which it passes `parted` of |z| there is no estimate, and parted_at() says when.
-/// Observers of the companion see its states: a figure that is measured on both runs, a period or a
-/// precession, has the error error_of(on_the_run, on_the_companion).
+/// Observers of the companion see its states, up to the last one before parted_at(): a figure that is
+/// measured on both runs, a period or a precession, has the error error_of(on_the_run, on_the_companion).
 ///
 /// No estimate either from the first step on that was cut into parts (IntegrationOptions::subdivide). A run
 /// that begins at another state than the last one seen begins a new estimate; one that begins at that state

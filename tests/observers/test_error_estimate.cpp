@@ -172,6 +172,18 @@ TEST_CASE("A sparse estimate of steps that choose their lengths is refused at th
   CHECK(refuses([&] { integrate(stepper, z, {.dt = 0.05, .t_end = 41}, every(50, estimate)); },
                 "take every() away"));
   CHECK(stepper.time() > 0);
+  // Also where the ends of runs are hidden: the next state is one step into a run, and ten from the last one.
+  auto next_run = stepper;
+  z = kepler_orbit(0.4, 1);
+  auto beside = with_error_estimate(fixed);
+  auto sparse = every(10, beside);
+  double t = 0;
+  CHECK(refuses(
+      [&] {
+        for (int part = 0; part < 2; ++part)
+          t = integrate(next_run, z, {.dt = 0.05, .steps = 9, .t0 = t}, sparse).t;
+      },
+      "take every() away"));
   ReversibleSteps again(fixed, monitors::Distance());
   z = kepler_orbit(0.8, 1);
   CHECK(integrate(again, z, {.dt = 0.05, .t_end = 41}, every(1, estimate)).ok());

@@ -79,14 +79,15 @@ class RunClock {
   }
 
   /// How many steps lie between, where that is known; else 1. By the time where the state at which one run
-  /// ended and the next one began was not shown.
+  /// ended and the next one began was not shown: of steps that were chosen, as many of the last one's length.
   std::int64_t steps_since(const Scalar& t, const IntegrationReport& run) const {
     using std::abs;
     if (run.dt == 0) return 1;
     const std::int64_t counted = run.steps - steps_;
-    const Scalar length = static_cast<Scalar>(run.dt), passed = t - t_;
+    if (run.taken != 0 && counted > 1) return counted;
+    const Scalar length = static_cast<Scalar>(run.taken != 0 ? run.taken : run.dt), passed = t - t_;
     const Scalar open = abs(length) / 2 + 4 * Eigen::NumTraits<Scalar>::epsilon() * rounding_.size(t);
-    if (run.taken != 0 ? counted > 0 : abs(passed - Scalar(counted) * length) <= open) return counted;
+    if (abs(passed - Scalar(counted) * length) <= open) return counted;
     const double by_time = std::round(static_cast<double>(abs(passed / length)));
     return by_time > 1 ? static_cast<std::int64_t>(by_time) : 1;
   }

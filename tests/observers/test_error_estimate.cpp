@@ -3,6 +3,7 @@
 #include "catch.hpp"
 
 #include <cmath>
+#include <stdexcept>
 #include <string>
 
 #include <semiexplicit/checkpoint.hpp>
@@ -279,6 +280,27 @@ TEST_CASE("A companion that fails ends the estimate and not the run", "[error es
   CHECK(report.steps == 100);
   CHECK_FALSE(estimate.error());
   CHECK(*estimate.parted_at() == Approx(0.26));
+}
+
+TEST_CASE("A companion that throws within its step goes on from before that", "[error estimate]") {
+  struct Throws : Leapfrog {
+    int left = 21;
+    StepReport step(Point& z, const double& dt) {
+      if (left-- == 0) throw std::runtime_error("no gradient");
+      return Leapfrog::step(z, dt);
+    }
+  };
+  Leapfrog stepper;
+  Point z = kepler_orbit(0.4, 1), last = z;
+  auto estimate = with_error_estimate(Throws()), whole = with_error_estimate(Throws{{}, -1});
+  CHECK_THROWS_WITH(
+      integrate(stepper, z, {.dt = 0.01, .steps = 20}, estimate, [&](double, const Point& at) { last = at; }),
+      "no gradient");
+  z = last;
+  integrate(stepper, z, {.dt = 0.01, .steps = 10, .t0 = 0.1}, estimate);
+  z = kepler_orbit(0.4, 1);
+  integrate(stepper, z, {.dt = 0.01, .steps = 20}, whole);
+  CHECK(*estimate.error() == Approx(*whole.error()).epsilon(1e-3));
 }
 
 TEST_CASE("An estimate refuses senseless options and states that an event has changed", "[error estimate]") {

@@ -155,13 +155,16 @@ class ErrorEstimate {
   void go_on(const Scalar& time, std::int64_t steps) {
     const std::int64_t parts = options_.parts * (steps < 1 ? 1 : steps);
     const Scalar part = time / Scalar(parts);
+    State& ahead = difference_;  // a gradient may throw, or fail, between two parts
+    ahead = companion_;
     for (std::int64_t i = 0; i < parts; ++i) {
-      const StepReport report = stepper_.step(companion_, part);
+      const StepReport report = stepper_.step(ahead, part);
       gradients_ += report.gradients;
       if (report.ok()) continue;
       failed_ = true;  // an estimate is no reason to end a run
       return;
     }
+    std::swap(companion_, ahead);
   }
 
   void judge(const Scalar& t) {

@@ -175,6 +175,24 @@ TEST_CASE("every() begins anew where a run starts from another state at the time
   CHECK(energies.empty());  // neither arc passes 0
 }
 
+TEST_CASE("every() shows a state again at which its observer threw", "[observers]") {
+  auto move = stepper();
+  std::vector<double> rows;
+  bool full = true;
+  auto tenth = every(10, [&](double t, const Point&) {
+    if (full && t > 1.95) throw std::runtime_error("disk full");
+    rows.push_back(t);
+  });
+  double now = 0;
+  const auto clock = [&](double t, const Point&) { now = t; };
+  Point z(1, 0);
+  CHECK_THROWS_WITH(integrate(move, z, {.dt = 0.1, .t_end = 4}, clock, tenth), "disk full");
+  full = false;
+  integrate(move, z, {.dt = 0.1, .t0 = now, .t_end = 4}, clock, tenth);
+  REQUIRE(rows.size() == 5);
+  for (std::size_t i = 0; i < 5; ++i) CHECK(rows[i] == Approx(double(i)));
+}
+
 TEST_CASE("every() shows a section all of a run that bounces, or refuses", "[observers]") {
   const double period = 2 * (std::acos(-1.0) - std::acos(0.5));  // from bounce to bounce
   for (const int n : {1, 2, 3}) {

@@ -32,7 +32,13 @@ class Every {
       throw std::invalid_argument(
           "every: an event has changed the state, and an observer that interpolates, as a section or "
           "at_times(), has to see every state of such a run; take every() away from it");
-    return !is_due(t, state, run) || detail::notify(observer_, t, state, run);
+    if (!is_due(t, state, run)) return true;
+    try {
+      return detail::notify(observer_, t, state, run);
+    } catch (...) {
+      started_ = false;  // it was not shown, and is due again
+      throw;
+    }
   }
 
   /// Whether the observer has seen nothing yet and cannot do without; see Checkpointable.
@@ -111,7 +117,8 @@ class Every {
 /// is referred to, so it must outlive the run; a temporary is kept. A run that begins where the last one
 /// ended, with its last state, counts on, a resumed one counts from its own start, any other begins anew; the
 /// last state is only seen where a multiple of n falls on it. What is shown are whole steps, no events;
-/// std::invalid_argument where an event changes the state and the observer Interpolates.
+/// std::invalid_argument where an event changes the state and the observer Interpolates. Where the observer
+/// throws, the next run begins anew, so that it is shown that state again.
 template <class Observer>
 Every<Observer> every(std::int64_t n, Observer&& observer) {
   return {n, std::forward<Observer>(observer)};

@@ -193,6 +193,22 @@ TEST_CASE("every() shows a state again at which its observer threw", "[observers
   for (std::size_t i = 0; i < 5; ++i) CHECK(rows[i] == Approx(double(i)));
 }
 
+TEST_CASE("every() counts on from an event at which a run ended", "[observers]") {
+  auto move = stepper();
+  std::vector<double> rows;
+  auto fifth = every(5, [&](double t, const Point&) { rows.push_back(t); });
+  auto end = events(rotor, on_event([](const auto& q, const auto&) { return q[0] - 0.5; },
+                                    [](double, Point&) { return false; }));
+  Point z(1, 0);
+  const auto first = integrate(move, z, {.dt = 0.1, .steps = 40}, end, fifth);
+  REQUIRE(first.steps == 10);
+  REQUIRE(first.at_event);
+  integrate(move, z, {.dt = 0.1, .steps = 12, .t0 = first.t}, end, fifth);
+  REQUIRE(rows.size() == 5);
+  for (std::size_t i = 0; i < 5; ++i)
+    CHECK(rows[i] == Approx(i < 3 ? 0.5 * double(i) : first.t + 0.5 * double(i - 2)));
+}
+
 TEST_CASE("every() shows a section all of a run that bounces, or refuses", "[observers]") {
   const double period = 2 * (std::acos(-1.0) - std::acos(0.5));  // from bounce to bounce
   for (const int n : {1, 2, 3}) {

@@ -69,7 +69,10 @@ class Every {
     const double now = static_cast<double>(t);
     if (run.dt == 0) {  // called by hand, or by an observer of the run
       steps_ += started_ ? 1 : 0;
-    } else if (run.at_event) {
+    } else if (run.at_event) {  // a run that ends there is gone on with from that state
+      time_ = now;
+      keep(state);
+      rounding_.see(now);
       return Interpolates<Observer> && n_ == 1;
     } else if (run.steps == 0) {
       const double epsilon = std::max(std::numeric_limits<double>::epsilon(),

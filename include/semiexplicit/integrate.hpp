@@ -97,7 +97,7 @@ SEMIEXPLICIT_COLD bool step_in_parts(S& stepper, typename S::State& state,
     parts *= 2;
     part /= 2;
     typename S::State trial = state;
-    report.taken = 0;
+    [[maybe_unused]] double taken = 0;
     StepReport together;
     for (std::int64_t i = 0; i < parts && together.ok(); ++i) {
       if constexpr (ChoosesSteps<S>)
@@ -111,11 +111,12 @@ SEMIEXPLICIT_COLD bool step_in_parts(S& stepper, typename S::State& state,
                   .correction = std::max(together.correction, one.correction),
                   .rate = std::max(together.rate, one.rate),
                   .escalations = std::max(together.escalations, one.escalations)};
-      if constexpr (ChoosesSteps<S>) report.taken += static_cast<double>(stepper.taken());
+      if constexpr (ChoosesSteps<S>) taken += static_cast<double>(stepper.taken());
     }
     report.last = together;
     if (together.ok()) {
       state = trial;
+      if constexpr (ChoosesSteps<S>) report.taken = taken;
       ++report.subdivided;
       return true;
     }
@@ -457,7 +458,8 @@ IntegrationReport integrate_checked(S& stepper, typename S::State& state,
     report.last = one_step(stepper, state, options.dt, options);
     report.evaluations += report.last.evaluations;
     report.gradients += report.last.gradients;
-    if constexpr (ChoosesSteps<S>) report.taken = static_cast<double>(stepper.taken());
+    if constexpr (ChoosesSteps<S>)
+      if (report.last.ok()) report.taken = static_cast<double>(stepper.taken());
     if (!report.last.ok() && !step_in_parts(stepper, state, options, report)) return fail(report.last.status);
     report.max_correction = std::max(report.max_correction, report.last.correction);
     if constexpr (changing_observers == 1) {

@@ -366,6 +366,25 @@ TEST_CASE("A run of reversible steps goes on after a subdivided step", "[time]")
   CHECK(refuses([&] { integrate(other, x, options); }, "did not make the earlier part"));
 }
 
+TEST_CASE("A run of reversible steps goes on after a step that failed in parts, too", "[time]") {
+  const auto steps_of_one = [](const auto&, const auto&) { return 1.0; };
+  int failed = 0;
+  for (double dt = 0.3; dt < 0.6; dt += 0.02) {
+    CAPTURE(dt);
+    ReversibleSteps stepper(Semiexplicit(Kepler(), schemes::low_defect6_s13<double>()), steps_of_one);
+    const double e = 0.9;
+    Point z({-1 - e, 0}, {0, -std::sqrt((1 - e) / (1 + e))});
+    IntegrationOptions<double> options{.dt = dt, .on_failure = OnFailure::stop, .subdivide = 2, .t_end = 6};
+    options.done = integrate(stepper, z, options);
+    if (options.done.ok()) continue;
+    ++failed;
+    if (options.done.subdivided == 0) CHECK(options.done.taken == stepper.taken());
+    options.subdivide = 8;
+    CHECK_NOTHROW(integrate(stepper, z, options));
+  }
+  CHECK(failed > 5);
+}
+
 TEST_CASE("A checkpoint of reversible steps by another monitor function is refused", "[reversible steps]") {
   const Folder folder;
   const IntegrationOptions<double> options{.dt = 0.1, .steps = 10};

@@ -6,9 +6,7 @@
 #include <string>
 #include <type_traits>
 
-#include <semiexplicit/solvers/broyden.hpp>
-#include <semiexplicit/solvers/newton_krylov.hpp>
-#include <semiexplicit/solvers/simplified_newton.hpp>
+#include <semiexplicit/semiexplicit.hpp>
 
 #include "refusal.hpp"
 
@@ -52,6 +50,18 @@ SolverReport<double> solve(const Solver& solver, Residual& residual) {
 std::function<Vec(const Vec&)> mild(double strength) {
   return [strength](const Vec& m) { return Vec(4 * m - Vec(0.4, -0.2) + strength * Vec(m[1] * m[1], m[0])); };
 }
+
+/// Two pendulums that are coupled by positions and momenta.
+struct Pendulums {
+  using Scalar = double;
+  static constexpr int Dof = 2;
+  void gradient(In<double, 2> q, In<double, 2> p, Out<double, 2> dHdq, Out<double, 2> dHdp) const {
+    dHdq[0] = std::sin(q[0]) - std::sin(q[1] - q[0]);
+    dHdq[1] = std::sin(q[1] - q[0]) + 2 * p[0] * p[0] * q[1] / 3;
+    dHdp[0] = p[0] + 2 * p[0] * q[1] * q[1] / 3;
+    dHdp[1] = p[1];
+  }
+};
 
 bool accepted(const SolverReport<double>& report) {
   return report.status == Status::success || report.status == Status::rounding_limited;
@@ -138,6 +148,22 @@ TEST_CASE("max_iterations is exact: the last evaluation may still be accepted", 
     CHECK(solve(solver, residual).status == Status::no_convergence);
     CHECK(solve(solver, residual).evaluations == 1);
   });
+}
+
+TEST_CASE("No step takes more evaluations than max_iterations", "[solver]") {
+  for (int most = 1; most < 60; ++most)
+    for (double dt = 0.5; dt < 8; dt += 0.5) {
+      CAPTURE(most, dt);
+      const auto evaluations = [&](auto solver) {
+        PhasePoint<double, 2> z({1.0, 0.3}, {0.5, -0.2});
+        return Semiexplicit(Pendulums(), schemes::low_defect6_s13<double>(), solver).step(z, dt).evaluations;
+      };
+      CHECK(evaluations(SimplifiedNewton{.max_iterations = most}) <= most);
+      CHECK(evaluations(Broyden{.max_iterations = most}) <= most);
+      CHECK(evaluations(NewtonKrylov{.max_iterations = most}) <= most);
+      CHECK(evaluations(Robust{
+                .newton_iterations = most, .broyden_iterations = most, .max_iterations = most}) <= 3 * most);
+    }
 }
 
 TEST_CASE("Options that make no sense are refused before a step is taken", "[solver]") {

@@ -99,7 +99,7 @@ struct Broyden {
       length = norm_over_ranks(residual, work.u);
       // The updates may cancel what f still has, so that a short correction alone says nothing.
       if (convergence.done(std::max(length, size_f / 4), norm_over_ranks(residual, m), residual)) {
-        if (convergence.refused_as_distant()) {
+        if (convergence.refused_as_distant() && !convergence.exhausted(1)) {
           for (int sweep = 0; sweep < 2; ++sweep) convergence.count();
           if (is_straight(residual, m, first, work)) convergence.take_distant();
         }

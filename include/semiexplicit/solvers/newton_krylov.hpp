@@ -81,7 +81,7 @@ struct NewtonKrylov {
         size_trial = units.norm(residual, work.f);
         const bool smaller = size_trial <= (1 - part / 10000) * size_f;
         if (smaller || halvings == 8 || norm_over_ranks(residual, work.f) <= 4 * residual.rounding_level() ||
-            convergence.exhausted())
+            convergence.exhausted(1))
           break;
         convergence.count();
         part /= 2;

@@ -213,7 +213,8 @@ class Convergence {
 
   /// One more evaluation, which is not judged.
   void count() { ++report_.evaluations; }
-  bool exhausted() const { return report_.evaluations >= max_iterations_; }
+  /// Whether none is left; after `more` that are not counted yet.
+  bool exhausted(int more = 0) const { return report_.evaluations + more >= max_iterations_; }
 
   const SolverReport<Scalar>& report() const { return report_; }
 

@@ -89,7 +89,8 @@ struct StepReport {
   /// The step at which the simplified Newton method would contract by a half, judged from `rate`, seen at dt:
   /// an oscillation of frequency λ contracts by |sin(λ dt/2)|, a motion that grows as e^{λt} by (e^{λ dt} -
   /// 1)/2, and the smaller of the two answers is given. Has the sign of dt; dt itself where no rate was seen
-  /// or it is below a half.
+  /// or it is below a half. An estimate, which may fail again: the iterations of other solvers and steppers,
+  /// and a rate near 1, obey other laws.
   double advised_step(double dt) const {
     if (!(rate > 0.5 && std::isfinite(rate))) return dt;
     const double oscillating = (std::acos(-1.0) / 3) / (2 * std::asin(std::min(rate, 1.0)));
@@ -161,7 +162,8 @@ class IntegrationError : public std::runtime_error {
       if (r.last.rate > 0) text += ", changing by a factor " + in_words(r.last.rate, 3) + " each";
       text += ")";
       if (r.status == Status::no_convergence && r.last.rate > 0.5)
-        text += "; take a dt of " + in_words(r.last.advised_step(dt), 3) + " or less";
+        text += "; try a dt of about " + in_words(r.last.advised_step(dt), 3) +
+                ", and a shorter one where that fails";
     }
     if (r.status == Status::no_convergence || r.status == Status::not_finite)
       text += "; where no dt helps, check_gradient(H, z) tells whether the gradient is right";

@@ -192,7 +192,7 @@ inline Measurement<3> turning_orbit(const Choice& c, const std::string& unit, do
       // A straight line between steps leaves of what swings once an orbit the square of the step, over the
       // whole run.
       const double by_lines = 0.75 * seen->step * seen->step / (2 * pi * std::max(passages.orbits(), 1)) *
-                              expected.largest * motion;
+                              std::max(expected.largest, expected.second) * motion;
       const double uncertain = (measured ? by_companion->second : by_energy) + by_lines;
       if (passages.orbits() < 2)
         return print_none(out, what, "the run has no two whole orbits; give more --time");

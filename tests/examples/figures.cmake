@@ -32,6 +32,10 @@ prints(orbits "says how far it is off for a long ellipse" "--preset hulse_taylor
 prints(orbits "says how far J2 to first order is off" "--preset gps --e 0.1 --inclination 90deg --dt 2min --time 20day"
   "perihelion advance: -12.61[45][0-9] [^\n]*: -12.6000, terms of second order: about 0.0[1-2]\n")
 
+# By steps of a tenth of a day -868493.85, by 0.02 days 0.0021 less.
+prints(orbits "says how uncertain relativity of second order alone is" "--effects kinetic,attraction,2pn --time \"3 year\" --c \"500 km/s\" --dt \"0.1 day\""
+  "perihelion advance: -86849[0-9.]+ ± ([1-9]|0[.]0*[1-9]) arc")
+
 # What means nothing is not printed.
 prints(orbits "does not measure what the step hides" "--dt \"4 day\""
   "perihelion advance: not measured, (the energy error|a companion run) leaves [^0-9]+ [0-9.e+]+ arcseconds a century open; give a smaller --dt")

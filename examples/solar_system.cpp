@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <iostream>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -31,8 +32,9 @@ int audit(const Request& request) {
   request.checkpoint.prepare(request.settings, {request.file(".csv"), request.file(".png")});
   const auto& list = list_called(request.list);
   const PerihelionTable table = clemence(request.effects, list, dt, time, request.settings.samples);
+  std::string complaint;
   if (request.cost.chosen)
-    request.cost.compare_with_figure(
+    complaint = request.cost.compare_with_figure(
         by_half_the_step(table.curves.back().second.rate(),
                          perihelion_of("half the step", request.effects, list, dt / 2, time, 2).rate()));
   write_perihelion(request.file(".csv"), table);
@@ -41,6 +43,7 @@ int audit(const Request& request) {
     draw(request.file(".png"),
          curves(request.file(".png"), request.file(".csv"),
                 "By what each effect turns the perihelion of Mercury", "arcseconds", table.curves.size(), 1));
+  if (!complaint.empty()) throw std::runtime_error(complaint);
   return 0;
 }
 

@@ -146,12 +146,17 @@ struct CostRequest {
            " of " + std::to_string(cost.rows.size()) + " settings tried";
   }
 
-  /// What came of the choice. Throws std::runtime_error where the figure is not as accurate as it was to be.
-  void compare_with(const Run& run) const {
-    if (!run.is_result()) return;
-    if (figure_.empty()) return compare_with_energy(run.quantities.front().worst);
-    const auto found = run.figure_errors.find(figure_);
-    compare_with_figure(found == run.figure_errors.end() ? std::nullopt : std::optional(found->second));
+  /// Says what came of the choice. Gives the complaint where the figure is not as accurate as it was to be,
+  /// for when the results are written; else nothing.
+  std::string compare_with(const Run& run) const {
+    if (!run.is_result()) return "";
+    if (!figure_.empty()) {
+      const auto found = run.figure_errors.find(figure_);
+      return compare_with_figure(found == run.figure_errors.end() ? std::nullopt
+                                                                  : std::optional(found->second));
+    }
+    compare_with_energy(run.quantities.front().worst);
+    return "";
   }
   void compare_with_energy(double error) const {
     if (chosen)
@@ -159,17 +164,20 @@ struct CostRequest {
                              chosen->error, error);
   }
   /// The error of the figure by a companion run; nothing where it was not measured.
-  void compare_with_figure(const std::optional<double>& error) const {
-    if (!chosen) return;
+  std::string compare_with_figure(const std::optional<double>& error) const {
+    if (!chosen) return "";
     const std::string asked = figure_ + formatted(": %g ", asked_) + figure_unit_ + " asked for, ";
-    if (!error || !(*error <= asked_))
-      throw std::runtime_error(asked +
-                               (error ? formatted("%.1e reached by the trajectory", *error)
-                                      : std::string("and it was not measured")) +
-                               "; give a smaller --accuracy, or a --dt");
+    if (!error)
+      return asked +
+             "and its error was not measured: the run is too short for the figure, or a companion run has "
+             "parted from it; give more --time, or a smaller --accuracy, or a --dt";
+    if (!(*error <= asked_))
+      return asked +
+             formatted("%.1e reached by the trajectory; give a smaller --accuracy, or a --dt", *error);
     std::cout << asked
               << formatted("%.1e reached by the trajectory, as a companion run with half the step tells\n",
                            *error);
+    return "";
   }
 
   /// The rows in <file>.csv, and error against cost in <file>.png, a curve a method.

@@ -291,7 +291,7 @@ int run_scene_program(const SceneProgram<Dof>& program, int argc, char** argv, c
     if (!scene.is_symplectic()) run.doubt.clear();  // the energy is meant to change
     print_table(std::cout, {run}, settings.dt);
     measurement.print(std::cout, run);
-    cost.compare_with(run);
+    const std::string complaint = cost.compare_with(run);
     path.commit();
     write_series(csv, {run});
     checkpoint.finish();
@@ -304,6 +304,7 @@ int run_scene_program(const SceneProgram<Dof>& program, int argc, char** argv, c
       draw(png,
            scene_script(png, view.plot(path_csv, path.paths()), csv, run, headline, settings.time,
                         preset.units.name(1), scene.is_symplectic() ? "relative error" : "relative change"));
+    if (!complaint.empty()) throw std::runtime_error(complaint);
     return run.tell_failure() ? 1 : 0;
   });
 }

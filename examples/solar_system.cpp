@@ -34,9 +34,9 @@ int audit(const Request& request) {
   const PerihelionTable table = clemence(request.effects, list, dt, time, request.settings.samples);
   std::string complaint;
   if (request.cost.chosen)
-    complaint = request.cost.compare_with_figure(
+    complaint = request.cost.compare_with_figure(FigureError{
         by_half_the_step(table.curves.back().second.rate(),
-                         perihelion_of("half the step", request.effects, list, dt / 2, time, 2).rate()));
+                         perihelion_of("half the step", request.effects, list, dt / 2, time, 2).rate())});
   write_perihelion(request.file(".csv"), table);
   std::cout << "data: " << request.file(".csv").string() << '\n';
   if (!request.settings.no_plot)

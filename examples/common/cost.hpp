@@ -164,19 +164,24 @@ struct CostRequest {
                              chosen->error, error);
   }
   /// The error of the figure by a companion run; nothing where it was not measured.
-  std::string compare_with_figure(const std::optional<double>& error) const {
+  std::string compare_with_figure(const std::optional<FigureError>& error) const {
     if (!chosen) return "";
     const std::string asked = figure_ + formatted(": %g ", asked_) + figure_unit_ + " asked for, ";
     if (!error)
       return asked +
              "and its error was not measured: the run is too short for the figure, or a companion run has "
              "parted from it; give more --time, or a smaller --accuracy, or a --dt";
-    if (!(*error <= asked_))
-      return asked +
-             formatted("%.1e reached by the trajectory; give a smaller --accuracy, or a --dt", *error);
-    std::cout << asked
-              << formatted("%.1e reached by the trajectory, as a companion run with half the step tells\n",
-                           *error);
+    const double all = error->by_trajectory + error->by_measuring;
+    const std::string reached = asked + formatted("%.1e reached by the trajectory", error->by_trajectory);
+    if (!(error->by_trajectory <= asked_)) return reached + "; give a smaller --accuracy, or a --dt";
+    if (!(all <= asked_))
+      return reached +
+             formatted(", but such steps over so short a time leave ± %.1g by measuring",
+                       error->by_measuring) +
+             "; give more --time, or a --dt smaller than this one instead of --accuracy";
+    std::cout << reached << ", as a companion run with half the step tells"
+              << (error->by_measuring > 0 ? formatted(", and ± %.1g by measuring", error->by_measuring) : "")
+              << '\n';
     return "";
   }
 

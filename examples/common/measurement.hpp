@@ -21,6 +21,7 @@ namespace examples {
 struct Figure {
   std::string name;
   double value = 0;
+  double uncertain = 0;  ///< by how it is measured, whatever the trajectory
 };
 
 /// Looks on at a run and says something about it at the end.
@@ -76,7 +77,7 @@ class FigureErrors {
       for (const Figure& other : of_companion_.figures())
         if (one.name == other.name)
           if (const auto error = estimate.error_of(one.value, other.value))
-            run.figure_errors[one.name] = *error;
+            run.figure_errors[one.name] = {*error, one.uncertain};
   }
 
  private:

@@ -141,6 +141,11 @@ class RowClock {
   std::int64_t step_ = 0;
 };
 
+/// What is uncertain of a figure: by the trajectory, as a companion run tells, and by how it is measured.
+struct FigureError {
+  double by_trajectory = 0, by_measuring = 0;
+};
+
 /// What came of one method.
 struct Run {
   /// The relative error of an invariant, or the defect, as it grows. A row holds the largest value since the
@@ -164,8 +169,7 @@ struct Run {
   IntegrationReport report{};
   std::string failure{};  ///< empty if the run came to its end
   std::string doubt{};    ///< not empty if the result means nothing although it did
-  std::map<std::string, double>
-      figure_errors{};  ///< of measured figures, by a companion run, where there was one
+  std::map<std::string, FigureError> figure_errors{};  ///< where a companion run tells one
 
   bool is_result() const { return failure.empty() && doubt.empty(); }
   /// Says on stderr why this is no result; false: it is one.

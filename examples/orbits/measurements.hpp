@@ -161,11 +161,18 @@ inline Measurement<3> turning_orbit(const Choice& c, const std::string& unit, do
       seen->swing.*rate = std::max(seen->swing.*rate, std::abs(now.*rate - expected.at_start.*rate));
   };
   const bool with_node = c.on("j2") || c.on("spin_orbit");
+  const double motion = std::sqrt(gm / std::pow(c["a"], 3)) * factor;  // per radian of the mean motion
+  // A straight line between steps leaves of what swings once an orbit the square of the step, over the whole
+  // run.
+  const auto by_lines = [=](const Passages& passages) {
+    return 0.75 * seen->step * seen->step / (2 * pi * std::max(passages.orbits(), 1)) *
+           std::max(expected.largest, expected.second) * motion;
+  };
   const auto figures = [=] {
     std::vector<Figure> list;
     const bool has_node = seen->upright > 1e-3;
     const auto add = [&](const char* what, const Passages& passages) {
-      if (passages.orbits() >= 2) list.push_back({what, passages.per_time() * factor});
+      if (passages.orbits() >= 2) list.push_back({what, passages.per_time() * factor, by_lines(passages)});
     };
     add("perihelion advance", with_node && has_node ? seen->from_node : seen->along);
     add("perihelion and node, along the orbit", seen->along);
@@ -182,18 +189,14 @@ inline Measurement<3> turning_orbit(const Choice& c, const std::string& unit, do
       return print_none(out, first,
                         formatted("a step goes through %.0f degrees of the orbit; ", seen->step * 180 / pi) +
                             formatted("give a --dt %.0f times smaller", std::ceil(seen->step * 12 / pi)));
-    const double motion = std::sqrt(gm / std::pow(c["a"], 3)) * factor;  // per radian of the mean motion
     // An error of the energy goes along with a turn of the periapsis, as measured up to five times as large a
     // radian.
     const double by_energy = 6 * run.quantities.front().worst * motion;
     const auto figure = [&](const std::string& what, const Passages& passages, double TurnRates::*rate) {
       const auto by_companion = run.figure_errors.find(what);
       const bool measured = by_companion != run.figure_errors.end();
-      // A straight line between steps leaves of what swings once an orbit the square of the step, over the
-      // whole run.
-      const double by_lines = 0.75 * seen->step * seen->step / (2 * pi * std::max(passages.orbits(), 1)) *
-                              std::max(expected.largest, expected.second) * motion;
-      const double uncertain = (measured ? by_companion->second : by_energy) + by_lines;
+      const double uncertain =
+          (measured ? by_companion->second.by_trajectory : by_energy) + by_lines(passages);
       if (passages.orbits() < 2)
         return print_none(out, what, "the run has no two whole orbits; give more --time");
       if (!passages.plain())

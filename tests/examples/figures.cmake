@@ -142,5 +142,8 @@ check(solar_system "says in its unit what is out of reach" "--audit --effects me
 check(orbits "keeps the run where the accuracy was not measured" "--accuracy \"0.001 arcsec\" --cost-by gradients --time \"0.3 year\" --no-plot" EXIT_CODE 1
   COMPLAINT "perihelion advance: 0.001 arcsec asked for, and its error was not measured: the run is too short" FILE out/orbits.csv
   PRINTS "perihelion advance: not measured, the run has no two whole orbits")
+check(orbits "counts what measuring leaves of the accuracy" "--accuracy \"0.0001 arcsec\" --cost-by gradients --time \"1 year\" --no-plot" EXIT_CODE 1
+  COMPLAINT "0.0001 arcsec asked for, [0-9.]+e-[0-9]+ reached by the trajectory, but such steps over so short a time leave ± 0.0[0-9]+ by measuring"
+  FILE out/orbits.csv PRINTS "perihelion advance: 42.9[0-9]+ ± 0.0[0-9]+ arc")
 refuses(orbits "an accuracy in metres" "--accuracy \"3 km\"" "is no angle; give one in rad, deg or arcsec")
 refuses(orbits "an accuracy of an angle where none is measured" "--preset gps --accuracy \"1 arcsec\"" "measures no angle; give a relative energy error")

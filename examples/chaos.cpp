@@ -19,6 +19,7 @@
 #include "chaos/series.hpp"
 #include "common/arguments.hpp"
 #include "common/output.hpp"
+#include "common/run.hpp"
 
 namespace {
 
@@ -144,8 +145,8 @@ int main(int argc, char** argv) {
 
   return run_program(app, argc, argv, [&] {
     request.steps();  // refused before the folder is made
-    settings.make_output_folder();
-    const std::filesystem::path csv = settings.output / "chaos.csv";
+    const std::filesystem::path csv = settings.output / "chaos.csv", png = settings.output / "chaos.png";
+    CheckpointRequest().prepare(settings, {csv, png});
     std::vector<Measured> all;
     for (const Regime& regime : request.regimes()) {
       all.push_back({regime, {}});
@@ -167,7 +168,7 @@ int main(int argc, char** argv) {
     if (all.front().series.t.back() <= picture_begin)
       std::cout << formatted("no picture: it begins at t = %g\n", picture_begin);
     else
-      draw(settings.output / "chaos.png", picture(settings.output / "chaos.png", csv, all));
+      draw(png, picture(png, csv, all));
     return 0;
   });
 }

@@ -145,14 +145,11 @@ class ConfigFile : public CLI::ConfigTOML {
     check_lines(text);
     std::istringstream lines(text);
     std::vector<CLI::ConfigItem> read = CLI::ConfigTOML::from_config(lines);
-    std::set<std::string> names;
     for (const auto& [parents, name, values] : read)
       if (!parents.empty())
         refuse("[" + parents.front() + "]: sections mean nothing here");
       else if (app_.get_option_no_throw("--" + name) == nullptr)
         refuse(unknown_name("option", name, option_names(app_)));
-      else if (!names.insert(name).second)
-        refuse("'" + name + "' is there twice");
       else if (std::count(values.begin(), values.end(), "") > 0)
         refuse("'" + name + "' has no value");
     std::erase_if(read, [this](const CLI::ConfigItem& item) { return is_flag_left_out(item); });
@@ -160,10 +157,12 @@ class ConfigFile : public CLI::ConfigTOML {
   }
 
  private:
-  /// Every line is to be empty, a comment, a [section] or name = value, with all quotes and brackets closed.
+  /// Every line is to be empty, a comment, a [section] or name = value, with all quotes and brackets closed,
+  /// and no name there twice: CLI11 would take two lines one behind the other for one list.
   static void check_lines(const std::string& text) {
     std::istringstream lines(text);
     std::string name;
+    std::set<std::string> names;
     bool in_array = false;
     for (std::string line; std::getline(lines, line);) {
       const std::size_t begin = line.find_first_not_of(" \t\r");
@@ -174,6 +173,7 @@ class ConfigFile : public CLI::ConfigTOML {
         at = line.find('=');
         name = CLI::detail::trim_copy(line.substr(begin, at == std::string::npos ? at : at - begin));
         if (at++ == std::string::npos) refuse("'" + name + "' has no value; write name = value");
+        if (!names.insert(name).second) refuse("'" + name + "' is there twice");
       }
       char quote = 0;
       for (; at < line.size() && (quote != 0 || line[at] != '#'); ++at) {
@@ -193,10 +193,14 @@ class ConfigFile : public CLI::ConfigTOML {
     }
     if (in_array) refuse("'" + name + "' has a [ without its ]");
   }
-  /// CLI11 counts `name = false` as given: what the flag excludes would be refused.
+  /// CLI11 counts `name = false`, off, no or 0 as given: what the flag excludes would be refused.
   bool is_flag_left_out(const CLI::ConfigItem& item) const {
-    return app_.get_option("--" + item.name)->get_expected_max() == 0 &&
-           item.inputs == std::vector<std::string>{"false"};
+    if (app_.get_option("--" + item.name)->get_expected_max() != 0 || item.inputs.size() != 1) return false;
+    try {
+      return CLI::detail::to_flag_value(item.inputs.front()) < 0;
+    } catch (const std::logic_error&) {  // no such word, or no number; CLI11 says so
+      return false;
+    }
   }
   [[noreturn]] static void refuse(const std::string& why) {
     throw CLI::ConfigError(why, CLI::ExitCodes::ConfigError);

@@ -23,8 +23,9 @@ inline Perihelion perihelion_of(const std::string& label, const std::vector<std:
                                 const NearIntegrable<double>& list, double dt, double time,
                                 std::int64_t samples) {
   const System system(effects);
-  const double every = std::ceil((time / dt + 2) / static_cast<double>(std::max<std::int64_t>(samples, 2)));
-  Perihelion perihelion(system, static_cast<std::int64_t>(every));
+  // One row at J2000, and so many at most on each side.
+  const std::int64_t rows = (samples - 1) / 2, every = steps_in(time / 2, dt) / (rows + 1) + 1;
+  Perihelion perihelion(system, every);
   for (const double sign : {-1.0, 1.0}) {
     State z = system.start;
     Kept none;

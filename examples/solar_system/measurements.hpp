@@ -35,7 +35,8 @@ class Perihelion {
       add(t);
     }
     last_ = now, last_t_ = t;
-    if (seen_++ % every_ == 0) rows_.emplace_back(t, turned_ / arcsecond);
+    const bool again = seen_ == 0 && !rows_.empty();  // at the start
+    if (seen_++ % every_ == 0 && !again) rows_.emplace_back(t, turned_ / arcsecond);
   }
   /// To be shown every state of a run.
   Measurement<Eigen::Dynamic> look() {

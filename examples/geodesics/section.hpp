@@ -83,7 +83,8 @@ Region allowed(const M& metric, double energy, double l) {
   }
   if (!(best.outer > best.inner))
     throw std::invalid_argument(
-        "no orbit of this --energy and --angular-momentum is bound outside of the hole");
+        "no orbit of this --energy and --angular-momentum is bound whatever its inclination: those that may "
+        "be in a region that reaches the hole are left out");
   best.fallen = r_horizon + (best.inner - r_horizon) / 40;
   best.left = std::max(1e4, 10 * best.outer);
   return best;

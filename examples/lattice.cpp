@@ -1,4 +1,5 @@
 // A chain of sites: nonlinearity, hopping, disorder, as the user chooses.
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -87,7 +88,8 @@ View<any> view(const Choice& c) {
   view.append = [](const Half& q, const Half& p, auto& row, auto&) {
     for (Eigen::Index i = 0; i < q.size(); ++i) row.push_back(q[i] * q[i] + p[i] * p[i]);
   };
-  view.plot = [n = sites(c), unit = c.units.name(1)](const auto& csv, const auto&) {
+  view.plot = [n = sites(c), mass = c.has("mass") ? c["mass"] : 1, unit = c.units.name(1)](const auto& csv,
+                                                                                           const auto&) {
     // Rows are evenly spaced, but for the last one, which is left out where it is not.
     return "stats " + quoted(csv.string()) +
            " skip 1 using 1 nooutput\nend = STATS_max\nlast = STATS_records - 1\n" + "stats " +
@@ -96,7 +98,8 @@ View<any> view(const Choice& c) {
            quoted(in("time", unit)) +
            "\nset ylabel 'site'\nset cblabel '|ψ|²'\nset rmargin at screen "
            "0.86\n"
-           "set logscale cb\nset format cb '10^{%T}'\nset cbrange [1e-6:*]\n"
+           "set logscale cb\nset format cb '10^{%T}'\n" +
+           formatted("set cbrange [%g:*]\n", std::max(1e-6 * mass, 1e-300)) +
            "set palette defined (0 '#000020', 1 '#08519c', 2 '#6baed6', 3 '#fee391', 4 '#ffffe5')\n"
            "set yrange [-0.5:" +
            std::to_string(n) +

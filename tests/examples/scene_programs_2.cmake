@@ -46,6 +46,7 @@ check(lattice "is half trapped at the threshold" "--preset dnls --sites 2 --g 4 
   PRINTS "in closed form, at least 0.500000")
 check(lattice "lets go below the threshold" "--preset dnls --sites 2 --g 3.9 --time 20 --dt 0.005 --no-plot" FILE out/lattice.csv
   PRINTS "start: 0.0000[0-9]+ at least.*at least 0.000000")
+by_shell(lattice "scales its colours with the mass" "$program --preset anderson --mass 1e-9 --time 1 && grep 'cbrange .1e-15:' out/lattice.gp")
 refuses(lattice "half a site" "--sites 2.5" "--sites: '2.5' is not a whole number from 1")
 
 check(vortices "draw apart before a wall" "--preset wall --no-plot" FILE out/vortices.csv

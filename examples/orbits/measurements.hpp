@@ -248,6 +248,7 @@ inline Measurement<3> turning_orbit(const Choice& c, const std::string& unit, do
     else if (has_node && (about_the_node || c.on("j2") || c.on("spin_orbit")))
       figure("node", seen->node, &TurnRates::node);
   };
+  if (c.on("drag")) return {observe, report, memory_of(seen)};  // nothing to be compared
   return {observe, report, memory_of(seen), figures};
 }
 

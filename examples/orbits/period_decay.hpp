@@ -86,7 +86,8 @@ inline Measurement<3> binary_pulsar(const Choice& c) {
           [=](CheckpointMemory& visit) {
             turn.memory(visit);
             decay.memory(visit);
-          }};
+          },
+          turn.figures};
 }
 
 }  // namespace examples

@@ -59,6 +59,7 @@ class Generations {
                                "/rank*: no step is there of all ranks, though all had saved one; bring the "
                                "missing files back, or remove the others to begin anew");
     last_ = step;
+    left_.insert(here.upper_bound(step), here.end());
     const auto kept = here.lower_bound(step);  // the save before that one goes with the next
     before_ = kept == here.begin() ? step : *std::prev(kept);
     return step == 0 ? IntegrationReport{} : open_(step).resume(z);
@@ -66,10 +67,10 @@ class Generations {
 
   void operator()(const double&, const State& z, const IntegrationReport& so_far) {
     if (every_ == 0 || so_far.steps == last_ || so_far.steps % every_ != 0) return;
-    remove(so_far.steps);  // by the run that was killed, which other ranks had not saved
+    if (left_.erase(so_far.steps) > 0) remove(so_far.steps);
     Saved& checkpoint = open_(so_far.steps);
     State start = start_();
-    checkpoint.resume(start);  // there is no such file: it takes note of the initial state
+    checkpoint.resume(start);  // takes note of the initial state; throws where another run has saved by now
     checkpoint.save(z, so_far);
     if (before_ != last_) remove(before_);
     before_ = std::exchange(last_, so_far.steps);
@@ -113,6 +114,7 @@ class Generations {
   std::filesystem::path folder_;
   std::int64_t every_, before_ = 0, last_ = 0;
   std::string prefix_;
+  std::set<std::int64_t> left_;  ///< steps that the run which was killed had not saved on all ranks
   const Ranks& ranks_;
   std::function<State()> start_;
   std::optional<Saved> current_;  ///< locks its file

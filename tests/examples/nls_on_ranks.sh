@@ -36,6 +36,7 @@ rm -f "saved/rank1of2-step$latest.checkpoint"
 for rank in 0 1; do
   for file in saved/rank${rank}of2-*; do cp "$file" "saved/rank${rank}of2-step1.checkpoint"; done
 done
+cp "saved/rank0of2-step$latest.checkpoint" another
 # A start that is refused leaves all files: one where a rank lacks its own, one that finds a damaged file.
 refuses() { # refuses WHY
   ls saved >before.txt
@@ -56,6 +57,16 @@ common=$(sed -nE 's/^resumed: ([0-9]+) of 800 steps .*/\1/p' resumed.log)
 [ -n "$common" ] && [ "$common" -gt 0 ] && [ "$common" -lt "$latest" ] || fail "it went on from step '$common', not before $latest"
 [ "$(figures resumed.log)" = "$(figures whole.log)" ] || fail "the resumed run has other figures: $(cat whole.log)"
 [ -z "$(ls saved)" ] || fail "checkpoints were left behind"
+
+# A run leaves a file alone that another run has written since it began.
+mkdir shared
+timeout 100 "$mpiexec" -n 2 "$program" --sites 100000 --dt 0.005 --time 4 --checkpoint 400 --output "$folder/shared" >shared.log 2>&1 &
+launcher=$!
+sleep 2
+cp another shared/rank0of2-step400.checkpoint
+if wait $launcher; then fail "a file of another run went unnoticed"; fi
+grep -q "rank0of2-step400.checkpoint: .*another" shared.log || fail "$(cat shared.log)"
+cmp another shared/rank0of2-step400.checkpoint
 
 if timeout 100 "$mpiexec" -n 3 "$program" --sites 100 --dt 20 --time 20 >failed.log 2>&1; then fail "a step of 20 was taken"; fi
 cat failed.log

@@ -85,8 +85,7 @@ class SweepResults {
     };
     out << "members: " << size() << ", failed " << size() - energy.size() << " ("
         << share(size() - energy.size()) << ")\n";
-    if (energy.empty())
-      throw std::runtime_error("every member failed, there is nothing to show; give a smaller --dt");
+    if (energy.empty()) return;
     const auto quantile = [&](double q) {
       const double below = std::ceil(q * static_cast<double>(energy.size()));
       return formatted("%.1e", energy[static_cast<std::size_t>(below) - 1]);
@@ -103,7 +102,7 @@ class SweepResults {
     std::ostringstream out;
     out << gnuplot_prologue(png, 1200, 1560) << "set datafile missing 'nan'\n$map << END\n";
     for (std::size_t i = 0; i < size(); ++i)
-      out << formatted("%.4f,%.4f,%.2f\n", at(i, 0), at(i, 1), logarithm(at(i, 2)));
+      out << formatted("%.9g,%.9g,%.2f\n", at(i, 0), at(i, 1), logarithm(at(i, 2)));
     out << "END\n$distribution << END\n";
     constexpr int bins = 100;
     constexpr double low = -18, high = 2;

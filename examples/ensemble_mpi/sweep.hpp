@@ -87,11 +87,12 @@ struct Sweep {
         energy_error = std::abs(energy(ensemble.state(k)) - energy(starts[n]));
       }
       const Eigen::Vector2d place = fourth(order[n]);
+      const std::int64_t tried = there.steps + (there.ok() ? 0 : 1);
       const double row[] = {place.x(),
                             place.y(),
                             reversibility,
                             energy_error,
-                            static_cast<double>(there.evaluations) / static_cast<double>(steps()),
+                            static_cast<double>(there.evaluations) / static_cast<double>(tried),
                             static_cast<double>(status)};
       std::copy(std::begin(row), std::end(row),
                 table.begin() + (order[n] - first) * static_cast<std::int64_t>(columns().size()));

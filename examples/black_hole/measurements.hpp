@@ -29,15 +29,14 @@ struct Ellipse {
 inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::optional<Ellipse>& ellipse) {
   struct Seen {
     double energy = 0, momentum = 0;  // at first
-    double highest = 0;
-    Largest closeness, distance;
+    Largest closeness, distance, highest;
     double last_r_momentum = 0, last_phi = 0, first = 0, latest = 0, turn = 0;
     std::int64_t rows = 0, apoapsides = 0;
     bool over_a_pole = false;
     void visit_memory(CheckpointMemory& visit) {
-      for (double* number :
-           {&energy, &momentum, &highest, &last_r_momentum, &last_phi, &first, &latest, &turn})
+      for (double* number : {&energy, &momentum, &last_r_momentum, &last_phi, &first, &latest, &turn})
         visit(*number);
+      highest.visit_memory(visit);
       closeness.visit_memory(visit);
       distance.visit_memory(visit);
       visit(rows);
@@ -70,7 +69,7 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
     s.distance.see(q[1]);
     // Over a pole theta goes on, and phi stays where it was.
     if (q[2] <= 0 || q[2] >= pi) s.over_a_pole = true;
-    s.highest = s.over_a_pole ? pi / 2 : std::max(s.highest, std::asin(std::abs(std::cos(q[2]))));
+    s.highest.see(std::abs(q[2] - pi / 2) * 180 / pi);
   };
   const auto report = [=](std::ostream& out, const Run&) {
     const Seen& s = *seen;
@@ -80,7 +79,10 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
     out << formatted("E = %.9g, L = %.9g; ", s.energy, s.momentum) << "r from "
         << with_uncertainty(nearest, s.closeness.uncertain()) << " to "
         << with_uncertainty(farthest, s.distance.uncertain()) << ", "
-        << formatted("%.2f degrees off the equator\n", s.highest * 180 / pi)
+        << (s.over_a_pole || s.highest.uncertain() < 0.005
+                ? formatted("%.2f", s.over_a_pole ? 90 : s.highest.value())
+                : with_uncertainty(s.highest.value(), s.highest.uncertain()))
+        << " degrees off the equator\n"
         << formatted("innermost stable circular orbit%s: r = %.5f\n",
                      s.momentum * hole.spin < 0 ? " against the spin" : "", turned.innermost_stable_orbit());
     const std::string what = "turns from apoapsis to apoapsis";

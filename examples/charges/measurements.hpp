@@ -35,7 +35,7 @@ class Bouncing {
     seen_ = true;
     last_ = z;
     last_t_ = t;
-    highest_ = std::max(highest_, std::abs(z));
+    highest_.see(std::abs(z));
   }
   /// Why there is no figure of a charge that gyrates by about `rate`; empty where there is one.
   std::string missing(double rate) const {
@@ -45,19 +45,27 @@ class Bouncing {
     return "";
   }
   double period() const { return (latest_ - first_) / static_cast<double>(passages_ - 1); }
-  double highest() const { return highest_; }
+  /// A straight line through a wave misses its zero by up to 0.016 of the cube of the step in radians,
+  /// here at both ends; three times that, as it is not quite a wave.
+  double period_uncertain() const {
+    const double step = 2 * std::numbers::pi / period() * longest_;
+    return 0.1 * step * step * longest_ / static_cast<double>(passages_ - 1);
+  }
+  const Largest& highest() const { return highest_; }
 
   void visit_memory(CheckpointMemory& visit) {
     visit(seen_);
     visit(passages_);
     visit(samples_);
     visit(fewest_);
-    for (double* number : {&last_, &last_t_, &first_, &latest_, &highest_, &longest_}) visit(*number);
+    for (double* number : {&last_, &last_t_, &first_, &latest_, &longest_}) visit(*number);
+    highest_.visit_memory(visit);
   }
 
  private:
   bool seen_ = false;
-  double last_ = 0, last_t_ = 0, first_ = 0, latest_ = 0, highest_ = 0, longest_ = 0;
+  double last_ = 0, last_t_ = 0, first_ = 0, latest_ = 0, longest_ = 0;
+  Largest highest_;
   std::int64_t passages_ = 0, samples_ = 0, fewest_ = std::int64_t{1} << 62;
 };
 
@@ -67,6 +75,10 @@ struct Velocity {
       : all(std::sqrt(2 * c["energy"] / c["mass"])),
         across(all * std::sin(c["pitch"])),
         along(all * std::cos(c["pitch"])) {}
+  /// Does it go across the field, so that it gyrates?
+  bool crosses() const { return across > 1e-12 * all; }
+  static constexpr const char* no_crossing =
+      "nothing moves across the field; give another --pitch or --energy";
   double all, across, along;
 };
 
@@ -79,10 +91,9 @@ inline Measurement<3> gyration(const Choice& c) {
   return {[=](double t, const In<double, 3>& q, const In<double, 3>&) { turning->see(t, q[0], q[1]); },
           [=](std::ostream& out, const Run&) {
             const std::string coarse = too_coarse(turning->largest(rate));
-            const std::string why = !alone ? "the formula holds for uniform_field alone"
-                                    : !(Velocity(c).across > 1e-12 * Velocity(c).all)
-                                        ? "nothing moves across the field; give another --pitch or --energy"
-                                    : !coarse.empty() ? coarse
+            const std::string why = !alone                   ? "the formula holds for uniform_field alone"
+                                    : !Velocity(c).crosses() ? Velocity::no_crossing
+                                    : !coarse.empty()        ? coarse
                                     : std::abs(turning->turned()) < 2 * std::numbers::pi
                                         ? "the run has no whole turn; give more --time"
                                         : "";
@@ -106,23 +117,25 @@ inline Measurement<3> mirrors(const Choice& c) {
                                                                : "";
   return {[=](double t, const In<double, 3>& q, const In<double, 3>&) { bouncing->see(t, q[2]); },
           [=](std::ostream& out, const Run&) {
-            std::string why = bouncing->missing(v.across / gyroradius);
-            if (bouncing->highest() < 1e-6 * gyroradius)
+            std::string why = v.crosses() ? bouncing->missing(std::abs(c["charge"] * c["b0"]) / c["mass"])
+                                          : Velocity::no_crossing;
+            if (v.crosses() && bouncing->highest().value() < 1e-6 * gyroradius)
               why = "the charge stays in the middle; give another --pitch";
             if (!why.empty())
               return print_none(out, "turning point and bounce period",
                                 why + (why.find("--time") == why.npos
                                            ? ""
                                            : ", or a stronger field, which keeps the charge near the axis"));
-            const double highest = bouncing->highest(), period = bouncing->period();
+            const double highest = bouncing->highest().value(), about = bouncing->highest().uncertain(),
+                         period = bouncing->period(), or_so = bouncing->period_uncertain();
             if (!no_estimate.empty()) {
-              print_figure(out, "turning point, m", highest, no_estimate);
-              return print_figure(out, "bounce period, s", period, no_estimate);
+              print_figure(out, "turning point, m", highest, no_estimate, about);
+              return print_figure(out, "bounce period, s", period, no_estimate, or_so);
             }
             print_comparison(out, "turning point, m", highest, "adiabatic, L cot(pitch)",
-                             length * std::abs(v.along) / v.across);
+                             length * std::abs(v.along) / v.across, about);
             print_comparison(out, "bounce period, s", period, "adiabatic, 2πL/(v sin(pitch))",
-                             2 * std::numbers::pi * length / v.across);
+                             2 * std::numbers::pi * length / v.across, or_so);
           },
           memory_of(bouncing)};
 }
@@ -161,9 +174,11 @@ inline Measurement<3> bounce_and_drift(const Choice& c) {
             };
             const std::string coarse = too_coarse(drifting->largest());
             figure("bounce period, s",
-                   bouncing->highest() < 1e-6 * l ? "the charge stays in the equator; give another --pitch"
-                                                  : bouncing->missing(v / (gyroradius * l)),
-                   bouncing->period(), bounce);
+                   !Velocity(c).crosses() ? Velocity::no_crossing
+                   : bouncing->highest().value() < 1e-6 * l
+                       ? "the charge stays in the equator; give another --pitch"
+                       : bouncing->missing(v / (gyroradius * l)),
+                   bouncing->period(), bounce, bouncing->period_uncertain());
             // At both ends the gyration is part of the angle, and the drift is faster here and slower there
             // on a bounce, twice to and fro.
             const double share =

@@ -147,11 +147,13 @@ class Turning {
   double start_ = 0, now_ = 0, last_ = 0, turned_ = 0, radii_ = 0, largest_ = 0, longest_ = 0;
 };
 
-/// "77.8 ± 0.7", no more digits than that means; eight of them where nothing is uncertain.
+/// "77.8 ± 0.7", no more digits than that means; eight of them where none of these is uncertain.
 inline std::string with_uncertainty(double value, double uncertain) {
-  if (!(uncertain > 0)) return formatted("%.8g", value);
-  const int decimals = std::clamp(-static_cast<int>(std::floor(std::log10(uncertain))), 0, 15);
-  return formatted("%.*f", decimals, value) + formatted(" ± %.1g", uncertain);
+  if (!(uncertain > 1e-8 * std::abs(value))) return formatted("%.8g", value);
+  const auto place = [](double x) { return static_cast<int>(std::floor(std::log10(std::abs(x)))); };
+  const bool small = value != 0 && std::abs(value) < 1e-4;  // as %g has it
+  const int decimals = std::clamp((small ? place(value) : 0) - place(uncertain), 0, 15);
+  return formatted(small ? "%.*e" : "%.*f", decimals, value) + formatted(" ± %.1g", uncertain);
 }
 
 /// The largest value of what is seen at steps of one size: the top of the parabola through three of them.
@@ -169,8 +171,8 @@ class Largest {
     ++seen_;
   }
   double value() const { return value_; }
-  /// What the steps leave open; 0 where it is below the digits that are shown without it.
-  double uncertain() const { return uncertain_ > 1e-8 * std::abs(value_) ? uncertain_ : 0; }
+  /// What the steps leave open.
+  double uncertain() const { return uncertain_; }
 
   void visit_memory(CheckpointMemory& visit) {
     visit(seen_);

@@ -59,7 +59,8 @@ inline Measurement<3> fast_gyration(const Choice& c) {
 /// The first place and the last, and how far it went along one axis and to the middle.
 struct Way {
   bool begun = false;
-  double t0 = 0, t = 0, widest = -INFINITY, closest = INFINITY;
+  double t0 = 0, t = 0;
+  Largest widest, closest;         ///< x, -x
   double highest = 0, across = 0;  ///< the largest |y|, and canonical momentum across z
   double longest = 0;              ///< the way of a step
   Eigen::Vector3d first = Eigen::Vector3d::Zero(), last = first;
@@ -71,8 +72,8 @@ struct Way {
     longest = std::max(longest, (q - last).norm());
     last = q;
     t = now;
-    widest = std::max(widest, q[0]);
-    closest = std::min(closest, q[0]);
+    widest.see(q[0]);
+    closest.see(-q[0]);
     highest = std::max(highest, std::abs(q[1]));
     across = std::max(across, p.head<2>().norm());
   }
@@ -85,7 +86,9 @@ struct Way {
   }
   void visit_memory(CheckpointMemory& visit) {
     visit(begun);
-    for (double* number : {&t0, &t, &widest, &closest, &highest, &across, &longest}) visit(*number);
+    for (double* number : {&t0, &t, &highest, &across, &longest}) visit(*number);
+    widest.visit_memory(visit);
+    closest.visit_memory(visit);
     visit(first);
     visit(last);
   }
@@ -104,11 +107,12 @@ Measurement<3> of_way(const Choice& c, const std::string& field, const Report& r
 /// print_comparison() where a formula holds to a per cent or so, which is as long as nothing is in `off`,
 /// else the measured figure alone.
 inline void print_where_it_holds(std::ostream& out, const std::string& what, double measured,
-                                 const std::string& reference, double expected, const std::string& off) {
+                                 const std::string& reference, double expected, const std::string& off,
+                                 double uncertain = 0) {
   if (off.empty())
-    print_comparison(out, what, measured, reference, expected);
+    print_comparison(out, what, measured, reference, expected, uncertain);
   else
-    print_figure(out, what, measured, off);
+    print_figure(out, what, measured, off, uncertain);
 }
 
 /// "the slope is 0.65, and is to be below 0.1", or nothing where it is.
@@ -134,7 +138,8 @@ inline Measurement<3> wiggle(const Choice& c) {
                  behind = (1 + strength * strength / 2) / (gamma * gamma);
     std::string off = too_large("k|y|", k * way.highest, 0.1);
     if (off.empty()) off = too_large("the slope K/(γβ)", slope, 0.1);
-    print_where_it_holds(out, "wiggle, m", (way.widest - way.closest) / 2, "K/(γβk)", slope / k, off);
+    print_where_it_holds(out, "wiggle, m", (way.widest.value() + way.closest.value()) / 2, "K/(γβk)",
+                         slope / k, off, (way.widest.uncertain() + way.closest.uncertain()) / 2);
     if (off.empty()) off = too_large("(1 + K²/2)/γ²", behind, 0.01);
     print_where_it_holds(out, "slippage a period, m",
                          (c["c"] * (way.t - way.t0) - (way.last - way.first)[2]) / passed,

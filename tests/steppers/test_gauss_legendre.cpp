@@ -182,7 +182,8 @@ TEST_CASE("Extrapolated starting values save iterations and change nothing else"
   }
 }
 
-TEST_CASE("Steps that change are extrapolated to, in lanes and one by one, and change nothing else", "[gauss]") {
+TEST_CASE("Steps that change are extrapolated to, in lanes and one by one, and change nothing else",
+          "[gauss]") {
   const auto check = [](auto make) {
     for (const int stages : {3, 4, 6, 8}) {
       CAPTURE(stages);

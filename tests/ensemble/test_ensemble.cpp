@@ -219,9 +219,9 @@ TEST_CASE("An observer hears of every member at the times asked for") {
   int calls = 0;  // without .every at each step
   ensemble.run({.dt = 0.01, .steps = 5, .threads = 1}, [&](Eigen::Index, double, const auto&) { ++calls; });
   CHECK(calls == 37 * 6);
-  const auto in_no_step = [](auto ensemble) {
+  const auto in_no_step = [](auto members) {
     int told = 0, together = 0;
-    ensemble.run(
+    members.run(
         {.dt = 0.01, .steps = 0, .threads = 1}, [&](Eigen::Index, double, const auto&) { ++told; },
         [&](double, const EnsembleReport&) { ++together; });
     return std::pair(told, together);

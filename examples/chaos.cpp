@@ -146,7 +146,7 @@ int main(int argc, char** argv) {
   return run_program(app, argc, argv, [&] {
     request.steps();  // refused before the folder is made
     const std::filesystem::path csv = settings.output / "chaos.csv", png = settings.output / "chaos.png";
-    CheckpointRequest().prepare(settings, {csv, png});
+    prepare_outputs(settings, {csv, png});
     std::vector<Measured> all;
     for (const Regime& regime : request.regimes()) {
       all.push_back({regime, {}});

@@ -85,7 +85,7 @@ int run(const M& metric, Request& request, const CLI::App& app, const std::strin
 
   const std::filesystem::path csv = settings.output / "geodesics.csv",
                               png = settings.output / "geodesics.png";
-  request.checkpoint.prepare(settings, {csv, png});
+  prepare_outputs(settings, {csv, png}, request.checkpoint.file);
   const FinishedBlocks finished(request.checkpoint.file, request.in_words());
   const auto lock = request.checkpoint.wanted() ? finished.lock() : nullptr;
   const std::vector<Orbit> orbits = section(request, scene, start, region, finished);

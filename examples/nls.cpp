@@ -111,7 +111,7 @@ int main(int argc, char** argv) {
     const std::string name = compare ? "nls_comparison" : "nls";
     const std::filesystem::path csv = settings.output / (name + ".csv"),
                                 png = settings.output / (name + ".png");
-    checkpoint.prepare(settings, {csv, png});
+    prepare_outputs(settings, {csv, png}, checkpoint.file);
 
     const Rows rows =
         compare ? geometrically_spaced(steps, settings.samples) : evenly_spaced(steps, settings.samples);

@@ -29,7 +29,7 @@ using namespace examples;
 
 int audit(const Request& request) {
   const double dt = request.settings.dt, time = request.settings.time;
-  request.checkpoint.prepare(request.settings, {request.file(".csv"), request.file(".png")});
+  prepare_outputs(request.settings, {request.file(".csv"), request.file(".png")}, request.checkpoint.file);
   const auto& list = list_called(request.list);
   const PerihelionTable table = clemence(request.effects, list, dt, time, request.settings.samples);
   std::string complaint;
@@ -57,7 +57,7 @@ std::string why(Status status) {
 int run(Request& request, const System& system) {
   Settings& settings = request.settings;
   const std::int64_t steps = settings.fit_steps();
-  request.checkpoint.prepare(settings, {request.file(".csv"), request.file(".png")});
+  prepare_outputs(settings, {request.file(".csv"), request.file(".png")}, request.checkpoint.file);
   std::vector<std::string> columns{"t"};
   for (const std::string& name : system.names) columns.insert(columns.end(), {"e_" + name, "i_" + name});
   columns.emplace_back("energy_error");

@@ -32,6 +32,37 @@ inline std::filesystem::path behind_links(std::filesystem::path path) {
   return plain.empty() ? whole : plain;
 }
 
+/// Makes the folder of the outputs of a run, a picture with its script. Throws std::runtime_error where one
+/// of them cannot be written, which would be told behind the run only, and std::invalid_argument where one is
+/// the file of the checkpoint: it would be lost when that is removed.
+inline void prepare_outputs(const Settings& settings, const std::vector<std::filesystem::path>& outputs,
+                            const std::filesystem::path& checkpoint = {}) {
+  std::vector<std::filesystem::path> all = outputs;
+  for (const auto& output : outputs)
+    if (output.extension() == ".png") {
+      if (settings.no_plot) all.pop_back();
+      all.push_back(std::filesystem::path(output).replace_extension("gp"));
+    }
+  const auto one_file = [](const std::filesystem::path& a, const std::filesystem::path& b) {
+    std::error_code none;
+    return behind_links(a) == behind_links(b) ||
+           (std::filesystem::equivalent(a, b, none) && std::filesystem::is_regular_file(a, none));
+  };
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (!checkpoint.empty() && one_file(checkpoint, all[i]))
+      throw std::invalid_argument("--checkpoint: '" + checkpoint.string() + "' is where " + all[i].string() +
+                                  " goes, a result of the run; give another name");
+    for (std::size_t k = 0; k < i; ++k)
+      if (one_file(all[k], all[i]))
+        throw std::invalid_argument("--output: " + all[k].string() + " and " + all[i].string() +
+                                    " are one file by a link; remove it");
+  }
+  settings.make_output_folder();
+  for (const auto& output : all)
+    if (!std::filesystem::is_fifo(output))  // its reader would take this for the end
+      DurableFile(output, DurableFile::Uncommitted::kept);
+}
+
 /// The options --checkpoint, save the run there and go on from there, and --checkpoint-every.
 struct CheckpointRequest {
   std::filesystem::path file{};
@@ -66,35 +97,6 @@ struct CheckpointRequest {
   }
 
   bool wanted() const { return !file.empty(); }
-  /// Makes the folder of the outputs of a run, a picture with its script. Throws std::runtime_error where one
-  /// of them cannot be written, which would be told behind the run only, and std::invalid_argument where one
-  /// is the file of the checkpoint: it would be lost when that is removed.
-  void prepare(const Settings& settings, const std::vector<std::filesystem::path>& outputs) const {
-    std::vector<std::filesystem::path> all = outputs;
-    for (const auto& output : outputs)
-      if (output.extension() == ".png") {
-        if (settings.no_plot) all.pop_back();
-        all.push_back(std::filesystem::path(output).replace_extension("gp"));
-      }
-    const auto one_file = [](const std::filesystem::path& a, const std::filesystem::path& b) {
-      std::error_code none;
-      return behind_links(a) == behind_links(b) ||
-             (std::filesystem::equivalent(a, b, none) && std::filesystem::is_regular_file(a, none));
-    };
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      if (wanted() && one_file(file, all[i]))
-        throw std::invalid_argument("--checkpoint: '" + file.string() + "' is where " + all[i].string() +
-                                    " goes, a result of the run; give another name");
-      for (std::size_t k = 0; k < i; ++k)
-        if (one_file(all[k], all[i]))
-          throw std::invalid_argument("--output: " + all[k].string() + " and " + all[i].string() +
-                                      " are one file by a link; remove it");
-    }
-    settings.make_output_folder();
-    for (const auto& output : all)
-      if (!std::filesystem::is_fifo(output))  // its reader would take this for the end
-        DurableFile(output, DurableFile::Uncommitted::kept);
-  }
   /// The run is done and its files are there.
   void finish() const {
     if (wanted()) DurableFile::remove(file);

@@ -273,7 +273,7 @@ int run_scene_program(const SceneProgram<Dof>& program, int argc, char** argv, c
     const std::filesystem::path csv = settings.output / (program.name + ".csv"),
                                 path_csv = settings.output / (program.name + "_trajectory.csv"),
                                 png = settings.output / (program.name + ".png");
-    checkpoint.prepare(settings, {csv, path_csv, png});
+    prepare_outputs(settings, {csv, path_csv, png}, checkpoint.file);
     const View<Dof> view = program.view(choice);
     const Rows rows = evenly_spaced(steps, settings.samples);
     ViewCsv<Dof> path(path_csv, view, rows);

@@ -190,9 +190,7 @@ class Reference {
         scout_(scout),
         pacer_(problem),
         by_two_(problem, method),
-        by_three_(problem, method),
-        coarse_(problem.z0),
-        fine_(problem.z0) {
+        by_three_(problem, method) {
     restart();
   }
 
@@ -322,7 +320,7 @@ class Reference {
   const Scout<Any>& scout_;
   Pacer<Any> pacer_;
   Walker<Any> by_two_, by_three_;
-  typename Any::State coarse_, fine_;
+  typename Any::State coarse_{}, fine_{};
   std::vector<Sample<Value>> samples_{};
   double time_ = 0, rate_ = 0, size_ = 0;
   double share_ = 0.4, hardest_ = 0;  ///< of the scout's steps, and the shortest of them

@@ -96,17 +96,14 @@ class EnergyColumn : public TracedColumn<T, Rows> {
     all.derivative[0] = LanePack<S>(x.derivative[0]);
     return all;
   }
-  /// Entries apart from each other. A lane beyond the column gets the first one's, with which the term comes
-  /// to an end: it is the first lane that its branches follow.
+  /// Entries apart from each other, or some of them beyond the column.
   SEMIEXPLICIT_NOINLINE auto gathered(Place place) const {
     using L = typename LanesFor<T>::type;
     constexpr Eigen::Index size = lanes_of<typename Planes<T>::Plain>;
     typename Planes<T>::Plain values[std::size_t(size * Planes<T>::planes)] = {};
     for (Eigen::Index k = 0; k < size; ++k) {
-      const auto is_inside = [this](Eigen::Index i) { return i >= 0 && i < this->size(); };
-      Eigen::Index i = place.of_lane(k);
-      if (!is_inside(i)) lanes_part() = true, i = place.of_lane(0);
-      if (is_inside(i)) put(at_[i], values + k);
+      const Eigen::Index i = place.of_lane_or_first(k, this->size());
+      if (i >= 0 && i < this->size()) put(at_[i], values + k);
     }
     L x;
     take(values, x);

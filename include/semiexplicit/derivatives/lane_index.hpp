@@ -19,6 +19,14 @@ struct Place {
   SEMIEXPLICIT_INTO_TERM Eigen::Index of_lane(Eigen::Index k) const {
     return wrap == 0 ? first + stride * k : (first + stride * k) % wrap;
   }
+  /// Beyond a column of that size the first lane's, with which a term comes to an end: its branches follow
+  /// the first lane. The terms are taken one by one then.
+  SEMIEXPLICIT_INTO_TERM Eigen::Index of_lane_or_first(Eigen::Index k, Eigen::Index size) const {
+    const Eigen::Index i = of_lane(k);
+    if (i >= 0 && i < size) return i;
+    lanes_part() = true;
+    return of_lane(0);
+  }
   /// How many lanes there could be in a column of that size; where counting starts again none is sure.
   SEMIEXPLICIT_INTO_TERM Eigen::Index reach(Eigen::Index size) const {
     if (wrap != 0) return 0;

@@ -329,15 +329,6 @@ Eigen::Index entries_of(const Array& array) {
     return std::numeric_limits<Eigen::Index>::max();
 }
 
-/// The number in lane k, or the first lane's where there is no such entry.
-template <class Inside>
-SEMIEXPLICIT_INTO_TERM Eigen::Index lane_or_first(const Place& place, Eigen::Index k, const Inside& inside) {
-  const Eigen::Index i = place.of_lane(k);
-  if (inside(i)) return i;
-  lanes_part() = true;
-  return place.of_lane(0);
-}
-
 }  // namespace detail::autodiff
 
 /// array[i], in a term of sum_over() or sum_over_pairs(), for the several terms at once that i may stand for.
@@ -358,8 +349,7 @@ SEMIEXPLICIT_INTO_TERM auto at(const Array& array, const detail::autodiff::LaneI
   const detail::autodiff::Place place = i.place();
   if (place.stride == 0) return Pack(at(array, place.first));
   const Eigen::Index size = detail::autodiff::entries_of(array);
-  const auto inside = [size](Eigen::Index k) { return k >= 0 && k < size; };
-  const bool in_a_row = place.stride == 1 && place.wrap == 0 && inside(place.first) && inside(i.last());
+  const bool in_a_row = place.stride == 1 && place.wrap == 0 && place.first >= 0 && i.last() < size;
   if constexpr (!requires { array.derived(); })
     if constexpr (requires {
                     { std::data(array) } -> std::convertible_to<const S*>;
@@ -378,8 +368,7 @@ SEMIEXPLICIT_INTO_TERM auto at(const Array& array, const detail::autodiff::LaneI
                 })
     if (array.derived().innerStride() == 1 && in_a_row)
       return Pack::load(array.derived().data() + place.first);
-  return Pack::of(
-      [&](int k) { return static_cast<S>(at(array, detail::autodiff::lane_or_first(place, k, inside))); });
+  return Pack::of([&](int k) { return static_cast<S>(at(array, place.of_lane_or_first(k, size))); });
 }
 
 /// matrix(i, j), of a matrix of Eigen.
@@ -392,10 +381,8 @@ SEMIEXPLICIT_INTO_TERM auto at(const Matrix& matrix, const detail::autodiff::Lan
                                const detail::autodiff::LaneIndex<S>& j) {
   const detail::autodiff::Place row = i.place(), column = j.place();
   return detail::autodiff::LanePack<S>::of([&](int k) {
-    using detail::autodiff::lane_or_first;
     return static_cast<S>(
-        at(matrix, lane_or_first(row, k, [&](Eigen::Index r) { return r >= 0 && r < matrix.rows(); }),
-           lane_or_first(column, k, [&](Eigen::Index c) { return c >= 0 && c < matrix.cols(); })));
+        at(matrix, row.of_lane_or_first(k, matrix.rows()), column.of_lane_or_first(k, matrix.cols())));
   });
 }
 template <class Matrix, class S, std::integral J>

@@ -70,9 +70,7 @@ class Every {
     if (run.dt == 0) {  // called by hand, or by an observer of the run
       steps_ += started_ ? 1 : 0;
     } else if (run.at_event) {  // a run that ends there is gone on with from that state
-      time_ = now;
-      keep(state);
-      rounding_.see(now);
+      keep(now, state);
       return Interpolates<Observer> && n_ == 1;
     } else if (run.steps == 0) {
       const double epsilon = std::max(std::numeric_limits<double>::epsilon(),
@@ -86,13 +84,13 @@ class Every {
       steps_ = run.steps;
     }
     started_ = true;
-    time_ = now;
-    keep(state);
-    rounding_.see(now);
+    keep(now, state);
     return (before_ + steps_) % n_ == 0;
   }
   template <class State>
-  void keep(const State& state) {
+  void keep(double now, const State& state) {
+    time_ = now;
+    rounding_.see(now);
     const Eigen::Index d = state.q().size();
     last_.resize(static_cast<std::size_t>(2 * d));
     Eigen::Map<Eigen::VectorXd> last(last_.data(), 2 * d);

@@ -72,11 +72,11 @@ class GaussShell {
     StepReport report{.status = status_at_start(dt, stages.size() != 0, z.vector().size() == stages.size())};
     if (!report.ok()) return report;
 
-    const bool goes_on = options_.extrapolate && can_follow(dt) && update_.continues(z);
-    if (goes_on && ratio_ != dt / last_dt_) {
-      ratio_ = dt / last_dt_;
-      stages.follow_by(ratio_);
-    }
+    // A polynomial of degree s - 1 grows fast behind the step that it is of.
+    const Scalar ratio = last_dt_ == Scalar(0) ? Scalar(0) : Scalar(dt / last_dt_);
+    const bool goes_on =
+        options_.extrapolate && ratio > Scalar(0) && ratio <= Scalar(2) && update_.continues(z);
+    if (goes_on && ratio != ratio_) stages.follow_by(ratio_ = ratio);
     last_dt_ = Scalar(0);  // nothing to extrapolate from until the step is done, also where a gradient throws
     if (weights_dt_ != dt) stages.scale_weights(dt);
     weights_dt_ = dt;
@@ -171,12 +171,6 @@ class GaussShell {
   GaussTableau<Scalar> tableau_;
 
  private:
-  /// Whether a step of dt is near enough to the last one: a polynomial of degree s - 1 grows fast behind it.
-  bool can_follow(const Scalar& dt) const {
-    using std::abs;
-    return (dt > Scalar(0)) == (last_dt_ > Scalar(0)) && abs(dt) <= most_ratio * abs(last_dt_);
-  }
-
   /// Σ |zᵢ| without (t, p_t), where the time is a coordinate; `all` elsewhere.
   static Scalar size_without_time(const State& z, const Scalar& all) {
     if constexpr (InExtendedPhaseSpace<H>)
@@ -184,8 +178,6 @@ class GaussShell {
     else
       return all;
   }
-
-  static constexpr int most_ratio = 2;
 
   CompensatedUpdate<Scalar, Dof> update_;
   Scalar last_dt_ = Scalar(0), weights_dt_ = Scalar(0);

@@ -22,6 +22,7 @@ struct Candidate {
   std::map<double, Probe, std::greater<>> trials{};
 
   bool projects() const { return setting.method == Setting::Method::semiexplicit; }
+  bool is_symplectic() const { return setting.method != Setting::Method::midpoint && !setting.reversible; }
   Setting with_step(double dt) const {
     Setting result = setting;
     result.dt = dt;

@@ -9,9 +9,7 @@
 #include <vector>
 
 #include <semiexplicit/accuracy/call_timer.hpp>
-#include <semiexplicit/accuracy/candidates.hpp>
-#include <semiexplicit/accuracy/neighbour.hpp>
-#include <semiexplicit/accuracy/reference.hpp>
+#include <semiexplicit/accuracy/forecast.hpp>
 
 namespace semiexplicit::detail {
 
@@ -25,8 +23,7 @@ class Search {
         table_(problem.table),
         families_(families_for(problem)),
         scout_(problem),
-        reference_(problem, scout_),
-        neighbour_(problem),
+        forecast_(problem, scout_),
         timer_(problem) {
     auto targets = options().targets;
     std::sort(targets.begin(), targets.end(), std::greater<>());
@@ -45,13 +42,13 @@ class Search {
     set_budget(runs);
     // Who is sure to win comes first: what is dearer is not tried further. Of equal steps Gauss's are the
     // longest in hard places.
-    varies_ = scout_.paces().second;
-    if (varies_ > 4)
+    const double varies = forecast_.note_paces();
+    if (varies > 4)
       std::stable_partition(families_.begin(), families_.end(),
                             [](const Family& family) { return family.front().setting.is_gauss(); });
-    if (options().reversible && !timed && varies_ > 4) {
+    if (options().reversible && !timed && varies > 4) {
       const auto following = reversible(families_, scout_.sizes(), scout_.mean_step());
-      families_.insert(varies_ > much_varied ? families_.begin() : families_.end(), following.begin(),
+      families_.insert(varies > much_varied ? families_.begin() : families_.end(), following.begin(),
                        following.end());
     }
     for (double length = first_length(); length > 0; length = next_length()) {
@@ -61,13 +58,13 @@ class Search {
                    std::max(overrun * table_.budget + scout_.spent(),
                             table_.spent_gradients + (length < table_.time ? 0 : table_.budget)));
       table_.tried = length;
-      cut_ = !see_as_far_as(length);
+      cut_ = !forecast_.see_as_far_as(length);
       race_all();
       if (cut_ || length >= table_.time) break;
     }
     const bool looked = look_beside();
     // What is harder ahead counts in full now, and what was tried roughly is tried well.
-    counts_harder_ = true;
+    forecast_.count_harder();
     problem_.limit = std::min(0.97 * options().max_gradients,  // what is left is to be timed
                               std::max(problem_.limit, table_.spent_gradients) + 0.4 * table_.budget);
     for (Goal& goal : goals_)
@@ -80,7 +77,7 @@ class Search {
           break;
         }
     table_.tried = goals_.front().tried;
-    if (table_.tried < table_.time && suspected_rate_ > 0) parts(suspected_rate_);
+    if (table_.tried < table_.time) forecast_.believe_rate();
     if (!looked || table_.tried < std::min(table_.time, least_scales * table_.time_scale) ||
         (timed && scout_.time() < table_.time))
       table_.unfinished = everything;
@@ -101,8 +98,7 @@ class Search {
     double missed = 0;     ///< the length at which it ended before all had been tried
   };
 
-  /// What depends on the time has to be seen to the end.
-  static constexpr bool timed = InExtendedPhaseSpace<Any>;
+  static constexpr bool timed = Forecast<Any>::timed;
   bool scout() {
     const double most = options().max_gradients / 3;
     return scout_.go(scout_share * table_.budget, timed ? most : std::min(to_the_end * table_.budget, most));
@@ -133,7 +129,7 @@ class Search {
     if (once == 0) return 0;
     set_budget(once * table_.time);
     const double left = table_.budget - (table_.spent_gradients - scout_.spent());
-    const double of_reference = options().observable.is_energy() ? 0 : reference_.rate();  // which goes on
+    const double of_reference = forecast_.rate_of_reference();  // which goes on
     const auto affordable = [&](std::size_t racers, double calls) {
       return (calls + of_reference * table_.tried) / (trials_a_racer * racing_rate(racers) + of_reference);
     };
@@ -164,64 +160,6 @@ class Search {
     return sum;
   }
 
-  /// Makes a reference where one is needed. False: there is nothing to compare with.
-  SEMIEXPLICIT_COLD bool see_as_far_as(double length) {
-    if (options().observable.is_energy()) {
-      problem_.judged.terms = std::max(problem_.judged.terms, scout_.terms());
-      table_.rounding = problem_.rounding_of_invariant(table_.time_scale);
-    } else {
-      // Near rounding whatever is asked for: only then is seen how the error of the reference grows.
-      const double enough =
-          std::min(0.1 * goals_.back().target * length / table_.time, 1e4 * problem_.epsilon);
-      if (!reference_.go(length, enough)) return false;
-      table_.invariant = reference_.is_constant();
-      problem_.judge_by_first();
-      if (table_.invariant)
-        table_.rounding = problem_.rounding_of_invariant(table_.time_scale);
-      else
-        judge_reference(length);
-    }
-    return true;
-  }
-  /// How much harder it gets behind a trial. Where the race may go on to that, it need not be counted in
-  /// full.
-  SEMIEXPLICIT_COLD double harder_behind(double length) const {
-    if (!(length < table_.time)) return 1;
-    if (length != looked_from_) looked_from_ = length, harder_ = scout_.harder_than(length);
-    return counts_harder_ ? harder_ : std::min(harder_, 1.3);
-  }
-
-  /// What the reference is worth at T.
-  SEMIEXPLICIT_COLD void judge_reference(double length) {
-    if (!options().absolute) {
-      const double size =
-          length < table_.time ? std::max(reference_.size(), scout_.largest_at_end()) : reference_.size();
-      problem_.measure_in(size > 0 ? size : 1);
-      table_.relative = size > 0;
-    }
-    const double unit = table_.unit, floor = problem_.epsilon * reference_.size() / unit;
-    const auto apart = [&](double t) { return std::max(floor, reference_.apart(t) / unit); };
-    // The first time at which the loosest target is lost, or the end.
-    double end = length;
-    for (const auto& sample : reference_.samples())
-      if (sample.apart / unit > goals_.front().target / 3) end = std::min(end, sample.t);
-    const bool lost = end < length || apart(length) > goals_.front().target / 3;
-    // Exponential is what grows as much in each third: close passages make single jumps.
-    const double first = apart(end / 3), second = apart(2 * end / 3), last = apart(end);
-    const double rate = std::log(last / first) / (2 * end / 3);
-    const bool exponential = std::min(second / first, last / second) > much;
-    const double power = std::log(apart(length) / apart(length / 4)) / std::log(4.0);
-    if (lost && exponential) parts(rate);
-    suspected_rate_ = !lost && exponential ? rate : 0;
-    // A random walk of the energy moves the phase by the power 3/2, and more where steps change.
-    const double least = 1.5, most_power = suspected_rate_ > 0          ? 12.0
-                                           : reference_.changes_steps() ? 2.0
-                                                                        : least;
-    table_.reference_error = apart(length) * grown(length, std::clamp(power, least, most_power));
-    table_.rounding = more_rounding * table_.reference_error;
-    table_.reference_time = length;
-  }
-
   /// Where the calls end before T: what becomes of a neighbouring orbit, as far as a budget goes. False: the
   /// orbit cannot be followed by steps that met a target.
   SEMIEXPLICIT_COLD bool look_beside() {
@@ -230,86 +168,27 @@ class Search {
       if (goal.tried == 0 || goal.tried >= table_.time) continue;
       table_.tried = goal.tried;
       const auto racer = std::find_if(goal.racers.begin(), goal.racers.end(), [&](const auto& one) {
-        return goes_on(*one.second) && bracket(*one.second, goal.aim, true).has_low();
+        return forecast_.goes_on(*one.second) && bracket(*one.second, goal.aim, true).has_low();
       });
       if (racer == goal.racers.end()) continue;
       const double dt = bracket(*racer->second, goal.aim, true).low;
       problem_.limit =
           std::min(0.9 * options().max_gradients, table_.spent_gradients + beside_share * table_.budget);
-      const auto sizes = scout_.sizes();
-      const bool followed = neighbour_.go(racer->second->with_step(dt), sizes.length, sizes.momentum);
-      if (neighbour_.time() < table_.time && neighbour_.rate() > 0) parts(neighbour_.rate());
-      judge_reference(reference_.time());
-      return followed;
+      return forecast_.look_beside(racer->second->with_step(dt));
     }
     return true;
   }
 
-  /// Neighbouring orbits part at that rate.
-  void parts(double rate) {
-    table_.parting_rate = rate;
-    table_.horizon = std::log(1 / problem_.epsilon) / rate;
-  }
-
-  /// By how much what grows with that power of the time, or as neighbouring orbits part, grows until T.
-  double grown(double length, double power) const {
-    const double by_power =
-        std::max(std::pow(table_.time / length, power), neighbour_.growth_from(length) / 2);
-    if (!(table_.parting_rate > 0)) return by_power;
-    return std::max(by_power, std::exp(std::min(500.0, table_.parting_rate * (table_.time - length))));
-  }
-
-  /// The error at T that a trial stands for.
-  SEMIEXPLICIT_COLD double error_of(const Candidate& candidate, const Probe& probe, double dt) const {
-    const double T = table_.time;
-    // What rounding has made of it grows in its own way.
-    const double known = table_.invariant ? problem_.rounding_of_invariant(dt) * std::sqrt(probe.length / T)
-                                          : reference_.apart(probe.length) / table_.unit;
-    if (!(probe.length < T * (1 - 1e-12)))
-      return probe.error + (table_.invariant ? problem_.judged.noise : known);
-    const double error = std::max(0.0, probe.error - 2 * known),
-                 early = std::max(0.0, probe.early - 2 * known);
-    // Only the energy, and of a symplectic method, is kept within bounds.
-    const bool bounded = options().observable.is_energy() && is_symplectic(candidate);
-    const double power = early > 0 ? std::log(error / early) / std::log(4.0) : 0;
-    double growth = grown(probe.length, std::clamp(power, 0.0, bounded ? 1.0 : 3.0));
-    // What comes back with the motion may hide growth of its own size.
-    if (!bounded) growth = std::max(growth, 1 + hidden_growth * (T / probe.length - 1));
-    const double harder = candidate.setting.reversible
-                              ? 1
-                              : std::pow(std::min(harder_behind(probe.asked), 1e3), candidate.order);
-    return error * growth * harder +
-           (table_.invariant ? problem_.rounding_of_invariant(dt) : table_.rounding);
-  }
-  bool grows(const Candidate& candidate, const Probe& probe) const {
-    return !options().observable.is_energy() ||
-           (!is_symplectic(candidate) && probe.error > 1.4 * probe.early);
-  }
-  static bool is_symplectic(const Candidate& candidate) {
-    return candidate.setting.method != Setting::Method::midpoint && !candidate.setting.reversible;
-  }
   double longest_step(const Candidate& candidate) const {
     return candidate.setting.reversible ? most_scales : table_.time;
-  }
-
-  /// Whether steps go on to T as they were seen to before. What is not symplectic may become unstable, and
-  /// reversible steps fail where their densities come to swing; where few of many equal ones fall into the
-  /// hard places, errors differ from one passage to the next, and what a drive does but once is no passage.
-  bool goes_on(const Candidate& candidate) const {
-    const double most = timed ? 4 : options().observable.is_energy() ? 1000 : 100;
-    return is_symplectic(candidate) && varies_ <= most;
-  }
-  bool lasts(const Candidate& candidate, const Probe& probe) const {
-    return goes_on(candidate) || !(probe.length < table_.time * (1 - 1e-12));
   }
 
   bool is_current(const Probe& probe) const { return probe.asked >= table_.tried; }
 
   /// Tries a setting; nullptr where the calls do not suffice.
   SEMIEXPLICIT_COLD Probe* trial(Candidate& candidate, double dt, double aim) {
-    static const std::vector<Sample<typename Problem<Any>::Value>> none;
-    Probe probe = try_setting(problem_, candidate.with_step(dt), table_.tried,
-                              table_.invariant ? none : reference_.samples(), 1e3 * aim);
+    Probe probe =
+        try_setting(problem_, candidate.with_step(dt), table_.tried, forecast_.samples(), 1e3 * aim);
     if (probe.cut) {
       cut_ = true;
       return nullptr;
@@ -328,7 +207,7 @@ class Search {
     Bracket result;
     for (const auto& [step, seen] : candidate.trials) {
       if (is_current(seen) != current) continue;
-      if (seen.works() && error_of(candidate, seen, step) <= aim) {
+      if (seen.works() && forecast_.error_of(candidate, seen, step) <= aim) {
         if (!result.has_low()) result.low = step;
       } else if (!result.has_low()) {
         result.high = step;
@@ -339,7 +218,9 @@ class Search {
 
   /// The next step to try: by the order of the method where one end is known, between both else.
   SEMIEXPLICIT_COLD double next_step(Candidate& candidate, const Bracket& known, double aim) {
-    const auto error_at = [&](double step) { return error_of(candidate, candidate.trials[step], step); };
+    const auto error_at = [&](double step) {
+      return forecast_.error_of(candidate, candidate.trials[step], step);
+    };
     const auto by_order = [&](double step) {
       return step * std::pow(0.7 * aim / error_at(step), 1.0 / candidate.order);
     };
@@ -363,7 +244,8 @@ class Search {
     double least = std::numeric_limits<double>::infinity();
     for (const double factor : {1.0, 30.0}) {
       for_each_trial([&](const Candidate& other, double step, const Probe& seen) {
-        if (seen.works() && error_of(other, seen, step) <= factor * aim) least = std::min(least, seen.rate);
+        if (seen.works() && forecast_.error_of(other, seen, step) <= factor * aim)
+          least = std::min(least, seen.rate);
       });
       if (std::isfinite(least)) break;
     }
@@ -378,10 +260,10 @@ class Search {
     if (here == candidate.trials.begin() || here == candidate.trials.end() || !here->second.works())
       return false;
     const auto larger = std::prev(here);
-    const double now = error_of(candidate, here->second, step);
+    const double now = forecast_.error_of(candidate, here->second, step);
     return larger->second.works() && is_current(larger->second) && step < larger->first / 1.1 &&
            (problem_.in_terms(now) < 1e-9 || now < 10 * table_.rounding) &&
-           now > 0.7 * error_of(candidate, larger->second, larger->first);
+           now > 0.7 * forecast_.error_of(candidate, larger->second, larger->first);
   }
 
   /// Whether all of four steps failed: reversible ones do, however short, where the motion gets harder within
@@ -399,9 +281,9 @@ class Search {
     auto& trials = candidate.trials;
     for (int attempt = 0; attempt < most_trials; ++attempt) {
       const Bracket known = bracket(candidate, aim, true);
-      if (known.has_low() &&
-          (known.high / known.low < 1.12 || error_of(candidate, trials[known.low], known.low) > aim / 2.5 ||
-           (candidate.projects() && trials[known.low].evaluations > 1.3)))
+      if (known.has_low() && (known.high / known.low < 1.12 ||
+                              forecast_.error_of(candidate, trials[known.low], known.low) > aim / 2.5 ||
+                              (candidate.projects() && trials[known.low].evaluations > 1.3)))
         break;  // near enough; or larger steps take more evaluations still
       const double longest = longest_step(candidate);
       if (known.has_low() && known.low >= longest) break;
@@ -428,14 +310,14 @@ class Search {
       if (seen == nullptr) break;
       if (!first_race_ || !seen->works()) continue;
       // Near enough to tell what the aim would cost.
-      const double off = error_of(candidate, *seen, dt) / aim;
+      const double off = forecast_.error_of(candidate, *seen, dt) / aim;
       if (!(off > 0.25 && off < 4) || (candidate.projects() && seen->evaluations > 1.3)) continue;
       candidate.rate = seen->rate * std::pow(off / 0.7, 1.0 / candidate.order);
       return cost_of(candidate, *seen) * candidate.rate / seen->rate;
     }
     double cheapest = infinity, dt = 0;
     for (const auto& [step, seen] : trials) {
-      if (!is_current(seen) || !seen.works() || error_of(candidate, seen, step) > aim) continue;
+      if (!is_current(seen) || !seen.works() || forecast_.error_of(candidate, seen, step) > aim) continue;
       if (dt == 0) dt = step;
       if (cost_of(candidate, seen) < cheapest)
         cheapest = cost_of(candidate, seen), candidate.rate = seen.rate;
@@ -449,7 +331,7 @@ class Search {
       if (candidate.kicks / (dt * candidate.unit) * single > std::min(cheapest, 1.2 * best)) break;
       const Probe* const smaller = trial(candidate, dt, aim);
       if (smaller == nullptr || !smaller->works()) break;
-      if (error_of(candidate, *smaller, dt) <= aim && cost_of(candidate, *smaller) < cheapest)
+      if (forecast_.error_of(candidate, *smaller, dt) <= aim && cost_of(candidate, *smaller) < cheapest)
         cheapest = cost_of(candidate, *smaller), candidate.rate = smaller->rate;
     }
     return cheapest;
@@ -480,7 +362,7 @@ class Search {
   SEMIEXPLICIT_COLD void keep(std::vector<std::pair<double, Candidate*>>& racers, std::size_t count) const {
     count = std::min(count, racers.size());
     const auto first = std::find_if(racers.begin(), racers.end(),
-                                    [this](const auto& racer) { return goes_on(*racer.second); });
+                                    [this](const auto& racer) { return forecast_.goes_on(*racer.second); });
     const auto place = static_cast<std::size_t>(first - racers.begin());
     if (first != racers.end() && place >= count) std::swap(racers[count++], *first);
     racers.resize(count);
@@ -513,7 +395,7 @@ class Search {
     // What is advice also where the calls end before T is looked for although it is dearer.
     double best_before_end = best;
     const auto enter = [&](Candidate& candidate) {
-      const bool before_end = goes_on(candidate) && table_.tried < table_.time;
+      const bool before_end = forecast_.goes_on(candidate) && table_.tried < table_.time;
       const double cost =
           solve(candidate, goal, before_end ? std::min(best_before_end, much_dearer * best) : best);
       best = std::min(best, cost);
@@ -548,7 +430,7 @@ class Search {
         trials_a_racer * goal.racers.front().second->rate * T <= problem_.left()) {
       goal.racers.resize(1);
       table_.tried = T;
-      if (see_as_far_as(T)) race(goal);
+      if (forecast_.see_as_far_as(T)) race(goal);
     }
     goal.cut = std::exchange(cut_, false);
   }
@@ -575,9 +457,9 @@ class Search {
   SEMIEXPLICIT_COLD void judge(const Goal& goal) {
     double least = std::numeric_limits<double>::infinity();
     for_each_trial([&](const Candidate& candidate, double step, const Probe& seen) {
-      if (seen.works() && seen.asked >= goal.tried && lasts(candidate, seen) &&
-          (candidate.setting.reversible || harder_behind(seen.asked) <= CostTable::most_harder))
-        least = std::min(least, error_of(candidate, seen, step));
+      if (seen.works() && seen.asked >= goal.tried && forecast_.lasts(candidate, seen) &&
+          (candidate.setting.reversible || forecast_.harder_behind(seen.asked) <= CostTable::most_harder))
+        least = std::min(least, forecast_.error_of(candidate, seen, step));
     });
     if (least <= goal.target) return;
     if (goal.stalled || goal.aim > goal.target)
@@ -597,16 +479,16 @@ class Search {
                   .limit = LimitedBy::failure,
                   .status = seen.status,
                   .tried = seen.asked,
-                  .harder = harder_behind(seen.asked)};
-      if (seen.works() && !lasts(candidate, seen)) row.lasts = false;
+                  .harder = forecast_.harder_behind(seen.asked)};
+      if (seen.works() && !forecast_.lasts(candidate, seen)) row.lasts = false;
       if (row.works()) {
-        row.error = error_of(candidate, seen, step);
+        row.error = forecast_.error_of(candidate, seen, step);
         row.gradients = seen.rate * table_.time;
         const double per_call = seconds_per_call(candidate);  // 0: no calls were left to measure it
         if (per_call > 0 || options().by == CostBy::seconds) row.seconds = row.gradients * per_call;
-        row.limit = row.error < 3 * table_.rounding ? LimitedBy::rounding
-                    : grows(candidate, seen)        ? LimitedBy::growth
-                                                    : LimitedBy::step;
+        row.limit = row.error < 3 * table_.rounding    ? LimitedBy::rounding
+                    : forecast_.grows(candidate, seen) ? LimitedBy::growth
+                                                       : LimitedBy::step;
       }
       table_.rows.push_back(row);
     });
@@ -625,9 +507,6 @@ class Search {
   static constexpr double stretch = 8;           ///< from one race to the next
   static constexpr double trials_a_racer = 2.5;  ///< usually
   static constexpr double least_scales = 8;      ///< that a trial has to last
-  static constexpr double much = 20;             ///< for a power of the time, from third to third
-  static constexpr double hidden_growth = 0.4;   ///< in a trial, of the error that it saw
-  static constexpr double more_rounding = 2;     ///< than the reference's, whose steps are few
   static constexpr double much_dearer = 20, much_varied = 12;
   static constexpr std::size_t most_racers = 5;
   static constexpr int most_trials = 8;
@@ -636,16 +515,12 @@ class Search {
   CostTable& table_;
   std::vector<Family> families_;
   Scout<Any> scout_;
-  Reference<Any> reference_;
-  Neighbour<Any> neighbour_;
+  Forecast<Any> forecast_;
   CallTimer<Any> timer_;
   std::vector<Goal> goals_{};
   std::size_t racing_ = 0;  ///< of them, the loosest
-  mutable double looked_from_ = 0, harder_ = 1;
-  bool counts_harder_ = false, first_race_ = false;
-  double varies_ = 1;          ///< how far paces differ along the way
-  double suspected_rate_ = 0;  ///< at which neighbouring orbits may part
-  bool cut_ = false;           ///< a trial met the limit of calls
+  bool first_race_ = false;
+  bool cut_ = false;  ///< a trial met the limit of calls
 };
 
 }  // namespace semiexplicit::detail

@@ -1,0 +1,183 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <semiexplicit/accuracy/candidates.hpp>
+#include <semiexplicit/accuracy/neighbour.hpp>
+#include <semiexplicit/accuracy/reference.hpp>
+
+namespace semiexplicit::detail {
+
+/// What the error that a trial saw stands for at T: against which reference it is measured, what that is
+/// worth, and by how much errors grow behind a trial.
+template <class Any>
+class Forecast {
+ public:
+  /// What depends on the time has to be seen to the end.
+  static constexpr bool timed = InExtendedPhaseSpace<Any>;
+
+  Forecast(Problem<Any>& problem, const Scout<Any>& scout)
+      : problem_(problem),
+        table_(problem.table),
+        scout_(scout),
+        reference_(problem, scout),
+        neighbour_(problem) {}
+
+  /// Notes and returns how far paces differ along the way that the scout has seen.
+  double note_paces() { return varies_ = scout_.paces().second; }
+
+  /// Makes a reference where one is needed. False: there is nothing to compare with.
+  SEMIEXPLICIT_COLD bool see_as_far_as(double length) {
+    if (problem_.options.observable.is_energy()) {
+      problem_.judged.terms = std::max(problem_.judged.terms, scout_.terms());
+      table_.rounding = problem_.rounding_of_invariant(table_.time_scale);
+    } else {
+      // Near rounding whatever is asked for: only then is seen how the error of the reference grows.
+      const double enough = std::min(0.1 * tightest() * length / table_.time, 1e4 * problem_.epsilon);
+      if (!reference_.go(length, enough)) return false;
+      table_.invariant = reference_.is_constant();
+      problem_.judge_by_first();
+      if (table_.invariant)
+        table_.rounding = problem_.rounding_of_invariant(table_.time_scale);
+      else
+        judge_reference(length);
+    }
+    return true;
+  }
+  /// Of the reference, gradient calls a unit of time; and the observable along it, nothing of an invariant.
+  double rate_of_reference() const { return problem_.options.observable.is_energy() ? 0 : reference_.rate(); }
+  const auto& samples() const {
+    static const std::vector<Sample<typename Problem<Any>::Value>> none;
+    return table_.invariant ? none : reference_.samples();
+  }
+
+  /// Follows a neighbouring orbit by that setting, as far as the calls go. False: its steps fail.
+  SEMIEXPLICIT_COLD bool look_beside(const Setting& setting) {
+    const auto sizes = scout_.sizes();
+    const bool followed = neighbour_.go(setting, sizes.length, sizes.momentum);
+    if (neighbour_.time() < table_.time && neighbour_.rate() > 0) parts(neighbour_.rate());
+    judge_reference(reference_.time());
+    return followed;
+  }
+
+  /// The error at T that a trial by steps of dt stands for.
+  SEMIEXPLICIT_COLD double error_of(const Candidate& candidate, const Probe& probe, double dt) const {
+    const double T = table_.time;
+    // What rounding has made of it grows in its own way.
+    const double known = table_.invariant ? problem_.rounding_of_invariant(dt) * std::sqrt(probe.length / T)
+                                          : reference_.apart(probe.length) / table_.unit;
+    if (!(probe.length < T * (1 - 1e-12)))
+      return probe.error + (table_.invariant ? problem_.judged.noise : known);
+    const double error = std::max(0.0, probe.error - 2 * known),
+                 early = std::max(0.0, probe.early - 2 * known);
+    // Only the energy, and of a symplectic method, is kept within bounds.
+    const bool bounded = problem_.options.observable.is_energy() && candidate.is_symplectic();
+    const double power = early > 0 ? std::log(error / early) / std::log(4.0) : 0;
+    double growth = grown(probe.length, std::clamp(power, 0.0, bounded ? 1.0 : 3.0));
+    // What comes back with the motion may hide growth of its own size.
+    if (!bounded) growth = std::max(growth, 1 + hidden_growth * (T / probe.length - 1));
+    const double harder = candidate.setting.reversible
+                              ? 1
+                              : std::pow(std::min(harder_behind(probe.asked), 1e3), candidate.order);
+    return error * growth * harder +
+           (table_.invariant ? problem_.rounding_of_invariant(dt) : table_.rounding);
+  }
+  /// Whether the error of such a run goes on to grow.
+  bool grows(const Candidate& candidate, const Probe& probe) const {
+    return !problem_.options.observable.is_energy() ||
+           (!candidate.is_symplectic() && probe.error > 1.4 * probe.early);
+  }
+
+  /// Whether steps go on to T as they were seen to before. What is not symplectic may become unstable, and
+  /// reversible steps fail where their densities come to swing; where few of many equal ones fall into the
+  /// hard places, errors differ from one passage to the next, and what a drive does but once is no passage.
+  bool goes_on(const Candidate& candidate) const {
+    const double most = timed ? 4 : problem_.options.observable.is_energy() ? 1000 : 100;
+    return candidate.is_symplectic() && varies_ <= most;
+  }
+  /// Whether what a trial saw holds to T.
+  bool lasts(const Candidate& candidate, const Probe& probe) const {
+    return goes_on(candidate) || !(probe.length < table_.time * (1 - 1e-12));
+  }
+
+  /// How much harder it gets behind a trial. Where the race may go on to that, it need not be counted in
+  /// full.
+  SEMIEXPLICIT_COLD double harder_behind(double length) const {
+    if (!(length < table_.time)) return 1;
+    if (length != looked_from_) looked_from_ = length, harder_ = scout_.harder_than(length);
+    return counts_harder_ ? harder_ : std::min(harder_, 1.3);
+  }
+  /// From now on that counts in full.
+  void count_harder() { counts_harder_ = true; }
+  /// Nothing was seen to T: what looked exponential up to there is taken for it.
+  void believe_rate() {
+    if (suspected_rate_ > 0) parts(suspected_rate_);
+  }
+
+ private:
+  double loosest() const { return *std::max_element(table_.targets.begin(), table_.targets.end()); }
+  double tightest() const { return *std::min_element(table_.targets.begin(), table_.targets.end()); }
+
+  /// What the reference is worth at T.
+  SEMIEXPLICIT_COLD void judge_reference(double length) {
+    if (!problem_.options.absolute) {
+      const double size =
+          length < table_.time ? std::max(reference_.size(), scout_.largest_at_end()) : reference_.size();
+      problem_.measure_in(size > 0 ? size : 1);
+      table_.relative = size > 0;
+    }
+    const double unit = table_.unit, floor = problem_.epsilon * reference_.size() / unit;
+    const auto apart = [&](double t) { return std::max(floor, reference_.apart(t) / unit); };
+    // The first time at which the loosest target is lost, or the end.
+    double end = length;
+    for (const auto& sample : reference_.samples())
+      if (sample.apart / unit > loosest() / 3) end = std::min(end, sample.t);
+    const bool lost = end < length || apart(length) > loosest() / 3;
+    // Exponential is what grows as much in each third: close passages make single jumps.
+    const double first = apart(end / 3), second = apart(2 * end / 3), last = apart(end);
+    const double rate = std::log(last / first) / (2 * end / 3);
+    const bool exponential = std::min(second / first, last / second) > much;
+    const double power = std::log(apart(length) / apart(length / 4)) / std::log(4.0);
+    if (lost && exponential) parts(rate);
+    suspected_rate_ = !lost && exponential ? rate : 0;
+    // A random walk of the energy moves the phase by the power 3/2, and more where steps change.
+    const double least = 1.5, most_power = suspected_rate_ > 0          ? 12.0
+                                           : reference_.changes_steps() ? 2.0
+                                                                        : least;
+    table_.reference_error = apart(length) * grown(length, std::clamp(power, least, most_power));
+    table_.rounding = more_rounding * table_.reference_error;
+    table_.reference_time = length;
+  }
+
+  /// Neighbouring orbits part at that rate.
+  void parts(double rate) {
+    table_.parting_rate = rate;
+    table_.horizon = std::log(1 / problem_.epsilon) / rate;
+  }
+
+  /// By how much what grows with that power of the time, or as neighbouring orbits part, grows until T.
+  double grown(double length, double power) const {
+    const double by_power =
+        std::max(std::pow(table_.time / length, power), neighbour_.growth_from(length) / 2);
+    if (!(table_.parting_rate > 0)) return by_power;
+    return std::max(by_power, std::exp(std::min(500.0, table_.parting_rate * (table_.time - length))));
+  }
+
+  static constexpr double much = 20;            ///< for a power of the time, from third to third
+  static constexpr double hidden_growth = 0.4;  ///< in a trial, of the error that it saw
+  static constexpr double more_rounding = 2;    ///< than the reference's, whose steps are few
+
+  Problem<Any>& problem_;
+  CostTable& table_;
+  const Scout<Any>& scout_;
+  Reference<Any> reference_;
+  Neighbour<Any> neighbour_;
+  double varies_ = 1;          ///< how far paces differ along the way
+  double suspected_rate_ = 0;  ///< at which neighbouring orbits may part
+  mutable double looked_from_ = 0, harder_ = 1;
+  bool counts_harder_ = false;
+};
+
+}  // namespace semiexplicit::detail

@@ -1,0 +1,180 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <semiexplicit/accuracy/pacer.hpp>
+#include <semiexplicit/core/cold.hpp>
+#include <semiexplicit/core/median.hpp>
+
+namespace semiexplicit::detail {
+
+/// A coarse run ahead of the trials: how hard the motion is along the way, how far it goes at all, and how
+/// large the terms of the observable become.
+template <class Any>
+class Scout {
+ public:
+  explicit Scout(Problem<Any>& problem) : problem_(problem) { restart(); }
+
+  /// Goes on to T, as far as `calls` in all go; to the end also where that takes no more than `most`. False:
+  /// no step goes on, nor does one of finer runs, with which it is seen whether the orbit ends or the errors
+  /// have taken it there.
+  SEMIEXPLICIT_COLD bool go(double calls, double most) {
+    while (!follow(calls, most)) {
+      const bool again = std::abs(time_ - ended_) < 0.05 * time_;
+      if (again || tolerance_ < 1e-5) {
+        problem_.table.orbit_end = time_;
+        return false;
+      }
+      ended_ = time_;
+      tolerance_ /= 100;
+      restart();
+    }
+    return true;
+  }
+  double spent() const { return spent_; }  ///< gradient calls
+  double time() const { return time_; }    ///< how far it went
+
+  /// A time in which the motion changes at the start: as few steps of the scout take.
+  SEMIEXPLICIT_COLD double time_scale() const {
+    std::vector<double> first;
+    for (std::size_t i = 0; i < places_.size() && i < 8; ++i) first.push_back(places_[i].pace);
+    return first.empty() ? problem_.table.time_scale : std::min(problem_.table.time, median(first) / 2);
+  }
+
+  /// How much finer steps must be in the hardest place that is known than where a trial of that length was,
+  /// but for its first quarter: it may have begun in the middle of one. Infinite where such places come back
+  /// and the trial has not seen four: what an error grows by from one to the next is not known then.
+  SEMIEXPLICIT_COLD double harder_than(double length) const {
+    const auto [least, varies] = paces();
+    const double infinity = std::numeric_limits<double>::infinity(), level = least * std::sqrt(varies);
+    double seen = infinity;
+    int visits = 0, visits_in_trial = 0;
+    bool hard = false;
+    for (const Place& place : places_) {
+      if (place.t > length / 4 && place.t <= length) seen = std::min(seen, place.pace);
+      if (hard ? place.pace < 1.2 * level : place.pace > level / 1.2) continue;
+      hard = !hard;
+      if (!hard) continue;
+      ++visits;
+      visits_in_trial += place.t <= length;
+    }
+    if (places_.empty()) return 1;
+    if (varies > 4 && visits_in_trial < std::min(visits, 4)) return infinity;
+    // What the paces of an even motion differ by is no hard place.
+    return std::max(1.0, seen / least / 1.3);
+  }
+
+  /// The least step that it asked for, and the most in that.
+  SEMIEXPLICIT_COLD std::pair<double, double> paces() const {
+    double least = problem_.table.time, most = 0;
+    for (const Place& place : places_) least = std::min(least, place.pace), most = std::max(most, place.pace);
+    return {least, most / least};
+  }
+
+  /// What reversible steps follow, and what they take on an average.
+  SEMIEXPLICIT_COLD monitors::TimeScaleOptions<double> sizes() const {
+    const auto size = [](double way) { return way > 0 && std::isfinite(way) ? way : 1; };
+    const auto [least, varies] = paces();
+    return {.length = size(pacer_->longest_in_q()),
+            .momentum = size(pacer_->longest_in_p()),
+            .longest = size(least * varies)};
+  }
+  double mean_step() const { return time_ / static_cast<double>(std::max<std::size_t>(steps_, 1)); }
+
+  /// The shortest trial of so many steps of the scout, or up to eight times as many, that sees places not far
+  /// easier than the hardest; of so many where there is none.
+  SEMIEXPLICIT_COLD double first_trial(double steps) const {
+    const auto after = [&](double n) {
+      const auto i = static_cast<std::size_t>(n);
+      return i < places_.size() ? places_[i].t : time_;
+    };
+    for (double n = steps; n < 8 * steps; n *= 1.1)
+      if (harder_than(after(n)) < 2.5) return after(n);
+    return after(steps);
+  }
+  /// Gradient calls a unit of time.
+  double rate() const { return spent_ / time_; }
+
+  /// The largest ‖f‖ up to T: what grows goes on to grow.
+  double largest_at_end() const {
+    const double T = problem_.table.time;
+    return largest_ * (time_ < T && largest_ > 1.3 * largest_before_ ? T / time_ : 1);
+  }
+
+  /// The size of the terms at T: what grows goes on to grow, as where a coordinate winds.
+  SEMIEXPLICIT_COLD double terms() const {
+    if (terms_.size() < 4) return 0;
+    const double last = terms_.back(), before = terms_[terms_.size() - 4];  // an eighth of the time
+    return last > 3 * before ? last * std::max(1.0, problem_.table.time / last_look_) / std::sqrt(3.0)
+                             : std::max(last, before);
+  }
+
+ private:
+  struct Place {
+    double t, pace;
+  };
+
+  SEMIEXPLICIT_COLD void restart() {
+    pacer_.emplace(problem_, tolerance_);
+    z_ = problem_.z0;
+    places_.clear(), terms_.clear();
+    steps_ = known_ = 0, stride_ = 1;
+    time_ = last_look_ = largest_ = largest_before_ = 0;
+  }
+
+  SEMIEXPLICIT_COLD bool follow(double calls, double most) {
+    const double T = problem_.table.time, limit = problem_.limit;
+    const double begin = problem_.table.spent_gradients - spent_;
+    typename Problem<Any>::Value value;
+    while (time_ < T) {
+      problem_.limit = std::min(limit, begin + (spent_ * T <= most * time_ ? most : calls));
+      const double dt = pacer_->step(z_, time_, T - time_);
+      spent_ = problem_.table.spent_gradients - begin;
+      if (dt == 0) break;
+      time_ = dt == T - time_ ? T : time_ + dt;
+      ++steps_;
+      if (pacer_->pace() > 0 && ++known_ % stride_ == 0) {
+        places_.push_back({time_, pacer_->pace()});
+        if (places_.size() == most_places) thin();
+      }
+      if (!problem_.options.observable.is_energy()) {  // whose size is known
+        problem_.measure(z_, value);
+        if (const double size = static_cast<double>(norm(value)); std::isfinite(size))
+          largest_ = std::max(largest_, size);
+      }
+      if (time_ < 2 * last_look_) continue;
+      last_look_ = time_, largest_before_ = largest_;
+      terms_.push_back(problem_.terms_at(z_));
+    }
+    problem_.limit = limit;
+    return time_ >= T || pacer_->cut();
+  }
+
+  /// The harder one of two, but among the first ones.
+  SEMIEXPLICIT_COLD void thin() {
+    std::size_t filled = first_places;
+    for (std::size_t i = first_places; i + 1 < most_places; i += 2)
+      places_[filled++] = places_[i].pace < places_[i + 1].pace ? places_[i] : places_[i + 1];
+    places_.resize(filled);
+    stride_ *= 2;
+  }
+
+  static constexpr std::size_t most_places = 4096, first_places = 2048;
+
+  Problem<Any>& problem_;
+  std::optional<Pacer<Any>> pacer_{};
+  typename Any::State z_{};
+  std::vector<Place> places_{};
+  std::vector<double> terms_{};
+  std::size_t steps_ = 0, known_ = 0, stride_ = 1;
+  double time_ = 0, last_look_ = 0, spent_ = 0, tolerance_ = 1e-2, ended_ = -1;
+  double largest_ = 0, largest_before_ = 0;  ///< ‖f‖, and until the last look
+};
+
+}  // namespace semiexplicit::detail

@@ -9,6 +9,7 @@
 #include <semiexplicit/systems.hpp>
 #include <semiexplicit/time.hpp>
 
+#include "henon_heiles.hpp"
 #include "lattice_energy.hpp"
 #include "refusal.hpp"
 #include "tangent_lattice.hpp"
@@ -192,6 +193,20 @@ TEST_CASE("Tangent vectors of any size and precision, and of every solver", "[ch
   CHECK(error_of_vectors(Semiexplicit(h, strang, Broyden{.stop = tight.stop}), exact, z, 0.3) <= 1e-14);
   CHECK(error_of_vectors(Semiexplicit(h, strang, NewtonKrylov{.stop = tight.stop}), exact, z, 0.3) <= 1e-12);
   CHECK(error_of_vectors(Semiexplicit(h, strang, Robust{}), exact, z, 0.3) <= 1e-7);
+}
+
+TEST_CASE("Tangent vectors at the ends of the range of numbers", "[chaos]") {
+  const Semiexplicit stepper(HenonHeilesWithProduct{}, schemes::blanes_moan4());
+  const auto z = HenonHeiles::point(0.1);
+  TangentVectors unit(stepper, 1);
+  REQUIRE(unit.advance(z, 0.1).ok());
+  for (const int power : {-1030, 1023}) {
+    TangentVectors tangents(stepper, 1);
+    tangents.vectors() *= std::ldexp(1.0, power);
+    REQUIRE(tangents.advance(z, 0.1).ok());
+    for (int i = 0; i < 4; ++i)
+      CHECK(std::ldexp(tangents.vectors()(i, 0), -power) == Approx(unit.vectors()(i, 0)).margin(1e-12));
+  }
 }
 
 TEST_CASE("Tangent vectors by dual numbers are those by products", "[chaos]") {

@@ -41,7 +41,7 @@ class AlignmentIndex {
         step_(Square::Zero(count, count)),
         r_(Square::Identity(count, count)),
         column_(Column::Zero(count)),
-        log_sides_(Column::Zero(count)) {}
+        log_sides_(Sums::Zero(count)) {}
 
   /// Takes in the next state. Throws as LyapunovExponents does.
   void operator()(const Scalar& t, const State& z, const IntegrationReport& run = {}) {
@@ -55,7 +55,7 @@ class AlignmentIndex {
       }
       const Scalar length = detail::norm(column_.head(j + 1));
       r_.col(j).head(j + 1) = column_.head(j + 1) / length;
-      log_sides_[j] += log(step_(j, j)) - log(length);
+      log_sides_[j] += log(static_cast<Sum>(step_(j, j))) - log(static_cast<Sum>(length));
     }
   }
 
@@ -86,7 +86,7 @@ class AlignmentIndex {
     if (j < 2 || j > run_.count())
       throw std::invalid_argument("AlignmentIndex: GALI_" + std::to_string(j) + " of " +
                                   std::to_string(run_.count()) + " vectors; give 2 to their number");
-    return log_sides_.head(j).sum();
+    return static_cast<Scalar>(log_sides_.head(j).sum());
   }
   /// The smaller alignment index min ‖v₁ ± v₂‖ of the first two vectors, between 0 and √2.
   Scalar smaller() const {
@@ -98,11 +98,13 @@ class AlignmentIndex {
  private:
   using Square = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
   using Column = Eigen::Matrix<Scalar, Eigen::Dynamic, 1>;
+  using Sum = typename detail::TangentRun<Stepper>::Sum;
+  using Sums = Eigen::Matrix<Sum, Eigen::Dynamic, 1>;
 
   detail::TangentRun<Stepper> run_;
   Square step_, r_;  ///< R of the last step; of all, its columns of length one
   Column column_;
-  Column log_sides_;  ///< of the j-th vector's part across those before it; the vectors of length one
+  Sums log_sides_;  ///< of the j-th vector's part across those before it; the vectors of length one
 };
 
 }  // namespace semiexplicit

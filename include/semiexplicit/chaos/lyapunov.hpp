@@ -3,7 +3,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <type_traits>
 #include <vector>
 
 #include <semiexplicit/chaos/detail/tangent_run.hpp>
@@ -110,8 +109,7 @@ class LyapunovExponents {
   const auto& vectors() const { return run_.vectors(); }
 
  private:
-  /// A sum of many small numbers, which floats would round off.
-  using Sum = std::conditional_t<std::is_same_v<Scalar, float>, double, Scalar>;
+  using Sum = typename detail::TangentRun<Stepper>::Sum;
   using Sums = Eigen::Matrix<Sum, Eigen::Dynamic, 1>;
   static constexpr std::size_t most_samples = 400;  ///< nineteen decades
 

@@ -112,8 +112,9 @@ class TangentVectors {
 
   void multiply(Eigen::Index j, int power) {
     using std::ldexp;
-    const Scalar factor = ldexp(Scalar(1), power);
-    for (Eigen::Index i = 0; i < vectors_.rows(); ++i) vectors_(i, j) *= factor;
+    const int half = power / 2;  // the whole of it may be no number
+    const Scalar factor = ldexp(Scalar(1), half), other = ldexp(Scalar(1), power - half);
+    for (Eigen::Index i = 0; i < vectors_.rows(); ++i) vectors_(i, j) = vectors_(i, j) * factor * other;
   }
   int to_length_one(Eigen::Index j) {
     using std::frexp;

@@ -321,10 +321,6 @@ class ShiftSearch {
     return std::min(found, std::max<Scalar>(8 * before, usual_part(length)));
   }
 
-  /// Whether any difference of the last search was not zero.
-  bool saw() const { return saw_; }
-
- private:
   /// The shift at which rounding and curvature spoil a difference alike, where the gradient varies along the
   /// length.
   static Scalar usual_part(const Scalar& length) {
@@ -332,6 +328,10 @@ class ShiftSearch {
     return length * cbrt(Eigen::NumTraits<Scalar>::epsilon());
   }
 
+  /// Whether any difference of the last search was not zero.
+  bool saw() const { return saw_; }
+
+ private:
   /// Half a column by a shift and by the next larger one: the size of the larger, and how far they are from
   /// each other relative to it, no less than what the rounding of the gradient may make of it.
   struct HalfBy {
@@ -359,9 +359,8 @@ class ShiftSearch {
   /// or below `least`, the gradient is rounded, to floats say, and it is the small ones that see nothing.
   static void forget_beyond_gap(HalfBy (&half)[most_shifts], int count, const Scalar& from,
                                 const Scalar& ratio, const Scalar& least) {
-    using std::cbrt;
     using std::pow;
-    const Scalar third = cbrt(Eigen::NumTraits<Scalar>::epsilon());
+    const Scalar third = usual_part(Scalar(1));
     Scalar best(1);
     for (int k = count - 2; k >= 1; --k) {
       const Scalar here = std::max(half[k].apart, half[k + 1].apart);
@@ -379,11 +378,10 @@ class ShiftSearch {
   /// most all of it, as it is where it is seen best: by shifts that are too large it may have vanished, and
   /// then it disagrees. At most 0.
   void score(const HalfBy (&by_shift)[2][most_shifts], int count, const Scalar& length, Scalar* apart) {
-    using std::cbrt;
     using std::log;
     // What is better than ε^{2/3} does not count: a half that is constant would ask for shifts too large for
     // the other.
-    const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon(), least = cbrt(epsilon) * cbrt(epsilon);
+    const Scalar least = usual_part(usual_part(Scalar(1)));
     const Eigen::Index d = here_.size() / 2;
     std::fill(apart, apart + count, Scalar(0));
     Scalar weights(0);

@@ -173,9 +173,7 @@ class HessianProduct {
       if (!search) return;
       const bool first = count_ == 0;
       lengths_.take(h, z, search_.here(), at_.vector(), search_.above());
-      // A shift is about ε^{1/3} of the length along which the gradient varies.
-      using std::cbrt;
-      const Scalar usual = cbrt(Eigen::NumTraits<Scalar>::epsilon());
+      const Scalar usual = ShiftSearch<H>::usual_part(Scalar(1));
       const bool moved = largest_absolute(z - last_) > Scalar(0);
       const bool far = first || (moved && !(lengths_.along(z - last_) * 2 * part_.minCoeff() >= usual));
       search_now_ = far ? Search::anew : count_ % look_again == 0 ? Search::near : Search::none;
@@ -226,7 +224,6 @@ class HessianProduct {
     /// to it; 0 where both are near, or differences cannot tell. Entries count in the lengths of coordinates.
     Scalar compare(const H& h, const Vec& z, const Vec& v, const Vec& given) {
       using std::abs;
-      using std::cbrt;
       const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon();
       const Eigen::Index d = z.size() / 2;
       Vec found = z, other = z, weights = z;
@@ -262,7 +259,7 @@ class HessianProduct {
       // Where one half of z is far smaller than what it is on its way to, the shift may be one that the other
       // does not feel; where units differ, one that steps over what bends a coordinate.
       const Scalar smallest(1e-14);
-      const Scalar farther = cbrt(epsilon) * lengths_.farthest_along(v);
+      const Scalar farther = ShiftSearch<H>::usual_part(lengths_.farthest_along(v));
       if (farther > Scalar(0) && look_by(farther)) return Scalar(0);
       Scalar least(0);  // below that rounding hides what some coordinate does
       for (Eigen::Index i = 0; i < z.size(); ++i)

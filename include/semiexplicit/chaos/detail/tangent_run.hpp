@@ -22,6 +22,8 @@ class TangentRun {
  public:
   using Scalar = typename Stepper::Scalar;
   using State = PhasePoint<Scalar, Stepper::Dof>;
+  /// Of the many small logarithms of a run, which floats would round off.
+  using Sum = std::conditional_t<std::is_same_v<Scalar, float>, double, Scalar>;
 
   /// `who` is the observer's name, for what it throws.
   TangentRun(const char* who, const Stepper& stepper, Eigen::Index least, Eigen::Index count)

@@ -31,12 +31,38 @@ double gradient_error(const H& hamiltonian, PhasePoint<double, H::Dof> z) {
   return worst / scale;
 }
 
+/// The state at the end by Gauss's method of order 16, its steps halved until that no longer helps, and how
+/// far the last two runs are from each other.
+template <class H>
+void find_last(const Problem<H>& problem, double end, Yardstick& yardstick) {
+  const auto run = [&](std::int64_t steps) {
+    PhasePoint<double, H::Dof> z = problem.start;
+    GaussLegendre gauss(problem.hamiltonian, {.stages = 8});
+    const auto report = integrate(gauss, z, {.dt = end / static_cast<double>(steps), .steps = steps});
+    const auto& x = z.vector();
+    return report.ok() ? std::vector<double>(x.data(), x.data() + x.size())
+                       : std::vector<double>(yardstick.start.size(), nan);
+  };
+  const int halvings = 10;
+  auto steps = static_cast<std::int64_t>(std::ceil(end / (24 * problem.step_per_call)));
+  std::vector<double> before = run(steps);
+  double apart = INFINITY;
+  for (int k = 0; k < halvings; ++k) {
+    yardstick.last = run(steps *= 2);
+    const double now = distance(yardstick.last.data(), before.data(), yardstick.start);
+    yardstick.last_unknown = std::max(now, apart < 1e-3 ? apart : 0);
+    if (now > apart / 2 && now < 1e-3) break;
+    before = yardstick.last;
+    apart = now;
+  }
+  if (!(yardstick.last_unknown < 1e-3)) yardstick.last.clear();  // nothing is left of it
+}
+
 /// Everything that is run on a problem.
 template <class H>
 Task make_task(const Problem<H>& problem, bool is_short) {
   const double end = is_short ? problem.short_end : problem.end;
-  Task task{
-      .name = problem.name, .title = problem.title, .yardstick = {}, .max_seconds = problem.max_seconds};
+  Task task{.name = problem.name, .title = problem.title, .yardstick = {}, .most_calls = problem.most_calls};
   const H& hamiltonian = problem.hamiltonian;
   const auto& z = problem.start.vector();
   task.yardstick = {
@@ -45,7 +71,13 @@ Task make_task(const Problem<H>& problem, bool is_short) {
       .energy = on_numbers<H::Dof>(problem.start.dof(),
                                    [=](const auto& q, const auto& p) { return hamiltonian.energy(q, p); }),
       .invariants = problem.invariants,
-      .exact = problem.exact};
+      .last = {}};
+  if (problem.exact) {
+    task.yardstick.last.resize(task.yardstick.start.size());
+    problem.exact(end, task.yardstick.last.data());
+  } else if (!problem.is_long) {
+    find_last(problem, end, task.yardstick);
+  }
 
   // Away from the start, where many a derivative happens to vanish.
   PhasePoint<double, H::Dof> moved = problem.start;
@@ -65,12 +97,13 @@ Task make_task(const Problem<H>& problem, bool is_short) {
 
 /// The same problem a hundred times as long: what drifts is seen to drift.
 template <class H>
-Task make_long_task(Problem<H> problem, bool is_short) {
+Task make_long_task(Problem<H> problem, double most_calls, bool is_short) {
   problem.name += "_long";
   problem.title += ", long";
   problem.end *= 100;
   problem.short_end *= 10;
-  problem.max_seconds = 20;
+  problem.most_calls = most_calls;
+  problem.is_long = true;
   return make_task(problem, is_short);
 }
 

@@ -23,13 +23,11 @@ Outcome run_controlled(const Problem<H>& problem, double end, double tolerance, 
     ++gradients;
     vector_field(hamiltonian, at.data(), dzdt.data());
   };
-  Outcome outcome =
-      run_adaptively(end, problem.step_per_call, watch, z.data(), z.size(), [&](double& t, double& dt) {
+  return run_adaptively(
+      end, problem.step_per_call, watch, z.data(), z.size(), gradients, [&](double& t, double& dt) {
         return detail::inlined<double>(
             [&] { return stepper.try_step(field, z, t, dt) == boost::numeric::odeint::success; });
       });
-  outcome.gradients = gradients;
-  return outcome;
 }
 
 /// The formula with a fixed step.

@@ -22,7 +22,8 @@ void write_csv(const std::filesystem::path& file, const Result& result, const st
 /// `<name>.md`: who is first at every target, in CPU time and in gradient calls, and with what.
 void write_tables(const std::filesystem::path& folder, const Result& result);
 
-/// `summary.md`: the CPU times of all problems in short, and the goals with what was reached.
+/// `summary.md`: the CPU times of all problems in short, for targets of the energy, the invariants and the
+/// state at the end.
 void write_summary(const std::filesystem::path& folder, const std::vector<Result>& results);
 
 /// `<name>.png`: energy error against CPU time and against gradient calls.

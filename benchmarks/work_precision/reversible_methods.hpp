@@ -20,8 +20,7 @@ Outcome run_along(S stepper, typename S::State state, double end, double ds, Wat
   return run_while(
       std::move(state), watch,
       [&](Outcome& so_far) {
-        if (watch == nullptr || so_far.steps % 1024 != 1023 || !watch->is_late())
-          return !stepper.reached(end);
+        if (watch == nullptr || !watch->is_late(so_far.gradients)) return !stepper.reached(end);
         so_far.status = "too slow";
         return false;
       },

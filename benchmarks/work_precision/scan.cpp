@@ -28,7 +28,7 @@ double time_once(const Line& line, double parameter, double batch) {
 Row observe(const Task& task, std::size_t index, double parameter, const ScanOptions& options) {
   const Line& line = task.lines[index];
   Row row{.line = index, .method = line.method, .parameter = parameter, .outcome = {}, .errors = {}};
-  Watch watch(task.yardstick, options.samples, 4 * task.max_seconds);
+  Watch watch(task.yardstick, options.samples, task.most_calls);
   row.outcome = line.run(parameter, &watch);
   row.errors = watch.errors();
   if (row.ok() && !std::isfinite(row.errors.energy)) row.outcome.status = "not finite";
@@ -46,9 +46,16 @@ bool is_beaten(const Row& row, const std::vector<Row>& rows) {
   const double far = 1.3;
   return std::any_of(rows.begin(), rows.end(), [&](const Row& other) {
     return other.ok() && other.method.family == row.method.family && other.method.order >= row.method.order &&
-           other.errors.energy <= row.errors.energy && far * other.seconds <= row.seconds &&
+           other.errors.energy <= row.errors.energy && !(other.errors.trajectory > row.errors.trajectory) &&
+           far * other.seconds <= row.seconds &&
            far * static_cast<double>(other.outcome.gradients) <= static_cast<double>(row.outcome.gradients);
   });
+}
+
+/// What the next setting of the line is expected to take. A tolerance is lowered by 10^⅓, and a method of
+/// order 5 or more takes steps shorter by a sixth.
+double calls_of_next(const Line& line, const Row& row) {
+  return static_cast<double>(row.outcome.gradients) * (line.over_steps ? line.factor : 1.2);
 }
 
 /// Scans one line, the rows of which are added to the others'.
@@ -79,8 +86,8 @@ void scan_line(const Task& task, std::size_t index, const ScanOptions& options, 
       row.line_end = "accuracy";
     else if (beaten >= 2)
       row.line_end = "beaten";
-    else if ((row.ok() || line.over_steps) && row.seconds * line.factor > task.max_seconds)
-      row.line_end = "time";
+    else if ((row.ok() || line.over_steps) && calls_of_next(line, row) > task.most_calls)
+      row.line_end = "calls";
     else if (failed > (options.is_short ? 60 : 20))
       row.line_end = "failures";
     else if (line.last > 0 && parameter / line.factor < line.last)
@@ -165,16 +172,17 @@ void time_carefully(const Task& task, std::vector<Row>& rows, const ScanOptions&
   std::set<std::size_t> chosen;
   for (const Family& family : families()) {
     for (const std::size_t i : front(rows, {family.name}, Cost::seconds, true)) chosen.insert(i);
-    for (const double target : targets()) {
-      std::vector<std::size_t> good;
-      for (std::size_t i = 0; i < rows.size(); ++i)
-        if (rows[i].ok() && rows[i].method.family == family.name && rows[i].errors.energy <= target)
-          good.push_back(i);
-      std::sort(good.begin(), good.end(),
-                [&](std::size_t a, std::size_t b) { return rows[a].seconds < rows[b].seconds; });
-      for (std::size_t k = 0; k < std::min(good.size(), options.rivals); ++k)
-        if (rows[good[k]].seconds <= options.margin * rows[good.front()].seconds) chosen.insert(good[k]);
-    }
+    for (const ErrorOf error : {energy_error, invariant_error, trajectory_error})
+      for (const double target : targets()) {
+        std::vector<std::size_t> good;
+        for (std::size_t i = 0; i < rows.size(); ++i)
+          if (rows[i].ok() && rows[i].method.family == family.name && error(rows[i]) <= target)
+            good.push_back(i);
+        std::sort(good.begin(), good.end(),
+                  [&](std::size_t a, std::size_t b) { return rows[a].seconds < rows[b].seconds; });
+        for (std::size_t k = 0; k < std::min(good.size(), options.rivals); ++k)
+          if (rows[good[k]].seconds <= options.margin * rows[good.front()].seconds) chosen.insert(good[k]);
+      }
   }
   std::cout << "  " << chosen.size() << " of " << rows.size() << " settings timed carefully\n" << std::flush;
   // In turns, so that a disturbance of the machine meets all alike.
@@ -191,16 +199,17 @@ void time_carefully(const Task& task, std::vector<Row>& rows, const ScanOptions&
 std::vector<Row> long_runs(const Task& task, const Task& short_task, const std::vector<Row>& rows,
                            const ScanOptions& options) {
   const double longer = task.yardstick.end / short_task.yardstick.end, begin = cpu_seconds();
+  const auto calls = [&](const Row& row) { return static_cast<double>(row.outcome.gradients) * longer; };
   std::vector<Row> results;
   for (const Family& family : families()) {
     std::set<const Row*> chosen;
     for (const double target : targets())
       if (const Row* row = cheapest(rows, {family.name}, Cost::seconds, target)) chosen.insert(row);
     for (const Row* row : chosen) {
-      if (row->seconds * longer > task.max_seconds) {
+      if (calls(*row) > task.most_calls) {
         Row left_out = *row;
         left_out.outcome = {.status = "not run: would take " +
-                                      std::to_string(static_cast<int>(row->seconds * longer)) + " s"};
+                                      std::to_string(static_cast<std::int64_t>(calls(*row))) + " calls"};
         left_out.errors = Errors{.invariants = std::vector<double>(row->errors.invariants.size(), nan)};
         left_out.errors.energy = nan;
         results.push_back(left_out);
@@ -214,7 +223,7 @@ std::vector<Row> long_runs(const Task& task, const Task& short_task, const std::
                  .tolerance = row->tolerance,
                  .outcome = {},
                  .errors = {}};
-      Watch watch(task.yardstick, 1000, 4 * task.max_seconds);
+      Watch watch(task.yardstick, 1000, task.most_calls);
       result.outcome = line.run(row->parameter, &watch);
       result.errors = watch.errors();
       result.seconds = watch.seconds_by_parts();

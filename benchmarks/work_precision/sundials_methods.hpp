@@ -79,12 +79,12 @@ class SundialsRun {
  private:
   template <class Step>
   Outcome run(double end, Watch* watch, const Step& step) {
-    Outcome outcome = run_adaptively(end, end, watch, z_.data(), z_.size(), [&](double& t, double&) {
-      failed_ = failed_ || !step(t);
-      return !failed_;
-    });
+    Outcome outcome =
+        run_adaptively(end, end, watch, z_.data(), z_.size(), gradients_, [&](double& t, double&) {
+          failed_ = failed_ || !step(t);
+          return !failed_;
+        });
     if (failed_) outcome.status = "refused";
-    outcome.gradients = gradients_;
     return outcome;
   }
 

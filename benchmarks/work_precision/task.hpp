@@ -83,7 +83,7 @@ struct Task {
   std::string name;   ///< of its files
   std::string title;  ///< for people
   Yardstick yardstick;
-  double max_seconds = 0;  ///< a single run that would take longer is not begun
+  double most_calls = 0;  ///< gradient calls: a single run that would take more is not begun
   std::vector<Line> lines = {};
   double gradient_error = 0;  ///< against differences of the energy, relative
 };

@@ -11,6 +11,7 @@
 #include <CLI/CLI.hpp>
 
 #include "common/arguments.hpp"
+#include "common/output.hpp"
 #include "report.hpp"
 #include "scan.hpp"
 
@@ -50,7 +51,12 @@ Result result_of(const Task& task, std::vector<Row> rows) {
 
 Result run(const Task& task, const ScanOptions& options) {
   const double begin = cpu_seconds();
-  std::cout << task.name << ": " << task.lines.size() << " lines\n" << std::flush;
+  std::cout << task.name << ": " << task.lines.size() << " lines, the state at the end "
+            << (task.yardstick.last.empty()
+                    ? "unknown"
+                    : "to " + examples::formatted("%.0e", task.yardstick.last_unknown))
+            << '\n'
+            << std::flush;
   std::vector<Row> rows = scan(task, options);
   const double scanned = cpu_seconds();
   time_carefully(task, rows, options);

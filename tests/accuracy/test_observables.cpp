@@ -447,4 +447,70 @@ TEST_CASE("what large steps of the reference miss of a fast oscillation is not t
   }
 }
 
+TEST_CASE("what was given up for a tight target is no advice for a loose one") {
+  // Past a centre once, and late: large steps show nothing until they come there.
+  const auto h = from_energy<2>([](const auto& q, const auto& p) {
+    return (p[0] * p[0] + p[1] * p[1]) / 2 - 1 / sqrt(q[0] * q[0] + q[1] * q[1]);
+  });
+  const PhasePoint<double, 2> start({-6, 0.2}, {1, 0});
+  const auto cost = cost_of_accuracy(h, start, 8.0, {.targets = {1e-3, 1e-8}, .reversible = false});
+  int asked = 0;
+  for (const double target : {1e-3, 1e-4, 1e-5, 1e-8}) {
+    const auto advice = cost.cheapest(target);
+    if (!advice || advice->tried < 8) continue;
+    ++asked;
+    CAPTURE(target, advice->setting.name(), advice->setting.dt);
+    auto z = start;
+    Invariants energy(h);
+    CHECK_NOTHROW(run(h, z, 8.0, advice->setting, energy));
+    CHECK(energy["energy"].worst <= 3 * target);
+  }
+  CHECK(asked >= 2);
+}
+
+TEST_CASE("an invariant that is zero, as a sum of large terms, is met") {
+  // Three bodies about their centre of mass: their momentum.
+  const auto h = from_energy<6>([](const auto& q, const auto& p) {
+    const auto apart = [&](int i, int j) {
+      return sqrt((q[2 * i] - q[2 * j]) * (q[2 * i] - q[2 * j]) +
+                  (q[2 * i + 1] - q[2 * j + 1]) * (q[2 * i + 1] - q[2 * j + 1]));
+    };
+    return (p[0] * p[0] + p[1] * p[1] + p[2] * p[2] + p[3] * p[3] + p[4] * p[4] + p[5] * p[5]) / 2 -
+           1 / apart(0, 1) - 1 / apart(0, 2) - 1 / apart(1, 2);
+  });
+  const PhasePoint<double, 6> start({1, 0, -0.5, 0.9, -0.5, -0.9}, {0, 0.8, -0.7, -0.4, 0.7, -0.4});
+  const auto momentum = [](const auto&, const auto& p) { return p[0] + p[2] + p[4]; };
+  const auto cost = cost_of_accuracy(h, start, 20.0, {.observable = momentum, .targets = {1e-9}});
+  CHECK(cost.cheapest(1e-9));
+  CHECK(cost.spent_gradients < 2e6);
+}
+
+TEST_CASE("absolute targets may be in any unit") {
+  const PhasePoint<double, 2> start = planet;
+  const auto h = from_energy<2>([](const auto& q, const auto& p) {
+    return (p[0] * p[0] + p[1] * p[1]) / 2 - 1 / sqrt(q[0] * q[0] + q[1] * q[1]);
+  });
+  for (const double unit : {1.0, 1e12, 1e-12}) {
+    CAPTURE(unit);
+    const auto place = [unit](const auto& q, const auto&) { return q[0] / unit; };
+    const auto cost = cost_of_accuracy(
+        h, start, 60.0, {.observable = place, .targets = {1e-4 / unit, 1e-30 / unit}, .absolute = true});
+    CHECK(cost.cheapest(1e-4 / unit));
+    CHECK_FALSE(cost.cheapest(1e-30 / unit));
+  }
+}
+
+TEST_CASE("a reversible setting refuses a state of another size") {
+  const systems::NlsLattice<double> h(5);
+  for (const Eigen::Index size : {4, 6}) {
+    PhasePoint<double, Eigen::Dynamic> z(size);
+    z.q().setConstant(1);
+    const Setting setting{.scheme = "low_defect4_s7",
+                          .dt = 0.5,
+                          .reversible = true,
+                          .pace = {.length = 1, .momentum = 1, .longest = 0.1}};
+    CHECK_THROWS_WITH(run(h, z, 1.0, setting), Catch::Contains("size"));
+  }
+}
+
 }  // namespace test_observables

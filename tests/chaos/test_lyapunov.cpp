@@ -260,4 +260,41 @@ TEST_CASE("Right second derivatives are taken whatever the units, and where the 
       }
 }
 
+TEST_CASE("Exponents of a transformed time count in the time, also late", "[lyapunov]") {
+  // A pendulum at its top, where the exponent is 1, by steps that take g ds of the time.
+  const auto exponent = [](auto t0, double ds, double g) {
+    using Scalar = decltype(t0);
+    const auto h = from_energy<1, Scalar>(
+        [](const auto& q, const auto& p) { return p[0] * p[0] / Scalar(2) + cos(q[0]); });
+    const auto monitor = [g](const auto&, auto&& slope) {
+      slope.setZero();
+      return static_cast<Scalar>(g);
+    };
+    PhasePoint<Scalar, 1> z(Scalar(0), Scalar(0));
+    TimeTransformed transformed(h, monitor, h.energy(z.q(), z.p()));
+    Semiexplicit stepper(transformed, schemes::low_defect4_s7<Scalar>());
+    auto extended = transformed.extended(z, t0);
+    LyapunovExponents lyapunov(stepper, 1);
+    integrate(stepper, extended, {.dt = static_cast<Scalar>(ds), .steps = 4000}, lyapunov);
+    REQUIRE_FALSE(lyapunov.times().empty());
+    CHECK(lyapunov.times().back() ==
+          Approx(static_cast<double>(transformed.time(extended) - t0)).epsilon(0.15));
+    return static_cast<double>(lyapunov.exponents()[0]);
+  };
+  CHECK(exponent(0.0, 0.01, 1.45) == Approx(1).epsilon(0.04));
+  CHECK(exponent(1e12, 0.01, 1.05) == Approx(exponent(0.0, 0.01, 1.05)).epsilon(1e-4));
+  CHECK(exponent(1e4F, 0.01, 1.45) == Approx(exponent(0.0, 0.01, 1.45)).epsilon(1e-3));
+  CHECK(std::isfinite(exponent(1e5F, 0.1, 0.01)));  // steps below the rounding of the time
+}
+
+TEST_CASE("Vectors to start with that are refused leave the observer as it was", "[lyapunov]") {
+  const Semiexplicit stepper(HenonHeilesWithProduct{}, schemes::low_defect6_s13());
+  LyapunovExponents lyapunov(stepper, 2);
+  const auto before = lyapunov.vectors();
+  auto parallel = before;
+  parallel.col(1) = 2 * parallel.col(0);
+  CHECK(refuses([&] { lyapunov.start_with(parallel); }, "are not independent"));
+  CHECK(lyapunov.vectors() == before);
+}
+
 }  // namespace test_lyapunov

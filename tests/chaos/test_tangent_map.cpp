@@ -297,4 +297,36 @@ TEST_CASE("Differences for a Hessian suit an angle that has wound up, and one ne
   }
 }
 
+TEST_CASE("The map of a step is as good far from the origin as the rounding of the place lets it",
+          "[chaos]") {
+  // Against the same place an angle of whole turns back, in a wider type.
+  const auto make = [](auto zero) {
+    using Scalar = decltype(zero);
+    return Semiexplicit(from_energy<1, Scalar>([](const auto& q, const auto& p) {
+                          return p[0] * p[0] * (1 + cos(q[0]) * Scalar(0.5)) / 2 - cos(q[0]);
+                        }),
+                        schemes::strang<Scalar>());
+  };
+  const auto worst = [&](auto zero, double far) {
+    using Scalar = decltype(zero);
+    double most = 0;
+    for (int i = 0; i < 50; ++i) {
+      const Scalar q = static_cast<Scalar>(far + 0.37 * i), p = static_cast<Scalar>(1.3 + 0.01 * i);
+      const Extended turn = 8 * std::atan(Extended(1));
+      TangentMap map(make(zero));
+      TangentMap exact(make(Extended(0)));
+      REQUIRE(map.at({q, p}, Scalar(1)) == Status::success);
+      REQUIRE(exact.at({std::fmod(static_cast<Extended>(q), turn), static_cast<Extended>(p)}, 1) ==
+              Status::success);
+      const auto off = (map.matrix().template cast<Extended>() - exact.matrix()).norm();
+      most = std::max(most, static_cast<double>(off / exact.matrix().norm()));
+    }
+    return most;
+  };
+  CHECK(worst(0.0, 1e4) <= 1e-9);
+  CHECK(worst(0.0, 1e8) <= 1e-6);
+  CHECK(worst(0.0F, 0) <= 5e-5);
+  CHECK(worst(0.0F, 1e3) <= 4e-4);
+}
+
 }  // namespace test_tangent_map

@@ -598,4 +598,21 @@ TEST_CASE("An angle so large that its rounding hides the oscillation is not judg
   CHECK(judged == 0);
 }
 
+TEST_CASE("A check comes back where an entry is next to nothing, or huge and moves nothing",
+          "[check_gradient]") {
+  const auto oscillator =
+      from_energy<1>([](const auto& q, const auto& p) { return (p[0] * p[0] + q[0] * q[0]) / 2; });
+  for (const double q : {1e-310, 1e-320, 5e-324}) CHECK(check_gradient(oscillator, {q, 0.5}).ok());
+  const auto in_float =
+      from_energy<1, float>([](const auto& q, const auto& p) { return (p[0] * p[0] + q[0] * q[0]) / 2; });
+  CHECK(check_gradient(in_float, {1e-40F, 0.5F}).ok());
+  const auto free = from_energy<1>([](const auto& q, const auto& p) { return p[0] * p[0] / 2 + 0 * q[0]; });
+  CHECK(check_gradient(free, {1e303, 0.5}).ok());
+  const systems::NlsLattice<double, 41> lattice;
+  PhasePoint<double, 41> packet;
+  for (int i = 0; i < 41; ++i) packet.q()[i] = std::exp(-1.775 * (i - 20) * (i - 20));
+  packet.p() = 0.1 * packet.q();
+  CHECK(check_gradient(lattice, packet).ok());
+}
+
 }  // namespace test_check_gradient

@@ -433,4 +433,42 @@ TEST_CASE("Terms have the precision of their numbers", "[terms]") {
                                               boost::multiprecision::et_off>(1)) <= 20);
 }
 
+TEST_CASE("A number that is multiplied by 0 is the same one in all terms", "[terms]") {
+  const auto z = some_point(32);
+  for (const int stride : {0, 1}) {
+    const auto energy = [stride](const auto& q, const auto& p) {
+      return sum_over(24, [&, stride](auto i) {
+        return p[i] * p[i] * (1 + p[stride * i + 7] * q[stride * i + 6]) + q[stride * i + 5] * q[i + 4];
+      });
+    };
+    const auto right = forward_gradient(energy, z);
+    CHECK((gradient_of(from_energy(32, energy), z) - right).norm() <= 1e-13 * right.norm());
+  }
+}
+
+TEST_CASE("Roots at the ends of the range are the same in lanes as one by one", "[terms]") {
+  for (const float scale : {1e-22F, 3e-20F, 1.0F, 1e18F}) {
+    PhasePoint<float, Eigen::Dynamic> z(16);
+    for (Index i = 0; i < 16; ++i) {
+      z.q()[i] = scale * (1 + 0.37F * static_cast<float>(i));
+      z.p()[i] = scale * (2 - 0.11F * static_cast<float>(i));
+    }
+    const auto lanes = gradient_of(
+        from_energy<float>(16,
+                           [](const auto& q, const auto& p) {
+                             return sum_over(16, [&](auto i) { return sqrt(q[i] * q[i] + p[i] * p[i]); });
+                           }),
+        z);
+    const auto single = gradient_of(
+        from_energy<float>(16,
+                           [](const auto& q, const auto& p) {
+                             return sum_over(16, [&](Index i) { return sqrt(q[i] * q[i] + p[i] * p[i]); });
+                           }),
+        z);
+    CAPTURE(scale);
+    if (scale > 1e-21F) CHECK((lanes - single).norm() <= 1e-5F * single.norm());
+    CHECK(lanes.allFinite() == single.allFinite());
+  }
+}
+
 }  // namespace test_terms

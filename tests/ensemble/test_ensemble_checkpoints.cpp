@@ -427,4 +427,18 @@ TEST_CASE("The checkpoint of an ensemble that was moved from is refused") {
   CHECK_FALSE(std::filesystem::exists(saved.file));
 }
 
+TEST_CASE("A member whose observer threw at once keeps the others from nothing", "[ensemble_checkpoints]") {
+  std::vector<Invariants<double, 5>> list(11);
+  for (auto& one : list)
+    one.add("q", [](const auto& q, const auto&) {
+      if (q[1] > 30) throw std::domain_error("far");
+      return q[0];
+    });
+  Ensemble ensemble(Lattice5(), wild_lattices(), scheme);
+  ensemble.run({.dt = 0.01, .steps = 10}, each(list));
+  REQUIRE(ensemble.report(7).status == Status::observer_threw);
+  ensemble.run({.dt = 0.01, .steps = 20, .done = 10}, each(list));
+  CHECK(ensemble.report(0).steps == 20);
+}
+
 }  // namespace test_ensemble_checkpoints

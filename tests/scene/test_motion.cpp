@@ -26,6 +26,19 @@ using namespace semiexplicit;
 using namespace semiexplicit::effects;
 using std::numbers::pi;
 
+struct Free {
+  using Acts = OnMomentum<double, 1>;
+  static constexpr const char* name = "free";
+  double energy(const auto& p) const { return p[0] * p[0] / 2; }
+  void add_gradient(const auto& p, auto& dHdp) const { dHdp[0] += p[0]; }
+};
+
+struct Thrust {
+  using Acts = OnMotion<double, 1>;
+  static constexpr const char* name = "thrust";
+  void add_force(const auto&, const auto&, auto& force) const { force[0] += 0.1; }
+};
+
 struct Spring {  // |q|²/2
   using Acts = OnPosition<double, 2>;
   static constexpr const char* name = "spring";
@@ -315,6 +328,19 @@ TEST_CASE("Books keep the work done before an event that ends a step, or the run
   CHECK(books.work() == Approx((0.5 * 0.5 - 1) / 2).epsilon(1e-10));  // p = 1 - k q
   CHECK(books.by_events() == Approx(-0.5 * 0.5 / 2).epsilon(1e-10));
   CHECK(std::abs(books.difference()) < 1e-12);
+}
+
+TEST_CASE("A state that is turned between two runs counts as changed, although it has the same energy",
+          "[motion]") {
+  const Scene scene(Free{}, Thrust{});
+  auto stepper = stepper_for(scene);
+  PhasePoint<double, 1> z(0, 1);
+  Books books(scene);
+  const auto run = integrate(stepper, z, {.dt = 0.1, .steps = 50}, books);
+  z.p() = -z.p();
+  integrate(stepper, z, {.dt = 0.1, .steps = 50, .t0 = run.t}, books);
+  CHECK(std::abs(books.difference()) < 1e-12);
+  CHECK(std::abs(books.work() - (z.p()[0] * z.p()[0] - 1) / 2) < 1e-12);
 }
 
 }  // namespace test_motion

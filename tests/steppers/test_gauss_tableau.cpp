@@ -136,4 +136,13 @@ TEST_CASE("Numbers of stages that are not there are refused", "[gauss]") {
   }
 }
 
+TEST_CASE("In floats the coefficients are the rounded ones", "[gauss]") {
+  for (int stages = 1; stages <= 8; ++stages) {
+    const GaussTableau<float> rounded(stages);
+    const GaussTableau<double> exact(stages);
+    CHECK((rounded.b.cast<double>() - exact.b).cwiseAbs().maxCoeff() <= 1.6e-8);
+    CHECK((rounded.c.cast<double>() - exact.c).cwiseAbs().maxCoeff() <= 3.1e-8);
+  }
+}
+
 }  // namespace test_gauss_tableau

@@ -325,4 +325,11 @@ TEST_CASE("A body that falls along a line has no elements", "[nbody]") {
   }
 }
 
+TEST_CASE("The exact flow of bodies refuses two effects with other ones") {
+  const nbody::Bodies<double> one({1, 1e-3}), other({1, 2e-3});
+  const Scene scene(nbody::Kinetic<double>{one}, nbody::Attraction<double>{other});
+  CHECK(refuses([&] { stepper_for(scene, exactly<nbody::Kinetic<double>, nbody::Attraction<double>>()); },
+                "have other bodies"));
+}
+
 }  // namespace test_nbody

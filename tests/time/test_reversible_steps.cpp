@@ -693,4 +693,33 @@ TEST_CASE("A run of more steps than anyone can wait for comes back", "[reversibl
                 "more than 9e18 of these away"));
 }
 
+TEST_CASE("A gradient that throws while a step is cut into parts leaves the clock at the state's time",
+          "[reversible_steps]") {
+  std::int64_t calls = 0, when = -1;
+  const auto h = make_hamiltonian<double, 2>(
+      [](const auto& q, const auto& p) { return p.squaredNorm() / 2 - 1 / q.norm(); },
+      [&](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+        if (++calls == when) throw std::runtime_error("interrupted");
+        dHdq = q / std::pow(q.norm(), 3);
+        dHdp = p;
+      });
+  int interrupted = 0;
+  for (when = 2000; when < 20'000; when += 311) {
+    calls = 0;
+    PhasePoint<double, 2> z({0.1, 0}, {0, std::sqrt(19.0)});
+    double last = 0;
+    ReversibleSteps stepper(
+        Semiexplicit(h, schemes::low_defect8_s20(), SimplifiedNewton{.max_iterations = 4}),
+        monitors::Distance{});
+    try {
+      integrate(stepper, z, {.dt = 0.6, .subdivide = 6, .t_end = 50.0},
+                [&](double t, const auto&) { last = t; });
+    } catch (const std::runtime_error&) {
+      ++interrupted;
+    }
+    if (calls == when) CHECK(stepper.time() == last);
+  }
+  CHECK(interrupted > 20);
+}
+
 }  // namespace test_reversible_steps

@@ -53,7 +53,9 @@ class AnyStepperOf {
 
   AnyStepperOf(AnyStepper<Scalar> stepper, Eigen::Index dof) : stepper_(std::move(stepper)), at_(dof) {}
 
+  Eigen::Index dof() const { return at_.dof(); }
   StepReport step(State& z, const Scalar& dt) {
+    if (z.dof() != dof()) return {.status = Status::invalid_state};
     at_.vector() = z.vector();
     const StepReport report = stepper_.step(at_, dt);
     if (report.ok()) z.vector() = at_.vector();

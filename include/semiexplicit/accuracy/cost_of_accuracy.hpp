@@ -30,7 +30,7 @@ IntegrationReport run(const H& hamiltonian, PhasePoint<typename H::Scalar, H::Do
     throw std::invalid_argument("run: setting.dt is not a finite positive step; set it");
   using Scalar = typename H::Scalar;
   const detail::Erased<H> erased(hamiltonian);
-  detail::AnyStepperOf<Scalar, H::Dof> stepper(erased.stepper(setting), z.dof());
+  detail::AnyStepperOf<Scalar, H::Dof> stepper(erased.stepper(setting), dof_of(hamiltonian));
   const IntegrationOptions<Scalar> options{.dt = Scalar(setting.dt), .t_end = Scalar(T)};
   if (!setting.reversible) return integrate(stepper, z, options, std::forward<Observers>(observers)...);
   ReversibleSteps following(std::move(stepper), detail::pace_of(hamiltonian, setting));

@@ -89,6 +89,7 @@ struct CostTable {
   double orbit_end = std::numeric_limits<double>::infinity();       ///< time that no step tried got beyond
   double observable_end = std::numeric_limits<double>::infinity();  ///< first time that it is NaN or Inf at
   std::string exact_flow{};  ///< of a scene: what advised_flow() says at z0; no row has such a stepper
+  double size = 1;           ///< of the observable, the largest norm, in the unit of errors
   double unfinished = 0;     ///< the loosest target whose search ended with the calls; 0: none; infinite: all
 
   static constexpr double most_harder = 4;  ///< CostRow::harder that a row is advised with
@@ -103,7 +104,7 @@ struct CostTable {
   /// Whether a perturbation of one rounding grows to the target before the end.
   bool parts_before(double target) const {
     return horizon < std::numeric_limits<double>::infinity() &&
-           time > horizon + std::log(std::min(target, 1.0)) / parting_rate;
+           time > horizon + std::log(std::min(target / size, 1.0)) / parting_rate;
   }
 
   /// Why a target is out of reach.
@@ -156,7 +157,8 @@ struct CostTable {
     if (!(target > 0))
       throw std::invalid_argument("CostTable::cheapest: target is not a positive error; give one");
     std::optional<CostRow> found;
-    if (parts_before(target) || unfinished >= 1 || observable_end <= time || orbit_end < time) return found;
+    if (parts_before(target) || std::isinf(unfinished) || observable_end <= time || orbit_end < time)
+      return found;
     const double far = tried_to(target);
     const auto offer = [&](const CostRow& row) {
       if (counts(row, far) && row.error <= target && (!found || row.cost(by) < found->cost(by))) found = row;

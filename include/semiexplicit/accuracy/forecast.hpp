@@ -31,11 +31,11 @@ class Forecast {
   /// Makes a reference where one is needed. False: there is nothing to compare with.
   SEMIEXPLICIT_COLD bool see_as_far_as(double length) {
     if (problem_.options.observable.is_energy()) {
-      problem_.judged.terms = std::max(problem_.judged.terms, scout_.terms());
+      problem_.judged.terms = std::max(problem_.judged.terms, scout_.terms() / problem_.judged.unit);
       table_.rounding = problem_.rounding_of_invariant(table_.time_scale);
     } else {
       // Near rounding whatever is asked for: only then is seen how the error of the reference grows.
-      const double enough = std::min(0.1 * tightest() * length / table_.time, 1e4 * problem_.epsilon);
+      const double enough = 0.1 * tightest() * length / table_.time;
       if (!reference_.go(length, enough)) return false;
       table_.invariant = reference_.is_constant();
       problem_.judge_by_first();
@@ -80,7 +80,7 @@ class Forecast {
     if (!bounded) growth = std::max(growth, 1 + hidden_growth * (T / probe.length - 1));
     const double harder = candidate.setting.reversible
                               ? 1
-                              : std::pow(std::min(harder_behind(probe.asked), 1e3), candidate.order);
+                              : std::pow(std::min(harder_behind(probe.seen_to()), 1e3), candidate.order);
     return error * growth * harder +
            (table_.invariant ? problem_.rounding_of_invariant(dt) : table_.rounding);
   }
@@ -146,6 +146,7 @@ class Forecast {
     const double least = 1.5, most_power = suspected_rate_ > 0          ? 12.0
                                            : reference_.changes_steps() ? 2.0
                                                                         : least;
+    table_.size = reference_.size() / unit;
     table_.reference_error = apart(length) * grown(length, std::clamp(power, least, most_power));
     table_.rounding = more_rounding * table_.reference_error;
     table_.reference_time = length;

@@ -58,10 +58,8 @@ class Problem {
                                   std::to_string(first.size()) + " at z0; give one of a fixed size");
   }
 
-  /// About the size of the terms that the observable at z is a sum of, in its unit.
-  SEMIEXPLICIT_COLD double terms_at(const State& z) const {
-    return static_cast<double>(size_at(z).terms) / judged.unit;
-  }
+  /// About the size of the terms that the observable at z is a sum of.
+  SEMIEXPLICIT_COLD double terms_at(const State& z) const { return static_cast<double>(size_at(z).terms); }
 
   /// Whether the energy at z is anything like that at z0: where a fast motion that the observable does not
   /// show has become unstable it is not.

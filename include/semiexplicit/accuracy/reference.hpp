@@ -29,16 +29,17 @@ class Reference {
   }
 
   /// Goes on to `length`, with samples all along. For the first stretch of a run steps become smaller until
-  /// both runs are apart by no more than `enough` of the largest ‖f‖, or smaller ones no longer help. False:
-  /// the calls ended, no step goes on, or the observable is not finite.
+  /// both runs are apart by no more than `enough` in the unit of targets, or smaller ones no longer help.
+  /// False: the calls ended, no step goes on, or the observable is not finite.
   SEMIEXPLICIT_COLD bool go(double length, double enough) {
     if (time_ > 0) return follow(length);
     double last = std::numeric_limits<double>::infinity();
     for (int no_better = 0; no_better < 3;) {
       if (!follow(length)) return false;
       const double now = apart(length);
-      if (now <= enough * size_) break;
-      const double small = std::max(1e-6, 1e4 * Problem<Any>::epsilon) * size_;
+      const double rounding = 1e4 * Problem<Any>::epsilon * scale();
+      if (now <= std::min(enough * (problem_.options.absolute ? 1 : size_), rounding)) break;
+      const double small = std::max(1e-6 * size_, rounding);
       no_better = now > 0.3 * last && now < small ? no_better + 1 : 0;
       last = std::min(last, now);
       if (share_ < 1e-3) break;
@@ -66,7 +67,7 @@ class Reference {
 
   /// Whether the observable is constant as far as the runs tell.
   SEMIEXPLICIT_COLD bool is_constant() const {
-    double known = 50 * Problem<Any>::epsilon * problem_.judged.terms * problem_.judged.unit;
+    double known = 50 * Problem<Any>::epsilon * scale();
     for (const auto& sample : samples_) {
       known = std::max(known, 10 * sample.apart);
       if (!(static_cast<double>(norm(sample.value - problem_.first)) <= known)) return false;
@@ -75,6 +76,11 @@ class Reference {
   }
 
  private:
+  /// What rounding is relative to: the largest ‖f‖, or the terms that f is a sum of.
+  double scale() const {
+    return std::max({size_, problem_.judged.unit * problem_.judged.terms, scout_.terms()});
+  }
+
   SEMIEXPLICIT_COLD void restart() {
     coarse_ = fine_ = problem_.z0;
     time_ = 0;

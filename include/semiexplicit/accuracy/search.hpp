@@ -80,7 +80,7 @@ class Search {
     if (table_.tried < table_.time) forecast_.believe_rate();
     if (!looked || table_.tried < std::min(table_.time, least_scales * table_.time_scale) ||
         (timed && scout_.time() < table_.time))
-      table_.unfinished = everything;
+      table_.unfinished = std::numeric_limits<double>::infinity();
     for (const Goal& goal : goals_) judge(goal);
     problem_.limit = options().max_gradients;
     finish_rows();
@@ -108,8 +108,10 @@ class Search {
 
   /// A gradient of many degrees of freedom is dear.
   double least_calls() const {
-    return std::min(options().max_gradients / overrun,
-                    options().min_gradients * std::min(1.0, 10.0 / static_cast<double>(problem_.z0.dof())));
+    return std::min(
+        options().max_gradients / overrun,
+        std::max(enough_to_begin,
+                 options().min_gradients * std::min(1.0, 10.0 / static_cast<double>(problem_.z0.dof()))));
   }
 
   /// By the gradient calls of a run to each target.
@@ -119,6 +121,7 @@ class Search {
   }
 
   SEMIEXPLICIT_COLD double first_length() const {
+    if (!(scout_.time() > 0)) return 0;
     const double calls = first_share * table_.budget / (first_trials * static_cast<double>(goals_.size()));
     return scout_.first_trial(std::clamp(calls / (scout_.rate() * scout_.mean_step()), 10.0, 60.0));
   }
@@ -207,6 +210,8 @@ class Search {
     Bracket result;
     for (const auto& [step, seen] : candidate.trials) {
       if (is_current(seen) != current) continue;
+      // Of what was given up for a tighter target it is not known whether it meets a looser one.
+      if (seen.given_up && forecast_.error_of(candidate, seen, step) <= aim) continue;
       if (seen.works() && forecast_.error_of(candidate, seen, step) <= aim) {
         if (!result.has_low()) result.low = step;
       } else if (!result.has_low()) {
@@ -317,7 +322,9 @@ class Search {
     }
     double cheapest = infinity, dt = 0;
     for (const auto& [step, seen] : trials) {
-      if (!is_current(seen) || !seen.works() || forecast_.error_of(candidate, seen, step) > aim) continue;
+      if (!is_current(seen) || !seen.works() || seen.given_up ||
+          forecast_.error_of(candidate, seen, step) > aim)
+        continue;
       if (dt == 0) dt = step;
       if (cost_of(candidate, seen) < cheapest)
         cheapest = cost_of(candidate, seen), candidate.rate = seen.rate;
@@ -457,8 +464,8 @@ class Search {
   SEMIEXPLICIT_COLD void judge(const Goal& goal) {
     double least = std::numeric_limits<double>::infinity();
     for_each_trial([&](const Candidate& candidate, double step, const Probe& seen) {
-      if (seen.works() && seen.asked >= goal.tried && forecast_.lasts(candidate, seen) &&
-          (candidate.setting.reversible || forecast_.harder_behind(seen.asked) <= CostTable::most_harder))
+      if (seen.works() && seen.seen_to() >= goal.tried && forecast_.lasts(candidate, seen) &&
+          (candidate.setting.reversible || forecast_.harder_behind(seen.seen_to()) <= CostTable::most_harder))
         least = std::min(least, forecast_.error_of(candidate, seen, step));
     });
     if (least <= goal.target) return;
@@ -478,8 +485,8 @@ class Search {
                   .seconds = nan,
                   .limit = LimitedBy::failure,
                   .status = seen.status,
-                  .tried = seen.asked,
-                  .harder = forecast_.harder_behind(seen.asked)};
+                  .tried = seen.seen_to(),
+                  .harder = forecast_.harder_behind(seen.seen_to())};
       if (seen.works() && !forecast_.lasts(candidate, seen)) row.lasts = false;
       if (row.works()) {
         row.error = forecast_.error_of(candidate, seen, step);
@@ -494,11 +501,11 @@ class Search {
     });
   }
 
-  static constexpr double everything = 1e300;
-  static constexpr double most_scales = 4;      ///< of the local time, that a reversible step may take
-  static constexpr double scout_share = 0.2;    ///< of the budget
-  static constexpr double most_of_first = 0.7;  ///< of the budget, that the first race may take
-  static constexpr double first_share = 0.3;    ///< of the budget, for the first race
+  static constexpr double enough_to_begin = 1000;  ///< gradient calls
+  static constexpr double most_scales = 4;         ///< of the local time, that a reversible step may take
+  static constexpr double scout_share = 0.2;       ///< of the budget
+  static constexpr double most_of_first = 0.7;     ///< of the budget, that the first race may take
+  static constexpr double first_share = 0.3;       ///< of the budget, for the first race
   static constexpr double first_trials =
       120;  ///< that it takes for a target, each in so many of the scout's calls
   static constexpr double to_the_end = 0.5;      ///< budgets that a coarse run to T is worth

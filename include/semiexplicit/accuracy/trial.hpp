@@ -23,7 +23,11 @@ struct Probe {
   double rate = 0;              ///< gradient calls a unit of time
   double evaluations = 0;       ///< a step
   bool cut = false;             ///< the calls ended before the trial
+  bool given_up = false;  ///< before the end, at an error that is hopeless for the target it was tried for
   bool works() const { return status == Status::success && !cut; }
+
+  /// How far it is known what it does.
+  double seen_to() const { return given_up ? length : asked; }
 
   void note(double t, double wanted, double off) {
     double* const both[] = {&early, &error};
@@ -134,7 +138,8 @@ SEMIEXPLICIT_COLD Probe try_setting(Problem<Any>& problem, const Setting& settin
     const double off = static_cast<double>(norm(value - right)) / unit;
     probe.note(t, length, off);
     if (!std::isfinite(off)) probe.status = Status::not_finite;
-    return probe.error <= hopeless && probe.works();
+    probe.given_up = probe.error > hopeless;
+    return !probe.given_up && probe.works();
   };
   auto next = samples.begin();
   double t = 0;

@@ -66,7 +66,7 @@ class LyapunovExponents {
       using std::log;
       if (i == j) sums_[j] += static_cast<Sum>(log(r));
     });
-    if (run_.steps() >= next_sample_ && times_.size() < most_samples) sample();
+    if (run_.steps() >= next_sample_ && times_.size() < most_samples && run_.elapsed() != 0) sample();
   }
 
   /// Whether it has seen nothing yet: a resumed run would give the exponents of its end only.

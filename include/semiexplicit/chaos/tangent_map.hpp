@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -72,30 +73,31 @@ class TangentMap {
     const bool fits = z.vector().size() == size_ && detail::all_finite(z.vector());
     if (const Status start = detail::status_at_start(dt, !scheme_.b.empty(), fits); start != Status::success)
       return start;
-    Scalar close(0);
+    Scalar close(0), rounding(0), last(0);
     m_.setZero();
     for (int iteration = 0; iteration < 20; ++iteration) {
       sweep(z, dt);
       combine(by_m, Scalar(-1), system_.matrix.data());
       for (Eigen::Index k = 0; k < size_; ++k) system_.matrix(k, k) += Scalar(2);
       system_.factorise();
-      // At a multiplier that is off by this M is off by this times dt and third derivatives. The time of an
-      // extended point may be large, and its rounding then is what is left.
+      // At a multiplier that is off by this M is off by this times dt and third derivatives. Far from the
+      // origin it is what the step moves that counts; rounding may not let corrections be as small there.
       if (iteration == 0) {
-        const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon();
+        const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon(), moved = detail::norm(a_ - z.vector());
         close = pow(epsilon, Scalar(0.75)) *
-                    (detail::state_size(hamiltonian_, z) + detail::norm(a_ - z.vector())) +
-                8 * epsilon * detail::norm(z.vector());
+                std::min<Scalar>(detail::state_size(hamiltonian_, z) + moved, 100 * moved);
+        rounding = 8 * epsilon * detail::norm(z.vector()) + close;
       }
       for (Eigen::Index k = 0; k < size_; ++k) gradient_[k] = a_[k] - b_[k] + 2 * m_[k];  // f
       system_.solve(gradient_.data(), correction_.vector().data());
       const Scalar correction = detail::state_size(hamiltonian_, correction_);
       if (!isfinite(correction)) return Status::not_finite;
-      if (correction <= close) {
+      if (correction <= close || (correction <= rounding && 2 * correction >= last && iteration > 0)) {
         finish();
         return detail::all_finite(matrix_) ? Status::success : Status::not_finite;
       }
       m_ -= correction_.vector();
+      last = correction;
     }
     return Status::no_convergence;
   }

@@ -16,7 +16,8 @@ namespace semiexplicit {
 ///     tangents.vectors().col(0) = ...;
 ///     if (tangents.advance(z, dt).ok()) stepper.step(z, dt);     // of the step that starts at z
 ///
-/// Of Semiexplicit (with any solver), MidpointProjection and ExplicitSplitting. A tangent vector of the
+/// Of Semiexplicit (with any solver), MidpointProjection and ExplicitSplitting; of ReversibleSteps dt is the
+/// time that the step takes, which is known behind it. A tangent vector of the
 /// projected step has an equation of projection of its own, which the stepper's solver solves to the
 /// stepper's rule: vᵀJu of two vectors is kept as the steps keep symplecticity. Beside the step's own sweep
 /// that takes one sweep of gradients, and one of second derivatives for each vector.

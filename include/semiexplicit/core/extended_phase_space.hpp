@@ -22,6 +22,8 @@ class ExtendedPhaseSpace {
   /// Whether the gradient has the derivative with respect to the time, so that p_t is followed. One that does
   /// not says so by a member of the same name.
   static constexpr bool follows_work = true;
+  /// Whether a step of dt is one of the time, as Autonomous's; TimeTransformed says that its own are not.
+  static constexpr bool steps_in_time = true;
 
   /// The phase point (q, p), and the time, of an extended one.
   static Point point(const State& extended) {

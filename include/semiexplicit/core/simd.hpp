@@ -1,6 +1,8 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
+#include <concepts>
 #include <cstddef>
 #include <limits>
 
@@ -15,6 +17,33 @@
 #endif
 #ifndef __cpp_lib_experimental_parallel_simd
 #include <semiexplicit/core/array_pack.hpp>
+#endif
+
+#ifdef __cpp_lib_experimental_parallel_simd
+// libstdc++'s sin and cos of packs count the quadrants in an int, which ends at 3.4e9, and reduce all lanes
+// in another way where one is beyond 805, so that a lane's result depends on the others. These take such
+// lanes one by one. They have to stand where packs are, as nothing else finds them for a Hamiltonian's
+// `sin(q[0])`; being more special they come first.
+namespace std::experimental {
+inline namespace parallelism_v2 {
+#define SEMIEXPLICIT_FAR_LANES_ONE_BY_ONE(function)                                                       \
+  template <class Abi>                                                                                    \
+  requires(!std::same_as<Abi, simd_abi::scalar>) simd<double, Abi> function(const simd<double, Abi>& x) { \
+    const auto far = !(abs(x) < 800.0);                                                                   \
+    if (none_of(far)) return function<double, Abi>(x);                                                    \
+    simd<double, Abi> near = x;                                                                           \
+    for (std::size_t k = 0; k < near.size(); ++k)                                                         \
+      if (far[k]) near[k] = 0.0;                                                                          \
+    simd<double, Abi> result = function<double, Abi>(near);                                               \
+    for (std::size_t k = 0; k < near.size(); ++k)                                                         \
+      if (far[k]) result[k] = std::function(double(x[k]));                                                \
+    return result;                                                                                        \
+  }
+SEMIEXPLICIT_FAR_LANES_ONE_BY_ONE(sin)
+SEMIEXPLICIT_FAR_LANES_ONE_BY_ONE(cos)
+#undef SEMIEXPLICIT_FAR_LANES_ONE_BY_ONE
+}  // namespace parallelism_v2
+}  // namespace std::experimental
 #endif
 
 namespace semiexplicit {

@@ -204,7 +204,9 @@ template <class Scalar, class F>
 Scalar first_move(const F& f, const Scalar& x, const Scalar& own) {
   using std::abs;
   const Scalar here = f(x);
-  for (Scalar step = 2 * Eigen::NumTraits<Scalar>::epsilon() * own; step <= own / 2; step *= 4) {
+  Scalar step = std::max<Scalar>(2 * Eigen::NumTraits<Scalar>::epsilon() * own,
+                                 (std::numeric_limits<Scalar>::min)());  // below, a step may be no number
+  for (; step <= own / 2; step *= 4) {
     const Scalar above = abs(f(x + step) - here), below = abs(f(x - step) - here);
     const Scalar smaller = above > Scalar(0) && !(below > Scalar(0) && below < above) ? above : below;
     if (smaller > Scalar(0)) return smaller;
@@ -286,7 +288,9 @@ SEMIEXPLICIT_COLD Slope<Scalar> judging_slope(const ScalarFunction<Scalar>& f, c
   using std::sqrt;
   const Scalar here = f(x), widest = std::max<Scalar>(size, 1);
   Scalar grid = first_move<Scalar>(f, x, own);
-  if (!isfinite(grid)) grid = first_move<Scalar>(f, x, Scalar(1000000 * std::max(own, widest)));
+  if (!isfinite(grid))
+    grid = first_move<Scalar>(
+        f, x, std::min<Scalar>(1000000 * std::max(own, widest), (std::numeric_limits<Scalar>::max)()));
   const Scalar noise = isfinite(grid) ? std::max<Scalar>(rounding, grid / 4) : rounding;
   const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon(), tiny = sqrt(epsilon);
   const auto agrees = [&](const Slope<Scalar>& slope) {
@@ -321,7 +325,7 @@ SEMIEXPLICIT_COLD Slope<Scalar> judging_slope(const ScalarFunction<Scalar>& f, c
   if (best.judges && agrees(best)) return best;
   // From the steps h of `best` on to smaller ones.
   const auto refine = [&](Scalar step) {
-    for (step /= 8192; step >= 1048576 * epsilon * own; step /= 8192) {
+    for (step /= 8192; step > Scalar(0) && step >= 1048576 * epsilon * own; step /= 8192) {
       const Scalar moved = variation(step);
       if (moved == Scalar(0)) break;  // below the resolution of f
       Slope<Scalar> found = extrapolated_slope<Scalar>(f, x, step, noise);

@@ -92,7 +92,8 @@ struct LaneIndex {
   /// Of 2 · window slots, for offsets in either half; numbers that are the same in all lanes have the upper
   /// half of a window.
   SEMIEXPLICIT_INTO_TERM int slot(int half) const {
-    return static_cast<int>(half * 8 + (stride == 0 ? 4 : 0) + (offset & (window - 1)));
+    const Eigen::Index within = (stride == 0 ? 4 : 0) + (offset & (window - 1));
+    return static_cast<int>((half * 8 + within) & (TouchedPlaces::slots - 1));  // beyond: multiplied by 0
   }
   SEMIEXPLICIT_INTO_TERM operator Eigen::Index() const {  // NOLINT
     if (stride != 0) lanes_part() = true;

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <concepts>
 #include <cstddef>
+#include <limits>
 #include <type_traits>
 
 #include <Eigen/Core>
@@ -136,6 +137,15 @@ struct LanePack {
     Eigen::Array<S, size, 1> root_of;
     for (int k = 0; k < size; ++k) root_of[k] = x.lanes[k];
     root_of = root_of.sqrt().eval();
+    // Eigen makes it from 1/√x where that is faster, which is wrong at the ends of the range.
+#ifdef EIGEN_VECTORIZE_AVX512
+    constexpr bool is_exact = false;
+#else
+    constexpr bool is_exact = !std::is_same_v<S, float>;
+#endif
+    using Limits = std::numeric_limits<S>;
+    for (int k = 0; !is_exact && k < size; ++k)
+      if (const S at = x.lanes[k]; !(at >= Limits::min() && at <= Limits::max())) root_of[k] = std::sqrt(at);
     LanePack root = load(root_of.data());
     return root;
   }

@@ -131,7 +131,9 @@ class Ensemble {
   static constexpr bool in_lanes() { return lanes; }
   /// That in words, with the reason.
   static std::string how() {
-    if constexpr (lanes) {
+    if constexpr (lanes && pack_width == 1) {
+      return "one member at a time: the standard library has no packs (<experimental/simd>)";
+    } else if constexpr (lanes) {
       return std::to_string(pack_width) + " members at a time, in the lanes of SIMD registers";
     } else {
       std::string why = "the gradient takes no packs, see PackHamiltonian";
@@ -247,11 +249,14 @@ class Ensemble {
         throw std::invalid_argument("Ensemble: each() has " + std::to_string(observer.members()) +
                                     " observers and the ensemble " + std::to_string(size()) +
                                     " members; give one a member");
-      if (options.done > 0 && options.every > 0 && observer.fresh())
-        throw std::invalid_argument(
-            "Ensemble: the run is resumed after step " + std::to_string(options.done) +
-            ", and an observer knows nothing of what came before; name it among those of "
-            "EnsembleCheckpoints");
+      // Those of members whose run has ended see no more.
+      const auto must_know = [&](Eigen::Index i) { return report(i).ok() && observer.fresh(i); };
+      for (Eigen::Index i = 0; options.done > 0 && options.every > 0 && i < size(); ++i)
+        if (must_know(i))
+          throw std::invalid_argument(
+              "Ensemble: the run is resumed after step " + std::to_string(options.done) +
+              ", and an observer knows nothing of what came before; name it among those of "
+              "EnsembleCheckpoints");
     }
   }
 

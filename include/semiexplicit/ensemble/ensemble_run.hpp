@@ -74,9 +74,9 @@ class Each {
     return detail::notify((*observers_)[static_cast<std::size_t>(member)], t, state, run);
   }
   Eigen::Index members() const { return static_cast<Eigen::Index>(observers_->size()); }
-  /// Whether one of them has seen nothing yet, and must not be left out where a run is resumed.
-  bool fresh() const {
-    return std::any_of(observers_->begin(), observers_->end(), detail::is_fresh<Observer>);
+  /// Whether that of a member has seen nothing yet, and must not be left out where a run is resumed.
+  bool fresh(Eigen::Index member) const {
+    return detail::is_fresh((*observers_)[static_cast<std::size_t>(member)]);
   }
 
  private:

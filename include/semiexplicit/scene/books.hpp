@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <ostream>
@@ -86,14 +87,16 @@ class RunningIntegral {
   /// Between two of the nodes, of the polynomial through all, by Gauss's rule of four points, which is exact
   /// for it.
   Scalar integral(std::size_t from, std::size_t to) const {
-    static constexpr double points[] = {0.33998104358485626, 0.86113631159405258},
-                            weights[] = {0.65214515486254614, 0.34785484513745386};
+    using std::sqrt;
+    static const Scalar apart = 2 * sqrt(Scalar(6) / 5) / 7, uneven = sqrt(Scalar(30)) / 36,
+                        points[] = {sqrt(Scalar(3) / 7 - apart), sqrt(Scalar(3) / 7 + apart)},
+                        weights[] = {Scalar(1) / 2 + uneven, Scalar(1) / 2 - uneven};
     Scalar sum(0);
     for (std::size_t k = from; k < to; ++k) {
       const Scalar half = (times_[k + 1] - times_[k]) / 2, middle = times_[k] + half;
       for (std::size_t i = 0; i < 2; ++i)
         for (const int sign : {-1, 1})
-          sum += half * Scalar(weights[i]) * interpolated(middle + Scalar(sign) * half * Scalar(points[i]));
+          sum += half * weights[i] * interpolated(middle + Scalar(sign) * half * points[i]);
     }
     return sum;
   }
@@ -141,7 +144,7 @@ class Books {
   static constexpr int Dof = DofValue;
 
   explicit Books(RuntimeScene<Scalar, Dof> scene)
-      : scene_(std::move(scene)), gradient_(scene_.dof()), force_(gradient_.q()) {
+      : scene_(std::move(scene)), gradient_(scene_.dof()), last_(gradient_), force_(gradient_.q()) {
     for (const auto& effect : scene_.effects())
       if (effect.motion()) accounts_.push_back({effect, {}});
   }
@@ -154,9 +157,10 @@ class Books {
     const Scalar before = energy_;
     energy_ = scene_.energy(q, p);
     using Next = typename detail::RunClock<Scalar>::Next;
-    const Next next = clock_.relation(t, energy_ == before, run);
+    const Next next = clock_.relation(t, q == last_.q() && p == last_.p(), run);
     const Scalar interval = next == Next::follows ? clock_.interval(t, run) : Scalar(0);
     clock_.set(t, run, next);
+    last_.q() = q, last_.p() = p;
     if (next == Next::first) start_ = energy_;
     if (next == Next::changed || next == Next::anew) {
       changed_ += energy_ - before;
@@ -214,6 +218,7 @@ class Books {
     visit(start_);
     visit(energy_);
     visit(changed_);
+    visit(last_.vector());
     clock_.visit_memory(visit);
     for (Account& account : accounts_) account.work.visit_memory(visit);
   }
@@ -225,7 +230,7 @@ class Books {
   };
 
   RuntimeScene<Scalar, Dof> scene_;
-  PhasePoint<Scalar, Dof> gradient_;
+  PhasePoint<Scalar, Dof> gradient_, last_;  ///< the state that was seen last
   Vector<Scalar, Dof> force_;
   std::vector<Account> accounts_{};
   Scalar start_ = Scalar(0), energy_ = Scalar(0), changed_ = Scalar(0);

@@ -44,6 +44,8 @@ class Bodies {
     }
   }
 
+  bool operator==(const Bodies&) const = default;
+
   Eigen::Index size() const { return static_cast<Eigen::Index>(bodies_.size()); }
   Eigen::Index dof() const { return 3 * (size() - 1); }
   /// Of body i; of it and those within; its reduced mass beside those within (0 for the primary); its share
@@ -87,6 +89,7 @@ class Bodies {
  private:
   struct Body {
     Scalar gm, up_to, reduced, share;
+    bool operator==(const Body&) const = default;
   };
   const Body& at(Eigen::Index i) const { return bodies_[static_cast<std::size_t>(i)]; }
 

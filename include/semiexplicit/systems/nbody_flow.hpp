@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <stdexcept>
 #include <vector>
 
 #include <semiexplicit/core/report.hpp>
@@ -112,9 +113,13 @@ struct ExactFlow<effects::nbody::Kinetic<Scalar, Dof>, effects::nbody::Attractio
     : effects::nbody::KeplerFlows<Scalar> {
   static constexpr const char* name = "Kepler, each body about those within";
   static constexpr bool quadratic_in_momenta = true;
-  ExactFlow(const effects::nbody::Kinetic<Scalar, Dof>&,
+  /// Throws std::invalid_argument where the two have other bodies.
+  ExactFlow(const effects::nbody::Kinetic<Scalar, Dof>& kinetic,
             const effects::nbody::Attraction<Scalar, Dof>& attraction)
-      : effects::nbody::KeplerFlows<Scalar>(attraction.bodies, attraction.hill_radii) {}
+      : effects::nbody::KeplerFlows<Scalar>(attraction.bodies, attraction.hill_radii) {
+    if (!(kinetic.bodies == attraction.bodies))
+      throw std::invalid_argument("nbody: Kinetic and Attraction have other bodies; give both the same ones");
+  }
 };
 
 }  // namespace semiexplicit

@@ -49,6 +49,7 @@ requires(PositionMonitor<G, typename H::Scalar, detail::own_dof_of<H>> ||
   using typename Space::Point;
   using typename Space::State;
   static constexpr int Dof = Space::Dof;
+  static constexpr bool steps_in_time = false;
   static_assert(detail::is_in_one_process<H>());
 
   TimeTransformed(H hamiltonian, G monitor, Scalar energy)

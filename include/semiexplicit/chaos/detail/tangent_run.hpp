@@ -45,10 +45,16 @@ class TangentRun {
     if (vectors.rows() != v.rows() || vectors.cols() != v.cols())
       refuse("vectors to start with are 2d rows in as many columns as it carries");
     if (!fresh()) refuse("it has begun; give the vectors to start with before the run");
+    const auto before = v;
+    const Scalar unit = momenta_;
     v = vectors;
     const Eigen::Index d = v.rows() / 2;
     momenta_ = unit_between<Scalar>(norm(v.topRows(d).reshaped()), norm(v.bottomRows(d).reshaped()));
-    begin_with_given();
+    if (!begin_with_given()) {
+      v = before;
+      momenta_ = unit;
+      refuse("the vectors to start with are not independent");
+    }
     given_ = true;
   }
 
@@ -74,7 +80,7 @@ class TangentRun {
       if (clock_.steps_since(t, run) != 1)
         refuse("it is shown only some of the steps, and needs every one; take every() away from it");
       const Scalar dt = clock_.interval(t, run);
-      if (steps_ > 0 && (dt > Scalar(0)) != (elapsed_ > 0))
+      if (steps_ > 0 && (dt > Scalar(0)) != forward_)
         refuse("the time turned round; every run wants an observer of its own");
       const StepReport report = tangents_.advance(previous_, dt);
       if (!report.ok())
@@ -85,6 +91,7 @@ class TangentRun {
                                                         "no step is cut")
                                           : semiexplicit::describe(report.status)));
       elapsed_ += passed(z, dt);
+      forward_ = dt > Scalar(0);
       ++steps_;
     }
     clock_.set(t, run, next);
@@ -128,6 +135,7 @@ class TangentRun {
     visit(previous_.vector());
     visit(elapsed_);
     visit(steps_);
+    visit(forward_);
     clock_.visit_memory(visit);
   }
 
@@ -161,7 +169,14 @@ class TangentRun {
     }
     if (unit == momenta_) return;
     const Scalar before = std::exchange(momenta_, unit);
-    if (given_) return begin_with_given();
+    if (given_) {
+      if (!begin_with_given())
+        refuse(
+            "in the units of the state, in which momenta are far larger or smaller than positions, the "
+            "vectors "
+            "to start with are not independent; give others, or let positions and momenta be of one size");
+      return;
+    }
     multiply_momenta(momenta_ / before);
     orthonormalise([](Eigen::Index, Eigen::Index, const Scalar&) {});
   }
@@ -172,8 +187,8 @@ class TangentRun {
       for (Eigen::Index i = v.rows() / 2; i < v.rows(); ++i) v(i, j) *= factor;
   }
 
-  /// Makes the vectors to start with orthonormal.
-  void begin_with_given() {
+  /// Makes the vectors to start with orthonormal. False: they are not independent.
+  bool begin_with_given() {
     auto& v = tangents_.vectors();
     const auto given = v;
     bool independent = true;
@@ -184,18 +199,18 @@ class TangentRun {
       // What is left of it beside the others is more than their rounding.
       independent = independent && part > 100 * Eigen::NumTraits<Scalar>::epsilon() * norm(halves);
     });
-    if (!independent || !all_finite(v)) refuse("the vectors to start with are not independent");
+    return independent && all_finite(v);
   }
 
-  /// The time from the previous state to z. In an extended phase space the states have it, and dt may be
-  /// another variable's; what differs by no more than a time's rounding does not differ.
+  /// The time from the previous state to z. In an extended phase space the states have it; where dt is a
+  /// step of the time what differs by no more than its rounding does not differ.
   double passed(const State& z, const Scalar& dt) const {
     using std::abs;
     if constexpr (InExtendedPhaseSpace<Hamiltonian>) {
       const Scalar before = previous_.q()[z.dof() - 1], now = z.q()[z.dof() - 1];
       const Scalar rounding =
           4 * Eigen::NumTraits<Scalar>::epsilon() * std::max<Scalar>(abs(before), abs(now));
-      if (!(abs(now - before - dt) <= rounding))
+      if (!Hamiltonian::steps_in_time || !(abs(now - before - dt) <= rounding))
         return static_cast<double>(now) - static_cast<double>(before);
     }
     return static_cast<double>(dt);
@@ -219,6 +234,7 @@ class TangentRun {
   bool given_ = false;          ///< the vectors to start with
   double elapsed_ = 0;
   std::int64_t steps_ = 0;
+  bool forward_ = true;          ///< the steps so far
   std::int64_t subdivided_ = 0;  ///< so far, of the run's steps; for a message only, so no memory
   RunClock<Scalar> clock_;
 };

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 
 #include <Eigen/Core>
 
@@ -32,6 +33,16 @@ struct GaussTableau {
     if (stages < 1 || stages > 8)
       throw std::invalid_argument("GaussLegendre: " + std::to_string(stages) +
                                   " stages asked for; give 1 to 8");
+    if constexpr (std::is_same_v<Scalar, float>) {  // whose own roundings would add up to several of its ε
+      const GaussTableau<double> exact(stages);
+      c = exact.c.template cast<float>();
+      b = exact.b.template cast<float>();
+      w = exact.w.template cast<float>();
+      m = exact.m.template cast<float>();
+      for (int i = 0; i < stages; ++i)
+        for (int j = i + 1; j < stages; ++j) m(i, j) = 1 - m(j, i);
+      return;
+    }
     c.resize(stages);
     b.resize(stages);
     w.setOnes(stages);

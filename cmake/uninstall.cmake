@@ -1,10 +1,31 @@
 # cmake -D MANIFEST=<build>/install_manifest.txt -P uninstall.cmake: removes the files that the last installation from
-# this build tree wrote, and the folders named semiexplicit that this leaves empty.
+# this build tree wrote, and the folders of this library that it leaves empty: those named semiexplicit that files were
+# installed into, and what is in them. A folder above them, as a prefix of that name, is not the library's to take away.
 if(NOT EXISTS "${MANIFEST}")
   message(FATAL_ERROR "Nothing to uninstall: ${MANIFEST} does not exist, so nothing was installed from this build tree.")
 endif()
 
 file(STRINGS "${MANIFEST}" installed)
+set(own)
+foreach(file IN LISTS installed)
+  cmake_path(GET file PARENT_PATH folder)
+  if(folder MATCHES "/semiexplicit$")
+    list(APPEND own "$ENV{DESTDIR}${folder}")
+  endif()
+endforeach()
+list(REMOVE_DUPLICATES own)
+
+# Whether a folder is one of these, or in one.
+function(is_own folder result)
+  set(${result} FALSE PARENT_SCOPE)
+  foreach(one IN LISTS own)
+    cmake_path(IS_PREFIX one "${folder}" within)
+    if(within)
+      set(${result} TRUE PARENT_SCOPE)
+    endif()
+  endforeach()
+endfunction()
+
 foreach(file IN LISTS installed)
   set(path "$ENV{DESTDIR}${file}")
   if(EXISTS "${path}" OR IS_SYMLINK "${path}")
@@ -18,7 +39,8 @@ foreach(file IN LISTS installed)
   endif()
 
   cmake_path(GET path PARENT_PATH folder)
-  while(folder MATCHES "/semiexplicit(/|$)" AND IS_DIRECTORY "${folder}")
+  is_own("${folder}" its)
+  while(its AND IS_DIRECTORY "${folder}")
     file(GLOB left LIST_DIRECTORIES true "${folder}/*" "${folder}/.*")
     list(FILTER left EXCLUDE REGEX "/\\.\\.?$")
     if(left)
@@ -26,6 +48,7 @@ foreach(file IN LISTS installed)
     endif()
     file(REMOVE_RECURSE "${folder}")
     cmake_path(GET folder PARENT_PATH folder)
+    is_own("${folder}" its)
   endwhile()
 endforeach()
 file(REMOVE "${MANIFEST}")

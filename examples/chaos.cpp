@@ -117,8 +117,9 @@ std::string picture(const std::filesystem::path& png, const std::filesystem::pat
     const double end = series.t.back(), at_end = series.end(), slope = series.slope();
     script += quoted(csv.string()) + " skip 1 using 1:" + std::to_string(i + 2) + " with lines lw 2 lc rgb " +
               color + " title '" + name + " chaos, β = " + formatted("%g", beta) +
-              (std::isfinite(slope) ? formatted(", slope %.2f", slope) : "") + "', \\\n  ";
-    if (!std::isfinite(at_end)) continue;  // nothing to compare with
+              (std::isfinite(slope) && series.is_long() ? formatted(", slope %.2f", slope) : "") +
+              "', \\\n  ";
+    if (!std::isfinite(at_end) || !series.is_long()) continue;  // nothing to compare with
     script += "[" + formatted("%g:%g", end / 1e3, end) + "] " +
               formatted("%g * (x / %g)**%g", 1.3 * at_end, end, published) + " dashtype 2 lc rgb " + color +
               " title 'published: t^{" + formatted("%g", published) + "}', \\\n  ";

@@ -32,6 +32,21 @@ auto pendulum(double amplitude, double frequency) {
 }
 using Pendulum = decltype(pendulum(0, 0));
 
+/// A step that failed, with the option that helps here.
+std::runtime_error failed(const std::string& where, Status status) {
+  const std::string why = describe(status);
+  return std::runtime_error(where + ": " + why.substr(0, why.find(';')) + "; give more --steps");
+}
+template <class State, class... Observers>
+void go(Semiexplicit<Pendulum>& stepper, State& Z, const IntegrationOptions<double>& options,
+        Observers&... observers) {
+  try {
+    integrate(stepper, Z, options, observers...);
+  } catch (const IntegrationError& error) {
+    throw failed(examples::formatted("the step at t = %g", error.report().t), error.report().status);
+  }
+}
+
 /// Half the trace of the derivative of the motion over a period, at the upper position: between -1 and 1 it
 /// is stable.
 double half_trace(const Semiexplicit<Pendulum>& method, double period, std::int64_t steps) {
@@ -42,12 +57,12 @@ double half_trace(const Semiexplicit<Pendulum>& method, double period, std::int6
   const double dt = period / static_cast<double>(steps);
   for (std::int64_t n = 0; n < steps; ++n) {
     const Status status = tangent.at(Z, dt);
-    if (status != Status::success) throw std::runtime_error("the tangent map: " + describe(status));
+    if (status != Status::success) throw failed("the tangent map", status);
     const auto& m =
         tangent.matrix();  // of (θ, t, p, p_t), where θ and p depend on the time, but it not on them
     const Eigen::Matrix2d block{{m(0, 0), m(0, 2)}, {m(2, 0), m(2, 2)}};
     product = block * product;
-    integrate(stepper, Z, {.dt = dt, .steps = 1});
+    go(stepper, Z, {.dt = dt, .steps = 1});
   }
   return product.trace() / 2;
 }
@@ -128,7 +143,7 @@ int main(int argc, char** argv) {
       const double angle = 2 * pi * (static_cast<double>(k) + 0.5) / static_cast<double>(orbits);
       auto Z = K.extended({angle, 0}, 0);
       Invariants invariants(K);
-      integrate(stepper, Z, {.dt = dt, .steps = periods * steps + 1}, section, invariants);
+      go(stepper, Z, {.dt = dt, .steps = periods * steps + 1}, section, invariants);
       // Not relative to next to nothing, as near there.
       const auto& energy = invariants["energy"];
       const double error = energy.worst * energy.unit;

@@ -36,7 +36,7 @@ int run(const World& world, const Job& job) {
   if (world.first()) {
     job.settings.make_output_folder();
     lock = checkpoints.lock();
-    Settings{.output = checkpoints.folder()}.make_output_folder();
+    make_folder(checkpoints.folder(), "--output");
     std::cout << "checkpoints: " << checkpoints.folder().string() << std::endl;
   }
   const std::vector<std::int64_t> missing = missing_blocks(world, job, checkpoints);

@@ -40,7 +40,8 @@ bool answer(Request& request, const RuntimeScene<double, 4>& scene, const State4
       follow(scene, request.method, start, region, request.settings.dt, some, [](std::int64_t) {});
   if (orbit.end != Orbit::End::all_passages)
     throw std::runtime_error(std::string("the orbit in the middle, whose energy is judged, ") +
-                             describe(orbit.end) + "; take other parameters, or --dt");
+                             describe(orbit.end) + "; give other parameters, or a --dt instead of " +
+                             (request.cost.curve ? "--cost" : "--accuracy"));
   request.settings.time = orbit.time * static_cast<double>(request.crossings) / static_cast<double>(some);
   return request.cost.answer(scene, start, request.method, request.settings, "geodesics_cost",
                              "geodesics, " + request.metric);
@@ -52,7 +53,7 @@ std::vector<Orbit> section(const Request& request, const RuntimeScene<double, 4>
                            const FinishedBlocks& finished) {
   const bool keeps = request.checkpoint.wanted();
   if (keeps) {
-    Settings{.output = finished.folder()}.make_output_folder();
+    make_folder(finished.folder(), "--checkpoint");
     if (finished.count() > 0)
       std::cout << "goes on from " << finished.folder().string() << ", orbit " << finished.count()
                 << std::endl;

@@ -90,6 +90,12 @@ View<any> view(const Choice& c) {
   };
   view.plot = [n = sites(c), mass = c.has("mass") ? c["mass"] : 1, unit = c.units.name(1)](const auto& csv,
                                                                                            const auto&) {
+    if (n == 1)  // an image wants two rows of them
+      return "stats " + quoted(csv.string()) +
+             " skip 1 using 1 nooutput\nset xrange [0:STATS_max > 0 ? STATS_max : 1]\nset key off\n" +
+             "set xlabel " + quoted(in("time", unit)) + "\nset ylabel '|ψ|²'\nset yrange [0:*]\nplot " +
+             quoted(csv.string()) +
+             " skip 1 using 1:2 with lines linewidth 1.5 linecolor rgb '#0072B2'\nset autoscale\n";
     // Rows are evenly spaced, but for the last one, which is left out where it is not.
     return "stats " + quoted(csv.string()) +
            " skip 1 using 1 nooutput\nend = STATS_max\nlast = STATS_records - 1\n" + "stats " +

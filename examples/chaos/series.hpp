@@ -30,8 +30,13 @@ class Series {
   double exponent(std::size_t i) const { return std::pow(10.0, mean(i)); }
   double end() const { return exponent(t.size() - 1); }
 
-  /// By least squares over the last two decades; NaN where these have fewer than two points, or a tenth of
-  /// the exponents has no logarithm: the others alone would tell another slope.
+  /// How many decades of time there are, of which the slope is over the last two.
+  double decades() const { return std::log10(t.back() / t.front()); }
+  /// Only a slope over two of them is to be compared with the published one.
+  bool is_long() const { return decades() > 2 - 1e-9; }
+
+  /// By least squares over the last two decades, or all where these are fewer; NaN where they have fewer than
+  /// two points, or a tenth of the exponents has no logarithm: the others alone would tell another slope.
   double slope() const {
     double n = 0, x = 0, y = 0, xx = 0, xy = 0;
     for (std::size_t i = 0; i < t.size(); ++i) {
@@ -49,10 +54,17 @@ class Series {
     std::string text = std::isnan(at_end)
                            ? formatted("exponent at t = %g not measured, none is positive", t.back())
                            : formatted("exponent %.3g at t = %g", at_end, t.back());
-    text += std::isnan(rate) ? "; slope over the last two decades not measured, too few of the exponents "
-                               "there are positive"
-                             : formatted("; slope %.3f over the last two decades", rate);
-    text += formatted(", published %.2f", published);
+    const std::string over =
+        is_long() ? " over the last two decades" : formatted(" over %.1f decades", decades());
+    if (late_ones() < 2 * realizations_)
+      text += "; slope not measured, it needs a second point; give more --time";
+    else
+      text += std::isnan(rate)
+                  ? "; slope" + over + " not measured, too few of the exponents there are positive"
+                  : formatted("; slope %.3f", rate) + over;
+    text += is_long()          ? formatted(", published %.2f", published)
+            : std::isnan(rate) ? ""
+                               : formatted(", the published %.2f is for two; give more --time", published);
     if (left_out() > 0)
       text += "; " + std::to_string(left_out()) + " of " + std::to_string(late_ones()) +
               " exponents there are not positive and left out";

@@ -119,7 +119,8 @@ inline Measurement<3> mirrors(const Choice& c) {
           [=](std::ostream& out, const Run&) {
             std::string why = v.crosses() ? bouncing->missing(std::abs(c["charge"] * c["b0"]) / c["mass"])
                                           : Velocity::no_crossing;
-            if (v.crosses() && bouncing->highest().value() < 1e-6 * gyroradius)
+            const bool stays = length * std::abs(v.along) / v.across < 1e-6 * gyroradius;
+            if (v.crosses() && stays && bouncing->highest().value() < 1e-6 * gyroradius)
               why = "the charge stays in the middle; give another --pitch";
             if (!why.empty())
               return print_none(out, "turning point and bounce period",
@@ -173,9 +174,10 @@ inline Measurement<3> bounce_and_drift(const Choice& c) {
                 print_comparison(out, what, measured, "adiabatic", estimate, uncertain);
             };
             const std::string coarse = too_coarse(drifting->largest());
+            const bool stays = std::abs(Velocity(c).along) < 1e-6 * Velocity(c).all;
             figure("bounce period, s",
                    !Velocity(c).crosses() ? Velocity::no_crossing
-                   : bouncing->highest().value() < 1e-6 * l
+                   : stays && bouncing->highest().value() < 1e-6 * l
                        ? "the charge stays in the equator; give another --pitch"
                        : bouncing->missing(v / (gyroradius * l)),
                    bouncing->period(), bounce, bouncing->period_uncertain());

@@ -39,6 +39,15 @@ inline std::int64_t steps_in(double time, double dt) {
   return static_cast<std::int64_t>(std::abs(count - whole) <= 1e-9 * count ? whole : std::ceil(count));
 }
 
+/// Makes a folder that an option asks for. Throws std::invalid_argument where that fails.
+inline void make_folder(const std::filesystem::path& folder, const std::string& option) {
+  std::error_code failure;
+  std::filesystem::create_directories(folder, failure);
+  if (failure || !std::filesystem::is_directory(folder))
+    throw std::invalid_argument(option + ": the folder " + folder.string() + " cannot be made" +
+                                (failure ? ": " + failure.message() : "; something else has that name"));
+}
+
 /// What every program lets its user choose about a run, beside the method.
 struct Settings {
   double dt = 0.01;
@@ -54,13 +63,7 @@ struct Settings {
     return count;
   }
 
-  void make_output_folder() const {
-    std::error_code failure;
-    std::filesystem::create_directories(output, failure);
-    if (failure || !std::filesystem::is_directory(output))
-      throw std::invalid_argument("--output: the folder " + output.string() + " cannot be made" +
-                                  (failure ? ": " + failure.message() : "; something else has that name"));
-  }
+  void make_output_folder() const { make_folder(output, "--output"); }
 };
 
 /// Accepts numbers that holds(), which a NaN has to fail.

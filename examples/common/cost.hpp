@@ -170,10 +170,10 @@ struct CostRequest {
     if (!error)
       return asked +
              "and its error was not measured: the run is too short for the figure, or a companion run has "
-             "parted from it; give more --time, or a smaller --accuracy, or a --dt";
+             "parted from it; give more --time, or a smaller --accuracy, or a --dt instead";
     const double all = error->by_trajectory + error->by_measuring;
     const std::string reached = asked + formatted("%.1e reached by the trajectory", error->by_trajectory);
-    if (!(error->by_trajectory <= asked_)) return reached + "; give a smaller --accuracy, or a --dt";
+    if (!(error->by_trajectory <= asked_)) return reached + "; give a smaller --accuracy, or a --dt instead";
     if (!(all <= asked_))
       return reached +
              formatted(", but such steps over so short a time leave ± %.1g by measuring",
@@ -203,6 +203,18 @@ struct CostRequest {
     if (settings.no_plot) return;
 
     const bool seconds = cost.by == CostBy::seconds;
+    const auto shown = [&](const CostRow& row) {  // on logarithmic axes
+      return row.works() && row.error > 0 && (seconds ? row.seconds : row.gradients) > 0;
+    };
+    if (std::none_of(cost.rows.begin(), cost.rows.end(), shown)) {
+      const bool works =
+          std::any_of(cost.rows.begin(), cost.rows.end(), [](const CostRow& row) { return row.works(); });
+      std::cout << "no picture: "
+                << (works ? "no setting has an error and a cost above 0, as logarithmic axes want them"
+                          : "no setting works; give a shorter --time, or another start")
+                << '\n';
+      return;
+    }
     std::ostringstream out;
     out << gnuplot_prologue(png, 1200, 800) << "set title "
         << quoted(title + ": what accuracy costs over T = " + formatted("%g", cost.time)) << " noenhanced\n"
@@ -214,7 +226,7 @@ struct CostRequest {
     std::vector<std::string> drawn;
     for (const CostRow& row : cost.rows) {
       const std::string method = row.setting.name();
-      if (!row.works() || std::find(drawn.begin(), drawn.end(), method) != drawn.end()) continue;
+      if (!shown(row) || std::find(drawn.begin(), drawn.end(), method) != drawn.end()) continue;
       drawn.push_back(method);
       out << ", \\\n  " << quoted(csv.string()) << " skip 1 using (stringcolumn(1) eq " << quoted(method)
           << " && $8 == 1 ? $4 : NaN):" << (seconds ? 6 : 5) << " with linespoints linewidth 2 pointtype "

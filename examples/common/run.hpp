@@ -37,12 +37,13 @@ inline std::filesystem::path behind_links(std::filesystem::path path) {
 /// the file of the checkpoint: it would be lost when that is removed.
 inline void prepare_outputs(const Settings& settings, const std::vector<std::filesystem::path>& outputs,
                             const std::filesystem::path& checkpoint = {}) {
-  std::vector<std::filesystem::path> all = outputs;
-  for (const auto& output : outputs)
-    if (output.extension() == ".png") {
-      if (settings.no_plot) all.pop_back();
-      all.push_back(std::filesystem::path(output).replace_extension("gp"));
-    }
+  std::vector<std::filesystem::path> all;
+  for (const auto& output : outputs) {
+    const bool picture = output.extension() == ".png";
+    if (picture && settings.no_plot) continue;  // nor is its script written
+    all.push_back(output);
+    if (picture) all.push_back(std::filesystem::path(output).replace_extension("gp"));
+  }
   const auto one_file = [](const std::filesystem::path& a, const std::filesystem::path& b) {
     std::error_code none;
     return behind_links(a) == behind_links(b) ||

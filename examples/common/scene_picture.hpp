@@ -81,10 +81,14 @@ inline std::string square_around(std::span<const Path> paths) {
   }
   if (!(all.left <= all.right)) return "";
   const double width = std::max(all.right - all.left, all.high - all.low);
-  const double reach = width > 0 ? 0.52 * width : 1;
+  // A path may be short beside its distance from the origin, and the ends of a range must not be equal.
+  double farthest = 0;
+  for (const double end : {all.left, all.right, all.low, all.high})
+    farthest = std::max(farthest, std::abs(end));
+  const double reach = width > 0 ? std::max(0.52 * width, 1e-14 * farthest) : 1;
   const auto range = [&](double low, double high) {
     const double middle = (low + high) / 2;
-    return formatted("range [%.9g:%.9g]\n", middle - reach, middle + reach);
+    return formatted("range [%.17g:%.17g]\n", middle - reach, middle + reach);
   };
   return "set x" + range(all.left, all.right) + "set y" + range(all.low, all.high);
 }

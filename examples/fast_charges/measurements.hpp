@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <numbers>
 #include <ostream>
@@ -141,9 +142,14 @@ inline Measurement<3> wiggle(const Choice& c) {
     print_where_it_holds(out, "wiggle, m", (way.widest.value() + way.closest.value()) / 2, "K/(γβk)",
                          slope / k, off, (way.widest.uncertain() + way.closest.uncertain()) / 2);
     if (off.empty()) off = too_large("(1 + K²/2)/γ²", behind, 0.01);
-    print_where_it_holds(out, "slippage a period, m",
-                         (c["c"] * (way.t - way.t0) - (way.last - way.first)[2]) / passed,
-                         "λ(1 + K²/2)/(2γ²)", period * behind / 2, off);
+    const double light = c["c"] * (way.t - way.t0), slippage = (light - (way.last - way.first)[2]) / passed,
+                 rounding = std::numeric_limits<double>::epsilon() * light / passed;
+    if (!(std::abs(slippage) > rounding))
+      return print_none(
+          out, "slippage a period, m",
+          formatted("it is lost in rounding, which is ± %.1g; ", rounding) + "give a smaller --gamma");
+    print_where_it_holds(out, "slippage a period, m", slippage, "λ(1 + K²/2)/(2γ²)", period * behind / 2, off,
+                         rounding);
   });
 }
 

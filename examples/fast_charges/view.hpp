@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,20 +22,23 @@ inline std::string beam_plot(const std::filesystem::path& csv, const std::string
          " skip 1 using 4:3 with lines linewidth 1.5 linecolor rgb '#D55E00' title 'y'\n";
 }
 
-/// The way of a cosmic ray by its distance from the axis and height, with the region that is forbidden to it.
+/// The way of a cosmic ray by its distance from the axis and height, with the region that is forbidden to it
+/// where there is a lemma for it.
 inline std::string stoermer_plot(const std::filesystem::path& csv, const std::string& unit,
-                                 const Stoermer& region, const std::string& style) {
-  std::string forbidden = "$forbidden << END\n";
-  for (double rho = 0.025; rho < 8; rho += 0.05)
+                                 const std::optional<Stoermer>& region, const std::string& style) {
+  std::string forbidden;
+  for (double rho = 0.025; region && rho < 8; rho += 0.05)
     for (double z = -4; z <= 4; z += 0.05)
-      if (region.forbidden(rho, z)) forbidden += formatted("%g,%g\n", rho, z);
-  return forbidden +
-         "END\nset object 1 circle at 0,0 size 1 front linewidth 2 fillstyle empty border linecolor "
+      if (region->forbidden(rho, z)) forbidden += formatted("%g,%g\n", rho, z);
+  const bool grey = !forbidden.empty();
+  return (grey ? "$forbidden << END\n" + forbidden + "END\n" : "") +
+         "set object 1 circle at 0,0 size 1 front linewidth 2 fillstyle empty border linecolor "
          "rgb 'black'\n" +
          "set key off\nset size ratio -1\nset xrange [0:8]\nset yrange [-4:4]\nset xlabel " +
-         quoted(in("distance from the axis (grey: forbidden)", unit)) + "\nset ylabel " +
-         quoted(in("z", unit)) +
-         "\nplot $forbidden using 1:2 with points pointtype 5 pointsize 0.6 linecolor rgb '#d0d0d0', " +
+         quoted(in(std::string("distance from the axis") + (grey ? " (grey: forbidden)" : ""), unit)) +
+         "\nset ylabel " + quoted(in("z", unit)) + "\nplot " +
+         (grey ? "$forbidden using 1:2 with points pointtype 5 pointsize 0.6 linecolor rgb '#d0d0d0', "
+               : "") +
          quoted(csv.string()) + " skip 1 using (sqrt($2**2 + $3**2)):4" + style + "\n";
 }
 
@@ -43,8 +47,10 @@ inline View<3> fast_view(const Choice& c) {
   View<3> view = path_view<3>({"t", "x", "y", "z", "px", "py", "pz"}, "x", "y", unit);
   if (c.preset == "cosmic_ray" && c.on("dipole_field")) {
     const Vector<double, 3> q(c["x"], c["y"], c["z"]);
-    const Stoermer region(
-        c, q, fast_motion(c, fast_fields(c, "")).momentum(q, Vector<double, 3>(-momentum_of(c), 0, 0)));
+    std::optional<Stoermer> region;  // another field would change it
+    if (only_field(c, "dipole_field"))
+      region.emplace(
+          c, q, fast_motion(c, fast_fields(c, "")).momentum(q, Vector<double, 3>(-momentum_of(c), 0, 0)));
     view.plot = [=](const auto& csv, const auto& paths) {
       return stoermer_plot(csv, unit, region, paths[0].style("rgb '#0072B2'", 2));
     };

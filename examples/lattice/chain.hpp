@@ -108,7 +108,7 @@ inline Measurement<Eigen::Dynamic> trapping(const Choice& c) {
             seen->change = std::max(seen->change, std::abs(share - seen->last));
             seen->last = share;
           },
-          [=, n = sites(c)](std::ostream& out, const Run&) {
+          [=, n = sites(c)](std::ostream& out, const Run& run) {
             if (seen->change > 0.1)
               return print_none(out, "left on the site of the start",
                                 "it changes by more than a tenth in a step; give a smaller --dt");
@@ -116,7 +116,13 @@ inline Measurement<Eigen::Dynamic> trapping(const Choice& c) {
                 << formatted("%.6f in the mean", seen->sum / seen->count);
             if (std::isfinite(strength)) {
               out << "; g|ψ|²/J = " << strength;
-              if (n == 2 && seen->least == seen->last)
+              // Nearer to the separatrix than the energy is kept, a run may be on either side of it.
+              const bool on_separatrix =
+                  std::abs(std::abs(strength) / 4 - 1) <= 4 * run.quantities.front().worst;
+              if (n == 2 && on_separatrix)
+                out << "; no closed form at the threshold, 4, where rounding decides whether the mass stays: "
+                       "give another --g";
+              else if (n == 2 && seen->least == seen->last)
                 out << "; still falling at the end: no closed form for that, give more --time";
               else if (n == 2)
                 out << "; in closed form, at least "

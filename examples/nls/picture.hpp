@@ -50,8 +50,9 @@ inline std::string script(const std::filesystem::path& png, const std::filesyste
          "noenhanced\n"
       << "set logscale y\nset format y '10^{%T}'\nset grid linetype 1 linewidth 0.5 linecolor rgb "
          "'#d8d8d8'\n";
-  if (logarithmic_time)
-    out << "set logscale x\nset xrange [" << dt << ':' << time << "]\n";
+  if (logarithmic_time)  // of one step there is one point, in the middle
+    out << "set logscale x\nset xrange [" << (dt < time ? dt : dt / 2) << ':' << (dt < time ? time : 2 * dt)
+        << "]\n";
   else
     out << "set xrange [0:" << time << "]\n";
   for (std::size_t i = 0; i < panels.size(); ++i) {

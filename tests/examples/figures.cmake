@@ -69,6 +69,8 @@ prints(charges "does not compare with a formula for something else" "--preset bo
 prints(charges "does not measure a drift that has hardly begun" "--preset dipole --time 1s" "drift period[^\n]*not measured, the drift is not yet large")
 prints(charges "says how uncertain a short drift is" "--preset dipole --time 10s" "drift period[^\n]*: -7[4-9] ± [2-9]; adiabatic: -78")
 prints(charges "do not bounce in the equator" "--preset dipole --pitch 90deg --time 20s" "bounce period, s: not measured, the charge stays")
+prints(charges "do not call a short run one that stays in the equator" "--preset dipole --time 5e-7 --dt 1e-8" "bounce period, s: not measured, the run has no whole bounce. give more --time")
+prints(charges "do not call a short run one that stays in the middle" "--preset bottle --time 1e-14 --dt 1e-14" "bounce period: not measured, the run has no whole bounce. give more --time")
 prints(lattice "counts sites of next to no mass" "--preset anderson --mass 1e-200" "participation number at the end: 8.4204")
 prints(lattice "does not compare a start with the end of an exchange" "--preset dnls --sites 2 --time 0.2" "no closed form for that")
 prints(vortices "do not measure turns that a step hides" "--preset disk --effects pairs,disk,rotation --rotation_rate 62.7 --dt 0.1" "turns at: not measured, it turns by up to 360 degrees in a step")
@@ -80,6 +82,8 @@ prints(fast_charges "does not measure a wiggle by a step a period" "--preset und
 prints(fast_charges "does not measure a turn by a step as long as the solenoid" "--preset solenoid --dt 6e-9" "turn of the plane: not measured, a step goes through [0-9.]+ of the solenoid")
 prints(fast_charges "says how well steps tell a wiggle" "--preset undulator --dt 1.1119e-11" "wiggle, m: 9.[0-9]+e-06 ± [1-9]e-0[78]; ")
 prints(fast_charges "does not measure a wiggle with a drift" "--preset undulator --z 1" "wiggle: not measured, it starts where A is not 0")
+prints(fast_charges "says what rounding leaves of the slippage" "--preset undulator --gamma 1e6 --dt 1.1119e-11" "slippage a period, m: 4.385[0-9]*e-14 ± 7e-18. ")
+prints(fast_charges "does not measure a slippage that rounding hides" "--preset undulator --gamma 1e8" "slippage a period, m: not measured, it is lost in rounding, which is ± 7e-18. give a smaller --gamma")
 foreach(arguments_and_reason IN ITEMS "undulator --gamma 3|the slope K/.* is 0.69, and is to be below 0.1" "undulator --y 1cm|k.y. is [0-9.]+, and"
     "quadrupole --time 1e-8|the slope is 0?.?[0-9.]+, and" "solenoid --x 0.2|the distance from the axis, [^\n]* is 6.7, and"
     "solenoid --x 0.02 --b0 1T|the slope eB[^\n]* is 0.55, and")
@@ -98,6 +102,8 @@ prints(fast_charges "does not measure where steps go through its turns" "--prese
 # By Carter's constant 48.034.
 prints(black_hole "says how far it goes from the equator between steps" "--preset kerr --dt 3 --time 60" " 48.0[0-9]* ± 0.[0-9]+ degrees off the equator")
 prints(black_hole "says how well steps tell the closest approach" "--preset zoom_whirl --scheme low_defect6_s15 --dt 3.09 --time 300" "r from 1[.]8[0-9]* ± 0[.]00[1-9] to")
+by_shell(fast_charges "paints Stoermer's region beside no other field"
+  "$program --preset cosmic_ray --time 0.01 && grep forbidden out/fast_charges.gp && $program --preset cosmic_ray --time 0.01 --effects kinetic,dipole_field,uniform_field --b 5e-9 && ! grep forbidden out/fast_charges.gp")
 prints(fast_charges "does not measure a region without a field" "--preset cosmic_ray --moment 0" "region: not measured, there is no field")
 prints(fast_charges "does not measure a turn from the axis" "--preset solenoid --x 0" "turn of the plane: not measured, it starts on the axis")
 check(charges "has no figures of a run that failed" "--dt 1e-6s --time 1e-4s --no-plot" EXIT_CODE 1 COMPLAINT "step 1 failed"

@@ -36,14 +36,25 @@ TEST_CASE("the mean of logarithms leaves out what has none, and says so", "[exam
 TEST_CASE("an exponent and a slope that cannot be measured are said to be missing", "[examples]") {
   Series falling, one, good;
   falling.add({1, 10}, {0.1, -0.1});
-  CHECK(says(falling.in_words(-0.3),
-             "exponent at t = 10 not measured, none is positive; slope over the last "
-             "two decades not measured, too few"));
+  CHECK(says(
+      falling.in_words(-0.3),
+      "exponent at t = 10 not measured, none is positive; slope over 1.0 decades not measured, too few"));
   one.add({5}, {0.2});
-  CHECK(says(one.in_words(-0.3), "exponent 0.2 at t = 5; slope over the last two decades not measured"));
+  CHECK(one.in_words(-0.3) ==
+        "exponent 0.2 at t = 5; slope not measured, it needs a second point; give more --time");
   good.add({1, 10, 1e3, 1e4}, {-1, 3, 0.1, 0.01});  // the first two are no part of the last two decades
   CHECK(good.in_words(-0.3) ==
         "exponent 0.01 at t = 10000; slope -1.000 over the last two decades, published -0.30");
+}
+
+TEST_CASE("a slope over fewer than two decades is compared with nothing", "[examples]") {
+  Series shorter, two;
+  shorter.add({0.15, 0.5, 3}, {20, 6, 1});
+  CHECK(says(shorter.in_words(-0.3), " over 1.3 decades, the published -0.30 is for two; give more --time"));
+  CHECK_FALSE(shorter.is_long());
+  two.add({0.3, 3, 30}, {10, 1, 0.1});
+  CHECK(two.in_words(-0.3) ==
+        "exponent 0.1 at t = 30; slope -1.000 over the last two decades, published -0.30");
 }
 
 }  // namespace test_exponent_series

@@ -345,4 +345,32 @@ TEST_CASE("A start near zero or far from it is none in other units", "[chaos][ly
   for (const double p : {6.1e-17, 1e-9}) CHECK(exponent(0.3, p) == Approx(exponent(0.3, 0)).epsilon(1e-6));
 }
 
+TEST_CASE("Exponents by every solver are there in any unit of momenta", "[chaos]") {
+  // Momenta in units 2^30 times smaller: the same motion, to the bit but for the projection's last changes.
+  const auto run = [](double ratio, const auto& solver, double dt, double strength) {
+    const auto h = from_energy<6>([=](const auto& q, const auto& p) {
+      auto sum = 0 * p[0];
+      for (int i = 0; i < 6; ++i) {
+        const auto x = q[i], y = q[(i + 1) % 6], v = p[i] / ratio;
+        sum += v * v / 2 * (1 + 0.3 * cos(x)) + strength * (x - y) * (x - y) / 4 + 0.1 * x * x * y * y;
+      }
+      return sum * ratio;
+    });
+    PhasePoint<double, 6> z;
+    for (int i = 0; i < 6; ++i) {
+      z.q()[i] = std::sin(1.0 + i * i);
+      z.p()[i] = ratio * std::cos(2.0 + 3 * i);
+    }
+    Semiexplicit stepper(h, schemes::low_defect4_s7(), solver);
+    LyapunovExponents lyapunov(stepper, 2);
+    integrate(stepper, z, {.dt = dt, .steps = 40}, lyapunov);
+    return lyapunov.exponents()[0];
+  };
+  for (const double ratio : {1.0, 0x1p20, 0x1p-20, 0x1p30}) {
+    CAPTURE(ratio);
+    CHECK_NOTHROW(run(ratio, NewtonKrylov{}, 0.15, 60));
+    CHECK_NOTHROW(run(ratio, Robust{}, 0.3, 20));
+  }
+}
+
 }  // namespace test_units

@@ -168,6 +168,12 @@ class DoubledTangents {
     gradient_ = (a + b) / 2 - z.vector();
     return norm(gradient_);
   }
+  /// The sizes of its positions and of its momenta, see sizes_of_halves().
+  template <class Where>
+  SizesOfHalves<Scalar> halves(const Where& where, const State& z) {
+    gradient_ = a + b - 2 * z.vector();
+    return sizes_of_halves(where, z.vector(), gradient_, own_dof<H>(z.dof()));
+  }
   Scalar tangent_distance(const Vectors& v) const {
     return norm(((da.reshaped() - v.reshaped()) + (db.reshaped() - v.reshaped())) / 2);
   }
@@ -319,7 +325,7 @@ class TangentStep<Semiexplicit<H, Solver>> {
     solver_.solve(tangent, stacked_, tangent_work_).tell(report);
   }
 
-  /// f and g as the solvers see them.
+  /// f and g as the solvers see them; of vectors all positions come before all momenta, as in a state.
   struct OrbitResidual : Sizes {
     TangentStep& step;
     const State& z;
@@ -333,6 +339,7 @@ class TangentStep<Semiexplicit<H, Solver>> {
       f = step.copies_.f;
       static_cast<Sizes&>(*this) = step.sizes(z);
     }
+    SizesOfHalves<Scalar> halves() const { return step.copies_.halves(*this, z); }
   };
   struct TangentResidual : Sizes {
     TangentStep& step;
@@ -342,14 +349,21 @@ class TangentStep<Semiexplicit<H, Solver>> {
 
     void operator()(Stacked& g) { evaluate(step.copies_.w.setZero(), g); }
     void operator()(const Stacked& w, Stacked& g) {
-      step.copies_.w.reshaped() = w;
+      const Eigen::Index half = w.size() / 2, d = z.dof();
+      step.copies_.w.topRows(d).reshaped() = w.head(half);
+      step.copies_.w.bottomRows(d).reshaped() = w.tail(half);
       evaluate(step.copies_.w, g);
     }
     void evaluate(const Vectors&, Stacked& g) {
       step.copies_.template sweep<true>(z, v, dt);
       step.copies_.second().keep_shifts();
-      g = step.copies_.g.reshaped();
+      const Eigen::Index half = g.size() / 2, d = z.dof();
+      g.head(half) = step.copies_.g.topRows(d).reshaped();
+      g.tail(half) = step.copies_.g.bottomRows(d).reshaped();
       static_cast<Sizes&>(*this) = step.tangent_sizes(v);
+    }
+    SizesOfHalves<Scalar> halves() const {
+      return {norm(v.topRows(z.dof()).reshaped()), norm(v.bottomRows(z.dof()).reshaped())};
     }
   };
 

@@ -250,9 +250,9 @@ class Ensemble {
                                     " observers and the ensemble " + std::to_string(size()) +
                                     " members; give one a member");
       // Those of members whose run has ended see no more.
-      const auto must_know = [&](Eigen::Index i) { return report(i).ok() && observer.fresh(i); };
-      for (Eigen::Index i = 0; options.done > 0 && options.every > 0 && i < size(); ++i)
-        if (must_know(i))
+      const bool goes_on = options.done > 0 && options.every > 0;
+      for (Eigen::Index i = 0; goes_on && i < size(); ++i)
+        if (report(i).ok() && observer.fresh(i))
           throw std::invalid_argument(
               "Ensemble: the run is resumed after step " + std::to_string(options.done) +
               ", and an observer knows nothing of what came before; name it among those of "

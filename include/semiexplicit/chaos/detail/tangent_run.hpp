@@ -172,9 +172,9 @@ class TangentRun {
     if (given_) {
       if (!begin_with_given())
         refuse(
-            "in the units of the state, in which momenta are far larger or smaller than positions, the "
-            "vectors "
-            "to start with are not independent; give others, or let positions and momenta be of one size");
+            "counted as the state's positions and momenta, which are far from each other, the vectors to "
+            "start "
+            "with are not independent; give others, or units in which both are of one size");
       return;
     }
     multiply_momenta(momenta_ / before);

@@ -124,13 +124,17 @@ class SceneRequest {
     for (const auto& [name, text] : texts_) {
       if (text.empty() || choice.used->count(name) > 0) continue;
       std::vector<std::string> listeners;
-      for (const auto& entry : program_.effects)
+      std::string on;
+      for (const auto& entry : program_.effects) {
+        if (choice.on(entry.name)) on += entry.name + ",";
         if (std::find(entry.parameters.begin(), entry.parameters.end(), name) != entry.parameters.end())
           listeners.push_back(entry.name);
+      }
       throw std::invalid_argument("--" + name + " means nothing to the preset " + preset().name +
                                   (listeners.empty()
                                        ? std::string("; leave it out")
-                                       : " with these effects; it goes with " + joined(listeners)));
+                                       : " with these effects; it goes with " + joined(listeners) +
+                                             ", as in --effects " + on + listeners.front()));
     }
   }
 

@@ -30,12 +30,10 @@ class GslRun {
   GslRun& operator=(const GslRun&) = delete;
 
   Outcome adaptive(double end, double first_dt, Watch* watch) {
-    Outcome outcome =
-        run_adaptively(end, first_dt, watch, z_.data(), z_.size(), gradients_, [&](double& t, double& dt) {
-          return gsl_odeiv2_evolve_apply(driver_->e, driver_->c, driver_->s, &system_, &t, end, &dt,
-                                         z_.data()) == GSL_SUCCESS;
-        });
-    return outcome;
+    return run_adaptively(end, first_dt, watch, z_.data(), z_.size(), gradients_, [&](double& t, double& dt) {
+      return gsl_odeiv2_evolve_apply(driver_->e, driver_->c, driver_->s, &system_, &t, end, &dt, z_.data()) ==
+             GSL_SUCCESS;
+    });
   }
 
   /// One step of a fixed size, with no say of the error control.

@@ -82,7 +82,7 @@ class Watch {
   /// A run of four times as many gradient calls as `most_calls` is given up.
   Watch(const Yardstick& yardstick, int samples, double most_calls)
       : yardstick_(yardstick),
-        latest_(4 * most_calls),
+        most_gradients_(4 * most_calls),
         interval_(yardstick.end / samples),
         energy_(yardstick.energy(yardstick.start.data())) {
     for (const auto& invariant : yardstick.invariants)
@@ -111,7 +111,7 @@ class Watch {
   }
 
   /// Whether the run has taken more calls than anybody wants to wait for.
-  bool is_late(std::int64_t gradients) const { return static_cast<double>(gradients) > latest_; }
+  bool is_late(std::int64_t gradients) const { return static_cast<double>(gradients) > most_gradients_; }
 
   const Errors& errors() const { return errors_; }
 
@@ -132,7 +132,7 @@ class Watch {
   static double larger(double a, double b) { return a >= b ? a : (std::isnan(a) ? a : b); }
 
   const Yardstick& yardstick_;
-  double latest_;
+  double most_gradients_;
   double interval_;
   std::int64_t seen_ = 0;
   double energy_;

@@ -174,9 +174,10 @@ inline Measurement<3> bounce_and_drift(const Choice& c) {
                 print_comparison(out, what, measured, "adiabatic", estimate, uncertain);
             };
             const std::string coarse = too_coarse(drifting->largest());
-            const bool stays = std::abs(Velocity(c).along) < 1e-6 * Velocity(c).all;
+            const Velocity start(c);
+            const bool stays = std::abs(start.along) < 1e-6 * start.all;
             figure("bounce period, s",
-                   !Velocity(c).crosses() ? Velocity::no_crossing
+                   !start.crosses() ? Velocity::no_crossing
                    : stays && bouncing->highest().value() < 1e-6 * l
                        ? "the charge stays in the equator; give another --pitch"
                        : bouncing->missing(v / (gyroradius * l)),

@@ -91,28 +91,28 @@ SEMIEXPLICIT_COLD bool step_in_parts(S& stepper, typename S::State& state,
   const StepReport whole = report.last;
   [[maybe_unused]] const auto clock = clock_of(stepper);
   Scalar part = options.dt;
-  typename S::State trial = state;
-  const auto one_part = [&] {
-    if constexpr (ChoosesSteps<S>) try {
-        return one_step(stepper, trial, part, options);
-      } catch (...) {  // the parts before have moved its clock, and the state stays
-        stepper.rewind(clock, state);
-        throw;
-      }
-    return one_step(stepper, trial, part, options);
-  };
   std::int64_t parts = 1;
   for (int level = 0; level < options.subdivide; ++level) {
     if (report.last.status != Status::no_convergence && report.last.status != Status::not_finite) break;
     parts *= 2;
     part /= 2;
-    trial = state;
+    typename S::State trial = state;
+    struct Back {  // of the clock, unless all parts succeed; also where a gradient throws
+      S& stepper;
+      const decltype(clock)& to;
+      const typename S::State& state;
+      bool all = false;
+      ~Back() {
+        if constexpr (ChoosesSteps<S>)
+          if (!all) stepper.rewind(to, state);
+      }
+    } back{stepper, clock, state};
     [[maybe_unused]] double taken = 0;
     StepReport together;
     for (std::int64_t i = 0; i < parts && together.ok(); ++i) {
       if constexpr (ChoosesSteps<S>)
         if (ends_by_clock<S>(options) && stepper.reached(*options.t_end)) break;
-      const StepReport one = one_part();
+      const StepReport one = one_step(stepper, trial, part, options);
       report.evaluations += one.evaluations;
       report.gradients += one.gradients;
       together = {.status = one.status,
@@ -126,11 +126,11 @@ SEMIEXPLICIT_COLD bool step_in_parts(S& stepper, typename S::State& state,
     report.last = together;
     if (together.ok()) {
       state = trial;
+      back.all = true;
       if constexpr (ChoosesSteps<S>) report.taken = taken;
       ++report.subdivided;
       return true;
     }
-    if constexpr (ChoosesSteps<S>) stepper.rewind(clock, state);
   }
   report.last = whole;  // what is said of a failure is said of the step that was asked for
   return false;

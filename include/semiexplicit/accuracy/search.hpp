@@ -210,9 +210,10 @@ class Search {
     Bracket result;
     for (const auto& [step, seen] : candidate.trials) {
       if (is_current(seen) != current) continue;
+      const bool meets = seen.works() && forecast_.error_of(candidate, seen, step) <= aim;
       // Of what was given up for a tighter target it is not known whether it meets a looser one.
-      if (seen.given_up && forecast_.error_of(candidate, seen, step) <= aim) continue;
-      if (seen.works() && forecast_.error_of(candidate, seen, step) <= aim) {
+      if (meets && seen.given_up) continue;
+      if (meets) {
         if (!result.has_low()) result.low = step;
       } else if (!result.has_low()) {
         result.high = step;

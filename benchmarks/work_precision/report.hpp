@@ -19,6 +19,12 @@ struct Result {
 /// These rows of the result.
 void write_csv(const std::filesystem::path& file, const Result& result, const std::vector<std::size_t>& rows);
 
+/// What tables, figures and longer runs need of such a file. Throws std::runtime_error for another one.
+Result read_csv(const std::filesystem::path& file);
+
+/// The rows that they need.
+std::vector<std::size_t> rows_to_keep(const std::vector<Row>& rows);
+
 /// `<name>.md`: who is first at every target, in CPU time and in gradient calls, and with what.
 void write_tables(const std::filesystem::path& folder, const Result& result);
 

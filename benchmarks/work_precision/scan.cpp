@@ -5,6 +5,7 @@
 #include <iostream>
 #include <numeric>
 #include <set>
+#include <stdexcept>
 
 namespace work_precision {
 
@@ -196,38 +197,47 @@ void time_carefully(const Task& task, std::vector<Row>& rows, const ScanOptions&
   }
 }
 
-std::vector<Row> long_runs(const Task& task, const Task& short_task, const std::vector<Row>& rows,
+std::vector<Row> long_runs(const Task& task, const std::vector<Row>& rows, double short_end,
                            const ScanOptions& options) {
-  const double longer = task.yardstick.end / short_task.yardstick.end, begin = cpu_seconds();
-  const auto calls = [&](const Row& row) { return static_cast<double>(row.outcome.gradients) * longer; };
+  const double longer = task.yardstick.end / short_end, begin = cpu_seconds(), far = 20;
+  /// Why a setting is not worth the time; empty where it is.
+  const auto objection = [&](const Row& row) -> std::string {
+    const double calls = static_cast<double>(row.outcome.gradients) * longer;
+    if (calls > task.most_calls)
+      return "not run: would take " + std::to_string(static_cast<std::int64_t>(calls)) + " calls";
+    for (const Row& other : rows)
+      if (other.careful() && other.errors.energy <= row.errors.energy && far * other.seconds < row.seconds)
+        return "not run: far dearer than " + other.method.family;
+    return "";
+  };
   std::vector<Row> results;
   for (const Family& family : families()) {
     std::set<const Row*> chosen;
     for (const double target : targets())
       if (const Row* row = cheapest(rows, {family.name}, Cost::seconds, target)) chosen.insert(row);
     for (const Row* row : chosen) {
-      if (calls(*row) > task.most_calls) {
-        Row left_out = *row;
-        left_out.outcome = {.status = "not run: would take " +
-                                      std::to_string(static_cast<std::int64_t>(calls(*row))) + " calls"};
-        left_out.errors = Errors{.invariants = std::vector<double>(row->errors.invariants.size(), nan)};
-        left_out.errors.energy = nan;
-        results.push_back(left_out);
-        continue;
-      }
-      const Line& line = task.lines[row->line];
-      Row result{.line = row->line,
+      const auto line = std::find_if(task.lines.begin(), task.lines.end(), [&](const Line& one) {
+        return one.method.family == row->method.family && one.method.name == row->method.name &&
+               one.method.options == row->method.options;
+      });
+      if (line == task.lines.end())
+        throw std::runtime_error(task.name + ": " + row->method.name +
+                                 " is not there any more; measure the " + "shorter problem again");
+      Row result{.line = static_cast<std::size_t>(line - task.lines.begin()),
                  .method = row->method,
                  .parameter = row->parameter,
                  .dt = row->dt,
                  .tolerance = row->tolerance,
-                 .outcome = {},
-                 .errors = {}};
-      Watch watch(task.yardstick, 1000, task.most_calls);
-      result.outcome = line.run(row->parameter, &watch);
-      result.errors = watch.errors();
-      result.seconds = watch.seconds_by_parts();
-      result.timings = options.repetitions;
+                 .outcome = {.status = objection(*row)},
+                 .errors = Errors{.energy = nan,
+                                  .invariants = std::vector<double>(row->errors.invariants.size(), nan)}};
+      if (result.outcome.status.empty()) {
+        Watch watch(task.yardstick, 1000, task.most_calls);
+        result.outcome = line->run(row->parameter, &watch);
+        result.errors = watch.errors();
+        result.seconds = watch.seconds_by_parts();
+        result.timings = options.repetitions;
+      }
       results.push_back(result);
     }
     std::cout << "  " << task.name << ", " << family.name << ": " << chosen.size() << " settings, "

@@ -46,11 +46,6 @@ std::vector<Row> scan(const Task& task, const ScanOptions& options);
 /// medians.
 void time_carefully(const Task& task, std::vector<Row>& rows, const ScanOptions& options);
 
-/// A run that is too long to be repeated: watched, and timed by its parts. Takes the settings of the same
-/// problem's carefully timed `rows` that were the cheapest of their family at a target.
-std::vector<Row> long_runs(const Task& task, const Task& short_task, const std::vector<Row>& rows,
-                           const ScanOptions& options);
-
 /// Indices of the rows of these families that no other of them beats in error and cost together, by falling
 /// error. For times only the carefully timed rows count, unless `all`.
 enum class Cost { seconds, gradients };
@@ -68,5 +63,11 @@ inline double trajectory_error(const Row& row) { return row.errors.trajectory; }
 /// there is none.
 const Row* cheapest(const std::vector<Row>& rows, const std::vector<std::string>& of_families, Cost cost,
                     double target, ErrorOf error = energy_error);
+
+/// Runs that are too long to be repeated: watched, and timed by their parts. Takes the settings of the same
+/// problem's carefully timed `rows`, to the time `short_end`, that were the cheapest of their family at a
+/// target. What was twenty times as dear there as another setting with no larger an error is left out.
+std::vector<Row> long_runs(const Task& task, const std::vector<Row>& rows, double short_end,
+                           const ScanOptions& options);
 
 }  // namespace work_precision

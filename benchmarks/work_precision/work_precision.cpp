@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <iostream>
 #include <numeric>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -79,20 +78,26 @@ std::vector<std::string> faults(const Task& task, const Result& result) {
   return list;
 }
 
-void write(const std::filesystem::path& output, const std::vector<Result>& results, bool plot) {
+std::filesystem::path table_of(const std::filesystem::path& output, const std::string& name) {
+  return output / "tables" / (name + ".csv");
+}
+
+void write(const std::filesystem::path& output, const Result& result, bool plot) {
   for (const char* folder : {"tables", "figures", "scans"})
     std::filesystem::create_directories(output / folder);
-  const Result& last = results.back();
-  std::vector<std::size_t> all(last.rows.size());
+  std::vector<std::size_t> all(result.rows.size());
   std::iota(all.begin(), all.end(), std::size_t{0});
-  write_csv(output / "scans" / (last.name + ".csv"), last, all);
-  std::set<std::size_t> fronts;  // what the figure shows
-  for (const Family& family : families())
-    for (const Cost cost : {Cost::seconds, Cost::gradients})
-      for (const std::size_t i : front(last.rows, {family.name}, cost)) fronts.insert(i);
-  write_csv(output / "tables" / (last.name + ".csv"), last, {fronts.begin(), fronts.end()});
-  write_tables(output / "tables", last);
-  if (plot) draw_result(output / "figures", last);
+  write_csv(output / "scans" / (result.name + ".csv"), result, all);
+  write_csv(table_of(output, result.name), result, rows_to_keep(result.rows));
+  write_tables(output / "tables", result);
+  if (plot) draw_result(output / "figures", result);
+}
+
+/// Of all problems that were ever measured, so that they may be measured one by one.
+void summarise(const std::filesystem::path& output, const std::vector<std::string>& names) {
+  std::vector<Result> results;
+  for (const std::string& name : names)
+    if (std::filesystem::exists(table_of(output, name))) results.push_back(read_csv(table_of(output, name)));
   write_summary(output / "tables", results);
 }
 
@@ -135,25 +140,28 @@ int main(int argc, char** argv) {
     const auto wants = [&](const std::string& name) {
       return std::find(chosen.begin(), chosen.end(), name) != chosen.end();
     };
-    std::vector<Result> results;
     std::vector<std::string> wrong;
+    const auto keep = [&](const Result& result) {
+      write(output, result, !no_plot);
+      summarise(output, known);
+    };
     for (const Entry& entry : entries()) {
-      const bool goes_on = entry.make_long != nullptr && wants(entry.long_name());
-      if (!wants(entry.name) && !goes_on) continue;
-      const Task task = entry.make(is_short);
-      if (!(task.gradient_error < 1e-6))
-        throw std::runtime_error(task.name + ": the gradient is not the energy's, off by " +
-                                 std::to_string(task.gradient_error));
-      results.push_back(run(task, options));
-      write(output, results, !no_plot);
-      const auto found = faults(task, results.back());
-      if (is_short) wrong.insert(wrong.end(), found.begin(), found.end());
-      if (!goes_on) continue;
-      const Task long_task = entry.make_long(is_short);
+      if (wants(entry.name)) {
+        const Task task = entry.make(is_short);
+        if (!(task.gradient_error < 1e-6))
+          throw std::runtime_error(task.name + ": the gradient is not the energy's, off by " +
+                                   std::to_string(task.gradient_error));
+        const Result result = run(task, options);
+        keep(result);
+        const auto found = faults(task, result);
+        if (is_short) wrong.insert(wrong.end(), found.begin(), found.end());
+      }
+      if (entry.make_long == nullptr || !wants(entry.long_name())) continue;
+      const Task task = entry.make_long(is_short);
       const double begin = cpu_seconds();
-      results.push_back(result_of(long_task, long_runs(long_task, task, results.back().rows, options)));
-      std::cout << long_task.name << ": " << static_cast<int>(cpu_seconds() - begin) << " s\n" << std::flush;
-      write(output, results, !no_plot);
+      const Result shorter = read_csv(table_of(output, entry.name));
+      keep(result_of(task, long_runs(task, shorter.rows, shorter.end, options)));
+      std::cout << task.name << ": " << static_cast<int>(cpu_seconds() - begin) << " s\n" << std::flush;
     }
     std::cout << "tables: " << (output / "tables").string() << '\n';
     for (const std::string& fault : wrong) std::cerr << fault << '\n';

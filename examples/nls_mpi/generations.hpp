@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <iostream>
 #include <optional>
 #include <set>
 #include <stdexcept>
@@ -58,6 +59,7 @@ class Generations {
       throw std::runtime_error("the checkpoints " + folder_.string() +
                                "/rank*: no step is there of all ranks, though all had saved one; bring the "
                                "missing files back, or remove the others to begin anew");
+    if (step == 0 && ranks_.first()) mention_others();
     last_ = step;
     left_.insert(here.upper_bound(step), here.end());
     const auto kept = here.lower_bound(step);  // the save before that one goes with the next
@@ -109,6 +111,18 @@ class Generations {
       if (const std::int64_t step = std::stoll(digits); step > 0) steps.insert(step);
     }
     return steps;
+  }
+
+  /// A run that begins while checkpoints of other numbers of processes lie beside may be meant to go on.
+  void mention_others() const {
+    for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
+      const std::string name = entry.path().filename().string();
+      if (!name.starts_with("rank0of") || name.starts_with(prefix_) || !name.ends_with(suffix)) continue;
+      std::cerr << "note: begins anew; " + entry.path().string() +
+                       " is of a run with another number of processes: start as many to go on from there\n"
+                << std::flush;
+      return;
+    }
   }
 
   std::filesystem::path folder_;

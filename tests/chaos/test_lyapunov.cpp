@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -12,7 +11,6 @@
 #include <semiexplicit/derivatives.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 #include <semiexplicit/systems.hpp>
-#include <semiexplicit/time.hpp>
 
 #include "henon_heiles.hpp"
 #include "refusal.hpp"
@@ -152,45 +150,6 @@ TEST_CASE("Lyapunov exponents want every step of one orbit", "[lyapunov]") {
   CHECK(refuses([&] { integrate(stepper, z, {.dt = 0.05, .steps = 30}, two); }, "another orbit begins"));
 }
 
-TEST_CASE("Lyapunov exponents of a backward run, the largest growth first", "[lyapunov][long]") {
-  // H = (p² - q²)/2 at its saddle: the exponents 1 and -1, which the first vectors take time to find.
-  const auto saddle = make_hamiltonian<double, 1>(
-      [](const auto& q, const auto& p) { return (p[0] * p[0] - q[0] * q[0]) / 2; },
-      [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
-        dHdq[0] = -q[0];
-        dHdp[0] = p[0];
-      });
-  Semiexplicit stepper(saddle, schemes::low_defect6_s13<double>());
-  for (const double dt : {0.1, -0.1}) {
-    LyapunovExponents lyapunov(stepper, 2);
-    PhasePoint<double, 1> z(0, 0);
-    integrate(stepper, z, {.dt = dt, .steps = 10'000}, lyapunov);
-    CHECK(lyapunov.exponents()[0] == Approx(1).epsilon(0.005));
-    CHECK(lyapunov.exponents()[1] == Approx(-1).epsilon(0.005));
-  }
-}
-
-/// A quarter of a unit of time for each of s.
-struct Quarter {
-  double operator()(const auto&, auto&& derivative) const {
-    derivative.setZero();
-    return 0.25;
-  }
-};
-
-TEST_CASE("Exponents of a run in another variable than the time are growth in time", "[chaos][long]") {
-  const auto saddle =
-      from_energy<1>([](const auto& q, const auto& p) { return p[0] * p[0] / 2 - q[0] * q[0] / 2; });
-  const TimeTransformed transformed(saddle, Quarter{}, 0.0);
-  Semiexplicit stepper(transformed, schemes::low_defect6_s13<double>());
-  auto z = transformed.extended(PhasePoint<double, 1>(0, 0), 0.0);
-  LyapunovExponents lyapunov(stepper, 1);
-  integrate(stepper, z, {.dt = 0.2, .steps = 4000}, lyapunov);
-  REQUIRE(transformed.time(z) == Approx(200));
-  CHECK(lyapunov.exponents()[0] == Approx(1).epsilon(0.03));
-  CHECK(lyapunov.times().back() <= 200.001);
-}
-
 /// A saddle, with the second derivatives of another Hamiltonian.
 struct Inherits : systems::Product<double> {
   void gradient(In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
@@ -258,33 +217,6 @@ TEST_CASE("Right second derivatives are taken whatever the units, and where the 
         LyapunovExponents lyapunov(stepper, 1);
         CHECK_THROWS_AS(integrate(stepper, z, {.dt = 0.01, .steps = 1}, lyapunov), std::invalid_argument);
       }
-}
-
-TEST_CASE("Exponents of a transformed time count in the time, also late", "[lyapunov]") {
-  // A pendulum at its top, where the exponent is 1, by steps that take g ds of the time.
-  const auto exponent = [](auto t0, double ds, double g) {
-    using Scalar = decltype(t0);
-    const auto h = from_energy<1, Scalar>(
-        [](const auto& q, const auto& p) { return p[0] * p[0] / Scalar(2) + cos(q[0]); });
-    const auto monitor = [g](const auto&, auto&& slope) {
-      slope.setZero();
-      return static_cast<Scalar>(g);
-    };
-    PhasePoint<Scalar, 1> z(Scalar(0), Scalar(0));
-    TimeTransformed transformed(h, monitor, h.energy(z.q(), z.p()));
-    Semiexplicit stepper(transformed, schemes::low_defect4_s7<Scalar>());
-    auto extended = transformed.extended(z, t0);
-    LyapunovExponents lyapunov(stepper, 1);
-    integrate(stepper, extended, {.dt = static_cast<Scalar>(ds), .steps = 4000}, lyapunov);
-    REQUIRE_FALSE(lyapunov.times().empty());
-    CHECK(lyapunov.times().back() ==
-          Approx(static_cast<double>(transformed.time(extended) - t0)).epsilon(0.15));
-    return static_cast<double>(lyapunov.exponents()[0]);
-  };
-  CHECK(exponent(0.0, 0.01, 1.45) == Approx(1).epsilon(0.04));
-  CHECK(exponent(1e12, 0.01, 1.05) == Approx(exponent(0.0, 0.01, 1.05)).epsilon(1e-4));
-  CHECK(exponent(1e4F, 0.01, 1.45) == Approx(exponent(0.0, 0.01, 1.45)).epsilon(1e-3));
-  CHECK(std::isfinite(exponent(1e5F, 0.1, 0.01)));  // steps below the rounding of the time
 }
 
 TEST_CASE("Vectors to start with that are refused leave the observer as it was", "[lyapunov]") {

@@ -44,6 +44,12 @@ refuses() { # refuses WHY
   grep -q -- "$1" refused.log || fail "$(cat refused.log)"
   ls saved | diff before.txt - || fail "a start that was refused took files away"
 }
+# One that begins anew beside files of another number of processes says so, and leaves them.
+ls saved >before.txt
+timeout 100 "$mpiexec" -n 1 "$program" --sites 3000 --dt 0.005 --time 0.1 --checkpoint 50 --output "$folder/saved" >other.log 2>&1 ||
+  fail "$(cat other.log)"
+grep -q "begins anew; .*rank0of2-step.* another number of processes" other.log || fail "files of two processes went unmentioned"
+ls saved | diff before.txt - || fail "a run of one process took files of two away"
 mkdir away
 mv saved/rank1* away
 refuses "bring the missing files back"

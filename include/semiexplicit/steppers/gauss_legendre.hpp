@@ -41,7 +41,7 @@ class GaussLegendre : public detail::GaussShell<GaussLegendre<H>, H> {
         started_(gradients_),
         displacements_(gradients_),
         sign_(gradients_.col(0)),
-        displaced_(sign_),
+        changed_(sign_),
         point_(State(dof()).vector()) {
     sign_.head(dof()).setOnes();
     sign_.segment(dof(), dof()).setConstant(Scalar(-1));
@@ -133,19 +133,21 @@ class GaussLegendre : public detail::GaussShell<GaussLegendre<H>, H> {
                  ? newton_iteration(z, report)
                  : detail::inlined<Scalar>([&] { return fixed_point_iteration(z, report); });
     };
-    return this->iterate(z, report, sweep,
-                         [&] { return detail::sum_of_absolutes(displacements_.reshaped()); });
+    return this->iterate(z, report, sweep);
   }
 
-  /// Stage i's displacement Σ_j m_ij (dt b_j X_j) as the gradients have it. Adds up to displaced_ by how much
+  Scalar displaced(Eigen::Index i) const { return detail::sum_of_absolutes(displacements_.row(i)); }
+  Scalar changed(Eigen::Index i) const { return changed_[i]; }
+
+  /// Stage i's displacement Σ_j m_ij (dt b_j X_j) as the gradients have it. Adds up to changed_ by how much
   /// that differs from what it was.
   void displace(Eigen::Index i) {
     Scalar* const displacement = displacements_.data() + i * displacements_.rows();
     const Scalar* const sign = sign_.data();
-    Scalar* const displaced = displaced_.data();
+    Scalar* const changed = changed_.data();
     combine(tableau_.m, i, gradients_, [=](Eigen::Index k, const Scalar& sum) {
       using std::abs;
-      displaced[k] += abs(sign[k] * sum - displacement[k]);
+      changed[k] += abs(sign[k] * sum - displacement[k]);
       displacement[k] = sign[k] * sum;
     });
   }
@@ -167,13 +169,13 @@ class GaussLegendre : public detail::GaussShell<GaussLegendre<H>, H> {
 
   /// One sweep over the stages; returns the sum of the absolute values of what changed.
   Scalar fixed_point_iteration(const State& z, StepReport& report) {
-    displaced_.setZero();
+    changed_.setZero();
     for (Eigen::Index i = 0; i < gradients_.cols(); ++i) {
       if (report.evaluations > 0) displace(i);
       stage_gradient(z, i);
       ++report.gradients;
     }
-    return detail::sum_of_absolutes(displaced_);
+    return detail::sum_of_absolutes(changed_);
   }
 
   /// What Newton's method needs: the Hessian of a stage, and the matrix and right-hand side of all.
@@ -192,6 +194,7 @@ class GaussLegendre : public detail::GaussShell<GaussLegendre<H>, H> {
 
   /// One Newton step on all stages together; returns the sum of the absolute values of the correction.
   Scalar newton_iteration(const State& z, StepReport& report) {
+    using std::abs;
     Newton& work = *newton_;
     const Eigen::Index d = dof(), n = 2 * d, stages = gradients_.cols();
     for (Eigen::Index j = 0; j < stages; ++j) {
@@ -218,15 +221,19 @@ class GaussLegendre : public detail::GaussShell<GaussLegendre<H>, H> {
       });
     work.system.factorise();
     work.system.solve(work.residual.data(), work.correction.data());
+    changed_.setZero();
     for (Eigen::Index i = 0; i < stages; ++i)
-      for (Eigen::Index k = 0; k < n; ++k) displacements_(k, i) += work.correction[i * n + k];
-    return detail::sum_of_absolutes(work.correction);
+      for (Eigen::Index k = 0; k < n; ++k) {
+        displacements_(k, i) += work.correction[i * n + k];
+        changed_[k] += abs(work.correction[i * n + k]);
+      }
+    return detail::sum_of_absolutes(changed_);
   }
 
   Dense extrapolation_;
   Vector<Scalar, Eigen::Dynamic> quadrature_;   ///< dt b_j
   Stages gradients_, started_, displacements_;  ///< the gradients times dt b_j
-  Column sign_, displaced_;
+  Column sign_, changed_;
   Vec point_;
   std::optional<Newton> newton_;
 };

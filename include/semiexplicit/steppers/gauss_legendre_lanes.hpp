@@ -16,7 +16,7 @@ namespace semiexplicit {
 ///
 /// The same method, options and reports as GaussLegendre, but for the iteration: all stages from the old
 /// values of all others (Jacobi), and no Newton mode. `gradients` counts one a stage, as if each had been
-/// called for alone. Memory: three arrays of 2d packs, 48 numbers a degree of freedom. step() and the
+/// called for alone. Memory: four arrays of 2d packs, 64 numbers a degree of freedom. step() and the
 /// accessors are in detail::GaussShell.
 ///
 /// Sources: as GaussLegendre; the stages in lanes: Antoñana, Alberdi, Makazaga, Murua, arXiv:2204.01697
@@ -41,7 +41,8 @@ class GaussLegendreLanes : public detail::GaussShell<GaussLegendreLanes<H>, H> {
       : Shell(std::move(hamiltonian), options),
         gradients_(at(2 * dof())),
         points_(gradients_),
-        displacements_(gradients_) {
+        displacements_(gradients_),
+        changes_(gradients_) {
     if (options.solver != StageSolver::fixed_point)
       throw std::invalid_argument(
           "GaussLegendreLanes: only StageSolver::fixed_point; GaussLegendre has Newton's method");
@@ -82,6 +83,12 @@ class GaussLegendreLanes : public detail::GaussShell<GaussLegendreLanes<H>, H> {
     return i < d ? reduce(quadrature_ * gradients_[at(d + i)]) : -reduce(quadrature_ * gradients_[at(i - d)]);
   }
 
+  Scalar displaced(Eigen::Index i) const {
+    using std::abs;
+    return reduce(abs(displacements_[at(i)]));
+  }
+  Scalar changed(Eigen::Index i) const { return reduce(changes_[at(i)]); }
+
   template <class Visitor>
   void visit_stages(Visitor& visit) {
     for (Many& gradient : gradients_) {
@@ -95,17 +102,15 @@ class GaussLegendreLanes : public detail::GaussShell<GaussLegendreLanes<H>, H> {
   Status solve(const State& z, bool extrapolate, StepReport& report) {
     return with_stages([&](auto stages) {
       start<stages.value>(z, extrapolate, report);
-      Many displaced;
       const auto sweep = [&] {
-        Many moved = Scalar(0);
-        displaced = Scalar(0);
+        Many changed = Scalar(0);
         detail::inlined<Scalar>([&] {
-          move<stages.value>(z, moved, displaced);
+          move<stages.value>(z, changed);
           evaluate(report);
         });
-        return reduce(moved);
+        return reduce(changed);
       };
-      return this->iterate(z, report, sweep, [&] { return reduce(displaced); });
+      return this->iterate(z, report, sweep);
     });
   }
 
@@ -153,9 +158,9 @@ class GaussLegendreLanes : public detail::GaussShell<GaussLegendreLanes<H>, H> {
   }
 
   /// The stages' displacements, z + dt Σ_j a_ij X_j - z, and points from their gradients; adds up the
-  /// absolute values of the displacements and of what changed in them.
+  /// absolute values of what changed in them.
   template <int Stages>
-  void move(const State& z, Many& moved, Many& displaced) {
+  void move(const State& z, Many& changed) {
     const std::size_t d = at(dof());
     const Scalar* const state = z.vector().data();
     const Many quadrature = quadrature_;
@@ -163,8 +168,8 @@ class GaussLegendreLanes : public detail::GaussShell<GaussLegendreLanes<H>, H> {
     for (int j = 0; j < Stages; ++j) weight[j] = weight_[j];
     const auto put = [&](std::size_t i, const Many& displacement) {
       using std::abs;
-      moved += abs(displacement - displacements_[i]);
-      displaced += abs(displacement);
+      changes_[i] = abs(displacement - displacements_[i]);
+      changed += changes_[i];
       displacements_[i] = displacement;
       points_[i] = state[i] + displacement;
     };
@@ -174,7 +179,7 @@ class GaussLegendreLanes : public detail::GaussShell<GaussLegendreLanes<H>, H> {
     }
   }
 
-  std::vector<Many> gradients_, points_, displacements_;
+  std::vector<Many> gradients_, points_, displacements_, changes_;
   Many extrapolation_[8], weight_[8];  ///< matrices by columns
   Many quadrature_ = Scalar(0);        ///< dt b_j
 };

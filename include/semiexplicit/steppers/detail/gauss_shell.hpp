@@ -56,6 +56,8 @@ namespace detail {
 ///     void follow_by(const Scalar& ratio);       // how to extrapolate to a step so many times as long
 ///     Status solve(const State& z, bool extrapolate, StepReport& report);  // then iterate()
 ///     Scalar increment(Eigen::Index i) const;    // Σ_j dt b_j X_ji
+///     Scalar displaced(Eigen::Index i) const;    // Σ_j of the absolute values of displacement i, from z
+///     Scalar changed(Eigen::Index i) const;      // the same of what the last sweep changed in it
 ///     void visit_stages(Visitor& visit);  // the gradients, which the next stages are extrapolated from
 template <class Stepper, class H>
 class GaussShell {
@@ -68,23 +70,23 @@ class GaussShell {
   /// One step of size dt, which may be negative; z is untouched unless the report is ok(). `evaluations` are
   /// iterations, `correction` is the sum of the absolute values of what they last changed in the stages.
   StepReport step(State& z, const Scalar& dt) {
-    Stepper& stages = static_cast<Stepper&>(*this);
-    StepReport report{.status = status_at_start(dt, stages.size() != 0, z.vector().size() == stages.size())};
+    StepReport report{.status =
+                          status_at_start(dt, stages().size() != 0, z.vector().size() == stages().size())};
     if (!report.ok()) return report;
 
     // A polynomial of degree s - 1 grows fast behind the step that it is of.
     const Scalar ratio = last_dt_ == Scalar(0) ? Scalar(0) : Scalar(dt / last_dt_);
     const bool goes_on =
         options_.extrapolate && ratio > Scalar(0) && ratio <= Scalar(2) && update_.continues(z);
-    if (goes_on && ratio != ratio_) stages.follow_by(ratio_ = ratio);
+    if (goes_on && ratio != ratio_) stages().follow_by(ratio_ = ratio);
     last_dt_ = Scalar(0);  // nothing to extrapolate from until the step is done, also where a gradient throws
-    if (weights_dt_ != dt) stages.scale_weights(dt);
+    if (weights_dt_ != dt) stages().scale_weights(dt);
     weights_dt_ = dt;
-    report.status = stages.solve(z, goes_on, report);
+    report.status = stages().solve(z, goes_on, report);
     if (report.status == Status::not_finite && !detail::all_finite(z.vector()))
       report.status = Status::invalid_state;
     if (!report.ok()) return report;
-    if (update_.update(z, [&](Eigen::Index i) { return stages.increment(i); }))
+    if (update_.update(z, [&](Eigen::Index i) { return stages().increment(i); }))
       last_dt_ = dt;
     else
       report.status = Status::not_finite;
@@ -114,14 +116,18 @@ class GaussShell {
   template <class Visitor>
   void visit_memory(Visitor&& visit) {
     update_.visit_memory(visit);
-    static_cast<Stepper&>(*this).visit_stages(visit);
+    stages().visit_stages(visit);
     visit(last_dt_);
   }
 
  protected:
   /// Throws std::invalid_argument unless 1 ≤ stages ≤ 8, max_iterations ≥ 1 and tolerance ≥ 0.
   GaussShell(H hamiltonian, const GaussLegendreOptions& options)
-      : hamiltonian_(std::move(hamiltonian)), options_(options), tableau_(options.stages), update_(dof()) {
+      : hamiltonian_(std::move(hamiltonian)),
+        options_(options),
+        tableau_(options.stages),
+        update_(dof()),
+        least_(2 * dof()) {
     if (!(options.max_iterations >= 1 && options.tolerance >= 0 && std::isfinite(options.tolerance)))
       throw std::invalid_argument(std::string(Stepper::name) +
                                   ": max_iterations must be 1 or more, and tolerance 0 or more and finite");
@@ -129,15 +135,21 @@ class GaussShell {
 
   /// Repeats sweep(), which returns the sum of the absolute values of what it changed in the stages'
   /// displacements from z, until that is zero, or nothing beside them in any units, within the tolerance, or
-  /// but the rounding of z and the displacements. displaced() is the sum of their absolute values.
-  template <class Sweep, class Displaced>
-  Status iterate(const State& z, StepReport& report, const Sweep& sweep, const Displaced& displaced) const {
+  /// but the rounding of z and the displacements, in each entry as well.
+  template <class Sweep>
+  Status iterate(const State& z, StepReport& report, const Sweep& sweep) {
     using std::isfinite;
+    const auto displaced = [&] {
+      Scalar sum(0);
+      for (Eigen::Index i = 0; i < least_.size(); ++i) sum += stages().displaced(i);
+      return sum;
+    };
     const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon();
     const Scalar all = sum_of_absolutes(z.vector()), size = size_without_time(z, all);
     const Scalar nothing = epsilon * (epsilon * (epsilon * size));
     Scalar previous(0), least = std::numeric_limits<Scalar>::infinity();
     int since_least = 0;
+    bool entries_left = false;
     for (;;) {
       const Scalar change = sweep();
       ++report.evaluations;
@@ -156,9 +168,13 @@ class GaussShell {
         const bool grows = previous > Scalar(0) && change >= previous;
         const bool stuck = since_least >= (options_.solver == StageSolver::newton ? 1 : 3);
         const bool stuck_for_long = InExtendedPhaseSpace<H> && since_least >= 8;
-        if ((grows && change <= 10 * epsilon * displaced()) ||
-            (stuck && change <= 100 * epsilon * (size + displaced())) ||
-            (stuck_for_long && change <= 100 * epsilon * (all + displaced())))
+        if (!entries_left && ((grows && change <= 10 * epsilon * displaced()) ||
+                              (stuck && change <= 100 * epsilon * (size + displaced())) ||
+                              (stuck_for_long && change <= 100 * epsilon * (all + displaced())))) {
+          entries_left = true;
+          least_.setConstant(std::numeric_limits<Scalar>::infinity());
+        }
+        if (entries_left && !improves(z))
           return options_.tolerance == 0 ? Status::success : Status::rounding_limited;
         previous = change;
       }
@@ -179,7 +195,27 @@ class GaussShell {
       return all;
   }
 
+  /// Whether the last sweep improved an entry by more than the rounding of its own: a light body's numbers
+  /// are nothing in a sum with a heavy one's. An entry that once stops improving is left, its changes being
+  /// the rounding of others.
+  bool improves(const State& z) {
+    using std::abs;
+    const Scalar rounding = 100 * Eigen::NumTraits<Scalar>::epsilon();
+    bool improves = false;
+    for (Eigen::Index i = 0; i < least_.size(); ++i) {
+      const Scalar change = stages().changed(i);
+      const bool better =
+          change < least_[i] && change > rounding * (abs(z.vector()[i]) + stages().displaced(i));
+      least_[i] = better ? change : Scalar(0);
+      improves = improves || better;
+    }
+    return improves;
+  }
+
+  Stepper& stages() { return static_cast<Stepper&>(*this); }
+
   CompensatedUpdate<Scalar, Dof> update_;
+  Vector<Scalar, twice(Dof)> least_;  ///< change of each entry so far; 0 where it no longer matters
   Scalar last_dt_ = Scalar(0), weights_dt_ = Scalar(0);
   Scalar ratio_ = Scalar(0);  ///< that the stages know how to follow by
 };

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -168,7 +169,7 @@ SEMIEXPLICIT_COLD IntegrationOptions<Scalar> with_steps(
         "integrate: with t_end, dt must be finite and not zero, and t_end and t0 finite");
   if (time == Scalar(0)) return options;
   const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon();
-  if (!(time / options.dt > Scalar(0)))
+  if ((time > Scalar(0)) != (options.dt > Scalar(0)))
     throw std::invalid_argument("integrate: dt leads away from t_end; give it the sign of t_end - t0");
   if (ChoosesSteps<S>) return options;
   const Scalar steps = steps_between(options.t0, *options.t_end, options.dt);
@@ -206,8 +207,9 @@ SEMIEXPLICIT_COLD void require_start(const std::string& who, const IntegrationRe
                                      const Scalar& t0) {
   if (done.steps == 0 || done.dt == 0) return;
   const double start = static_cast<double>(t0), reached = start + static_cast<double>(done.steps) * done.dt,
-               rounding = 4 * static_cast<double>(Eigen::NumTraits<Scalar>::epsilon()) *
-                          (std::abs(start) + std::abs(reached));
+               epsilon = std::max(std::numeric_limits<double>::epsilon(),
+                                  static_cast<double>(Eigen::NumTraits<Scalar>::epsilon())),
+               rounding = 4 * epsilon * (std::abs(start) + std::abs(reached));
   if (std::abs(done.t - reached) > std::abs(done.dt) / 2 + rounding)
     throw std::invalid_argument(who + ": the earlier part, `done`, came to t = " + in_words(done.t, 17) +
                                 " and from t0 = " + in_words(start, 17) + " it would have come to " +

@@ -330,6 +330,73 @@ TEST_CASE("A run to a time is extended with the same steps, or not at all", "[ch
   CHECK(refuses([&] { run_to(0.3, 20); }, "'dt: 0.29411764705882354' there"));
 }
 
+TEST_CASE("A longer time that dt divides but for rounding goes on, also from a late start", "[checkpoint]") {
+  const Folder folder;
+  const auto steps_to = [&](double t_end) {
+    GaussLegendre stepper(systems::Product<double>{}, {.stages = 1});
+    PhasePoint<double, 1> z(1, 0);
+    IntegrationOptions<double> options{.dt = 0.1, .t0 = 1e6, .t_end = t_end};
+    Checkpoints checkpoints(folder.path / "run.checkpoint", {.every = 10}, stepper, options);
+    options.done = checkpoints.resume(z);
+    return integrate(stepper, z, options, checkpoints).steps;
+  };
+  CHECK(steps_to(1e6 + 100) == 1000);
+  CHECK(steps_to(1e6 + 200.1) == 2001);
+}
+
+TEST_CASE("A run that is resumed at its end has the report of its last step", "[checkpoint]") {
+  const Folder folder;
+  const auto run = [&] {
+    Semiexplicit stepper(systems::Product<double>{}, schemes::strang<double>());
+    PhasePoint<double, 1> z(-3, 0);
+    IntegrationOptions<double> options{.dt = 0.1, .steps = 20};
+    Checkpoints checkpoints(folder.path / "run.checkpoint", {.every = 10}, stepper, options);
+    options.done = checkpoints.resume(z);
+    return integrate(stepper, z, options, checkpoints).last;
+  };
+  const StepReport first = run(), again = run();
+  CHECK(first.correction > 0);
+  CHECK(again.correction == first.correction);
+  CHECK(again.evaluations == first.evaluations);
+  CHECK(again.gradients == first.gradients);
+  CHECK(again.rate == first.rate);
+}
+
+TEST_CASE("What is saved at the start shows the start once, and at an event within a step nothing is saved",
+          "[checkpoint]") {
+  const Folder folder;
+  const auto h = systems::Product<double>{};
+  const auto run = [&](bool stops) {
+    GaussLegendre stepper(h, {.stages = 2});
+    PhasePoint<double, 1> z(-3, 0);
+    IntegrationOptions<double> options{.dt = 0.1, .steps = 10};
+    Record<double, 1> record;
+    CsvTrajectory csv(folder.path / "run.csv", 1);
+    Checkpoints checkpoints(folder.path / "run.checkpoint", {.every = 1000}, stepper, options, record, csv);
+    options.done = checkpoints.resume(z);
+    integrate(stepper, z, options, record, csv, checkpoints,
+              [&](double, const auto& at, const IntegrationReport& so_far) {
+                if (stops) checkpoints.save(at, so_far);
+                return !stops;
+              });
+    return record.t.size();
+  };
+  CHECK(run(true) == 1);
+  CHECK(run(false) == 11);
+
+  GaussLegendre stepper(h, {.stages = 2});
+  PhasePoint<double, 1> z(-3, 0);
+  IntegrationOptions<double> options{.dt = 0.03, .steps = 100};
+  auto crossing = events(h, on_event([](const auto& q, const auto&) { return q[0]; },
+                                     [](const double&, PhasePoint<double, 1>&) { return false; }));
+  Checkpoints checkpoints(folder.path / "other.checkpoint", {.every = 1000}, stepper, options);
+  options.done = checkpoints.resume(z);
+  const auto report = integrate(stepper, z, options, crossing, checkpoints);
+  REQUIRE(report.at_event);
+  CHECK(refuses([&] { checkpoints.save(z, report); }, "save at the end of a step"));
+  CHECK_FALSE(fs::exists(folder.path / "other.checkpoint"));
+}
+
 TEST_CASE("A CSV file goes on where the checkpoint has it, byte for byte", "[checkpoint]") {
   const Folder folder;
   const fs::path file = folder.path / "run.checkpoint", csv = folder.path / "run.csv",

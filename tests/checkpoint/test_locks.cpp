@@ -87,7 +87,10 @@ TEST_CASE("A process may resume a run whose first object it still holds", "[chec
   Run next(file);
   CHECK(next.resume() == 20);
   next.go();
-  next.checkpoints.remove();
+  first.z = Run(file).z;
+  CHECK(first.resume() == 20);  // back again
+  first.go();
+  first.checkpoints.remove();
   CHECK(files_in(folder.path) == 0);
 }
 

@@ -306,6 +306,30 @@ TEST_CASE("A run in another number type", "[integrate]") {
   CHECK(record.z[5].vector() == z.vector());
 }
 
+TEST_CASE("A late run in more digits than a double's goes on from its first part", "[integrate]") {
+  const auto h = make_hamiltonian<long double, 1>(
+      [](const auto& q, const auto& p) { return (q[0] * q[0] + p[0] * p[0]) / 2; },
+      [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+        dHdq[0] = q[0];
+        dHdp[0] = p[0];
+      });
+  for (int k = 0; k < 20; ++k) {
+    Semiexplicit stepper(h, schemes::strang<long double>());
+    PhasePoint<long double, 1> z(-1.0L, 0.0L);
+    IntegrationOptions<long double> options{.dt = 1e-5L, .steps = 10, .t0 = 2.4e11L + 1.7e-6L * k};
+    options.done = integrate(stepper, z, options);
+    options.steps = 20;
+    CHECK_NOTHROW(integrate(stepper, z, options));
+  }
+}
+
+TEST_CASE("A dt beside which the time is nothing takes one step to it", "[integrate]") {
+  GaussLegendre stepper(systems::Product<double>{}, {.stages = 1});
+  PhasePoint<double, 1> z(1, 0);
+  CHECK(integrate(stepper, z, {.dt = 1e10, .t_end = 1e-320}).steps == 1);
+  CHECK_THROWS_AS(integrate(stepper, z, {.dt = -1e10, .t_end = 1e-320}), std::invalid_argument);
+}
+
 TEST_CASE("A run that goes on from a report with another dt is refused", "[integrate]") {
   Semiexplicit stepper(systems::Product<double>(), schemes::strang<double>());
   PhasePoint<double, 1> z(-3, 0);

@@ -416,6 +416,16 @@ void goes_as_alone(Solver solver, Scalar far, bool converges) {
 }
 }  // namespace
 
+TEST_CASE("NaN or Inf in a coordinate that H does not depend on is the state's", "[failures]") {
+  methods::for_each(beside_a_drift<double>(), few_methods(), [](const methods::Claim& claim, auto stepper) {
+    CAPTURE(claim.name);
+    for (const double bad : {not_a_number, infinite}) {
+      typename decltype(stepper)::State state{PhasePoint<double, 2>({bad, 1}, {0.5, 0})};
+      CHECK(stepper.step(state, 0.1).status == Status::invalid_state);
+    }
+  });
+}
+
 TEST_CASE("A large coordinate that is coupled to nothing hides no iteration that diverges", "[failures]") {
   goes_as_alone<double>(SimplifiedNewton{}, 1e12, false);
   goes_as_alone<double>(Broyden{}, 1e12, true);

@@ -259,6 +259,23 @@ TEST_CASE("A chain in blocks takes the evaluations of the whole chain, and goes 
   }
 }
 
+TEST_CASE("A site that was moved by hand on one rank is a new state on all") {
+  const auto run = [](auto h, Eigen::Index begin) {
+    Tao stepper(h, schemes::strang<double>(), 10.0);
+    ExtendedPoint<double, dynamic> z(state(begin, h.n));
+    integrate(stepper, z, {.dt = 0.02, .steps = 5});
+    if (begin == 0) z.a.p()[0] += 0.1, z.b.p()[0] += 0.1;
+    integrate(stepper, z, {.dt = 0.02, .steps = 5, .t0 = 0.1});
+    return Column(z.q());
+  };
+  const Column whole = run(Chain{all_sites}, 0);
+  Column together(all_sites);
+  on_ranks([&](Team& team, std::size_t rank, Eigen::Index begin) {
+    together.segment(begin, blocks[rank]) = run(Block{blocks[rank], &team, rank}, begin);
+  });
+  CHECK((together - whole).norm() <= 1e-12 * whole.norm());
+}
+
 TEST_CASE("What fails on one rank fails on all, with one status and every state as it was") {
   const auto scheme = schemes::low_defect4_s7<double>();
   std::vector<StepReport> reports(blocks.size());

@@ -95,7 +95,7 @@ class StartOfRun {
   std::optional<std::uint64_t> checksum_;
 };
 
-/// The counts of a report and its sums.
+/// The counts of a report, its sums, and its last step.
 inline void visit_sums(CheckpointMemory& memory, IntegrationReport& report) {
   for (auto* count :
        {&report.steps, &report.evaluations, &report.gradients, &report.subdivided, &report.changes}) {
@@ -104,6 +104,14 @@ inline void visit_sums(CheckpointMemory& memory, IntegrationReport& report) {
       throw std::invalid_argument("its counts cannot be; start anew without it");
   }
   for (auto* number : {&report.max_correction, &report.seconds}) memory(*number);
+  StepReport& last = report.last;
+  std::int64_t status = static_cast<std::int64_t>(last.status), escalations = last.escalations;
+  for (auto* count : {&status, &last.evaluations, &last.gradients, &escalations}) memory(*count);
+  for (auto* number : {&last.correction, &last.rate}) memory(*number);
+  if (status < 0 || status > static_cast<std::int64_t>(last_status))
+    throw std::invalid_argument("its last step has no status; start anew without it");
+  last.status = static_cast<Status>(status);
+  last.escalations = static_cast<int>(escalations);
 }
 
 /// visit(from) puts everything back, and require() may say that it does not fit: where either throws nothing
@@ -184,12 +192,13 @@ class Checkpoints {
       visit_head(check, done, copy);
       visit_all(check);
       if (!check.at_end()) throw std::invalid_argument("it holds more numbers than are asked for");
+      if (done.steps == 0) return;  // nothing is done: the observers see the start again
       // A file that an observer counts on may turn out to be another one only here.
       detail::restore_all_or_nothing(
           restore, [this](CheckpointMemory& memory) { visit_all(memory); }, [] {});
       z = copy;
     });
-    if (!found) return done;
+    if (!found || done.steps == 0) return {};
     done_seconds_ = done.seconds;
     last_ = done.steps;
     return done;
@@ -207,8 +216,14 @@ class Checkpoints {
     save(z, so_far);
   }
 
-  /// Writes a checkpoint now.
+  /// Writes a checkpoint now. Throws std::invalid_argument at an event within a step, where no run can be
+  /// gone on with.
   void save(const State& z, const IntegrationReport& so_far) {
+    if (so_far.at_event)
+      throw std::invalid_argument(
+          "Checkpoints: save() at an event within a step, from where a run cannot be resumed; save at the "
+          "end "
+          "of a step");
     start_.require(so_far.steps, [&] { return checksum_of(z); });
     IntegrationReport report = so_far;
     State copy = z;
@@ -278,7 +293,10 @@ class Checkpoints {
     detail::OptionText list;
     list("run", label);
     list("bits of a number", std::numeric_limits<Scalar>::digits);
-    list("dt", detail::with_steps<S>(run).dt);
+    // A dt that divides the time but for rounding is that of a shorter t_end; integrate() knows what it was.
+    IntegrationOptions<Scalar> gone_on = run;
+    gone_on.done = {.dt = static_cast<double>(run.dt), .steps = 1};
+    list("dt", detail::with_steps<S>(gone_on).dt);
     list("t0", run.t0);
     list("subdivide", run.subdivide);
     list_all(list, stepper, std::tuple<Observers&...>(observers...));

@@ -116,7 +116,7 @@ class CheckpointFile {
     } catch (const std::invalid_argument& reason) {
       throw std::invalid_argument("checkpoint " + path_.string() + ": " + reason.what());
     }
-    if (lock) lock_ = std::move(lock);
+    if (!mine) lock_ = std::move(lock);  // one on a file that was replaced since is worth nothing
     takes_over_ = !mine && !lock_;
     return true;
   }

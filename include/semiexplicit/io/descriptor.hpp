@@ -194,8 +194,8 @@ class Descriptor {
     std::set<std::pair<dev_t, ino_t>> files{};
   };
   static Held& held() {
-    static Held all;
-    return all;
+    static Held* const all = new Held;  // for objects that are destroyed at exit, too
+    return *all;
   }
   std::pair<dev_t, ino_t> identity() const {
     struct stat of_this {};

@@ -42,8 +42,9 @@ class Tao {
   /// One step of size dt, as Pihajoki::step().
   StepReport step(State& zeta, const Scalar& dt) {
     // The map still holds the copies that the last step left, and the gradient at a.
-    const bool known = std::exchange(gradient_known_, false) && map_.a.size() == zeta.a.vector().size() &&
-                       map_.a == zeta.a.vector();
+    const bool known = std::exchange(gradient_known_, false) &&
+                       on_all_ranks<Scalar>(hamiltonian(), map_.a.size() == zeta.a.vector().size() &&
+                                                               map_.a == zeta.a.vector());
     const auto gradients = static_cast<std::int64_t>(3 * scheme().b.size() + (known ? 0 : 1));
     find_turns(dt);
     const StepReport report = map_.step(zeta, dt, gradients, [&](auto* a, auto* b, auto* gradient, auto d) {

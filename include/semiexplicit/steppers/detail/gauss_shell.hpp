@@ -83,13 +83,13 @@ class GaussShell {
     if (weights_dt_ != dt) stages().scale_weights(dt);
     weights_dt_ = dt;
     report.status = stages().solve(z, goes_on, report);
-    if (report.status == Status::not_finite && !detail::all_finite(z.vector()))
-      report.status = Status::invalid_state;
-    if (!report.ok()) return report;
-    if (update_.update(z, [&](Eigen::Index i) { return stages().increment(i); }))
-      last_dt_ = dt;
-    else
-      report.status = Status::not_finite;
+    if (report.ok()) {
+      if (update_.update(z, [&](Eigen::Index i) { return stages().increment(i); }))
+        last_dt_ = dt;
+      else
+        report.status = Status::not_finite;
+    }
+    if (!report.ok() && !detail::all_finite(z.vector())) report.status = Status::invalid_state;
     return report;
   }
 

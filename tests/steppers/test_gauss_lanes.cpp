@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <vector>
 
 #include <semiexplicit/ensemble.hpp>
 #include <semiexplicit/semiexplicit.hpp>
@@ -170,6 +171,40 @@ double energy_error_of_pendulum(int stages, float dt, int steps) {
   return worst;
 }
 
+/// p₁²/2 + ω(p₂² + q₂² + 0.1 q₂⁴)/2: nothing depends on q₁.
+template <class ScalarType>
+struct BesideAFarOne {
+  using Scalar = ScalarType;
+  using PackGradientOf = BesideAFarOne;
+  static constexpr int Dof = 2;
+  Scalar omega;
+  template <class Q, class D>
+  void gradient(const Q& q, const Q& p, D&& dHdq, D&& dHdp) const {
+    dHdq[0] = q[0] * Scalar(0);
+    dHdq[1] = omega * (q[1] + Scalar(0.2) * q[1] * q[1] * q[1]);
+    dHdp[0] = p[0] * Scalar(1);
+    dHdp[1] = omega * p[1];
+  }
+};
+
+/// Steps of one unit of time take the oscillator where they take it with q₁ = 0.
+template <template <class> class Stepper, class Scalar>
+void beside_a_far_one(const GaussLegendreOptions& options, Scalar omega, const std::vector<Scalar>& far) {
+  const auto oscillator_after = [&](Scalar q1) {
+    const BesideAFarOne<Scalar> system{omega};
+    Stepper<BesideAFarOne<Scalar>> stepper(system, options);
+    PhasePoint<Scalar, 2> z({q1, Scalar(1e-3)}, {Scalar(0.5), 0});
+    for (int n = 0; n < 50; ++n) REQUIRE(stepper.step(z, Scalar(1)).ok());
+    return Eigen::Vector2d(static_cast<double>(z.q()[1]), static_cast<double>(z.p()[1]));
+  };
+  const Eigen::Vector2d alone = oscillator_after(0);
+  for (const Scalar q1 : far) {
+    CAPTURE(q1, options.stages, options.extrapolate);
+    CHECK((oscillator_after(q1) - alone).norm() <=
+          1000 * static_cast<double>(std::numeric_limits<Scalar>::epsilon()) * alone.norm());
+  }
+}
+
 /// A sun, a slow planet and a light, fast satellite of the sun, in the plane; masses in units of 1 / `unit`.
 struct LightSatellite {
   using Scalar = double;
@@ -228,6 +263,15 @@ TEST_CASE("Light bodies' stages converge as well where heavy bodies' numbers are
     satellite_is_the_same_in_heavy_units<GaussLegendreLanes>({.stages = 6, .extrapolate = extrapolate});
   }
   satellite_is_the_same_in_heavy_units<GaussLegendre>({.stages = 3, .solver = StageSolver::newton});
+}
+
+TEST_CASE("Gauss's methods iterate as well beside a coordinate that has gone far", "[gauss]") {
+  for (const bool extrapolate : {true, false}) {
+    beside_a_far_one<GaussLegendre, float>({.stages = 6, .extrapolate = extrapolate}, 3, {1e3F, 1e6F});
+    beside_a_far_one<GaussLegendreLanes, float>({.stages = 6, .extrapolate = extrapolate}, 5, {1e3F, 1e6F});
+    beside_a_far_one<GaussLegendreLanes, double>({.stages = 6, .extrapolate = extrapolate}, 5, {1e4, 1e10});
+  }
+  beside_a_far_one<GaussLegendre, float>({.stages = 2, .solver = StageSolver::newton}, 2, {1e5F});
 }
 
 TEST_CASE("Gauss's methods go on to iterate where an angle has wound up", "[gauss][long]") {

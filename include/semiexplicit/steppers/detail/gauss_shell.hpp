@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include <semiexplicit/core/extended_phase_space.hpp>
+#include <semiexplicit/core/cold.hpp>
 #include <semiexplicit/core/gradient_size.hpp>
 #include <semiexplicit/core/hamiltonian_door.hpp>
 #include <semiexplicit/core/inlined.hpp>
@@ -66,6 +66,7 @@ class GaussShell {
   static constexpr int Dof = HamiltonianDoor<H>::Dof;
   using State = PhasePoint<Scalar, Dof>;
   static_assert(is_in_one_process<H>());
+  using Vec = Vector<Scalar, twice(Dof)>;
 
   /// One step of size dt, which may be negative; z is untouched unless the report is ok(). `evaluations` are
   /// iterations, `correction` is the sum of the absolute values of what they last changed in the stages.
@@ -97,7 +98,7 @@ class GaussShell {
   std::int64_t max_gradients() const {
     const auto hessian =
         options_.solver == StageSolver::newton ? SecondDerivatives<H>::max_gradients(dof()) : Eigen::Index{0};
-    return 1 + std::int64_t{options_.max_iterations} * options_.stages * (1 + hessian);
+    return 3 + std::int64_t{options_.max_iterations} * options_.stages * (1 + hessian);
   }
 
   Eigen::Index dof() const { return dof_of(hamiltonian_); }
@@ -127,7 +128,10 @@ class GaussShell {
         options_(options),
         tableau_(options.stages),
         update_(dof()),
-        least_(2 * dof()) {
+        least_(2 * dof()),
+        at_(least_),
+        felt_(least_),
+        other_(least_) {
     if (!(options.max_iterations >= 1 && options.tolerance >= 0 && std::isfinite(options.tolerance)))
       throw std::invalid_argument(std::string(Stepper::name) +
                                   ": max_iterations must be 1 or more, and tolerance 0 or more and finite");
@@ -145,11 +149,11 @@ class GaussShell {
       return sum;
     };
     const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon();
-    const Scalar all = sum_of_absolutes(z.vector()), size = size_without_time(z, all);
-    const Scalar nothing = epsilon * (epsilon * (epsilon * size));
+    const Scalar size = sum_of_absolutes(z.vector()), nothing = epsilon * (epsilon * (epsilon * size));
     Scalar previous(0), least = std::numeric_limits<Scalar>::infinity();
     int since_least = 0;
-    bool entries_left = false;
+    bool entries_left = false, felt = false;
+    const Status at_rounding = options_.tolerance == 0 ? Status::success : Status::rounding_limited;
     for (;;) {
       const Scalar change = sweep();
       ++report.evaluations;
@@ -163,19 +167,17 @@ class GaussShell {
         since_least = change < least ? 0 : since_least + 1;
         if (change < least) least = change;
         // A change grows by rounding. That of a state far from the origin, as of an angle that has wound up,
-        // may be seen nowhere, and that of a late time is far above it: believed where nothing improves any
-        // more.
+        // or of a late time, may be above that of the displacements, or nowhere at all: it is measured.
+        if (since_least >= (options_.solver == StageSolver::newton ? 1 : 3)) {
+          if (!std::exchange(felt, true)) feel_rounding(z, report);
+          if (is_within_felt(since_least < 12 ? 1 : 100)) return at_rounding;
+        }
         const bool grows = previous > Scalar(0) && change >= previous;
-        const bool stuck = since_least >= (options_.solver == StageSolver::newton ? 1 : 3);
-        const bool stuck_for_long = InExtendedPhaseSpace<H> && since_least >= 8;
-        if (!entries_left && ((grows && change <= 10 * epsilon * displaced()) ||
-                              (stuck && change <= 100 * epsilon * (size + displaced())) ||
-                              (stuck_for_long && change <= 100 * epsilon * (all + displaced())))) {
+        if (!entries_left && grows && change <= 10 * epsilon * displaced()) {
           entries_left = true;
           least_.setConstant(std::numeric_limits<Scalar>::infinity());
         }
-        if (entries_left && !improves(z))
-          return options_.tolerance == 0 ? Status::success : Status::rounding_limited;
+        if (entries_left && !improves(z)) return at_rounding;
         previous = change;
       }
       if (report.evaluations >= options_.max_iterations) return Status::no_convergence;
@@ -187,12 +189,30 @@ class GaussShell {
   GaussTableau<Scalar> tableau_;
 
  private:
-  /// Σ |zᵢ| without (t, p_t), where the time is a coordinate; `all` elsewhere.
-  static Scalar size_without_time(const State& z, const Scalar& all) {
-    if constexpr (InExtendedPhaseSpace<H>)
-      return sum_of_absolutes(z.q().head(z.dof() - 1)) + sum_of_absolutes(z.p().head(z.dof() - 1));
-    else
-      return all;
+  /// By how much a few roundings of the coordinates change dt times the vector field at z, entry by entry.
+  SEMIEXPLICIT_COLD void feel_rounding(const State& z, StepReport& report) {
+    using std::abs;
+    const Eigen::Index d = dof();
+    const auto field_at = [&](Vec& field) {
+      gradient_at(hamiltonian_, at_.data(), at_.data() + d, field.data() + d, field.data(), d);
+    };
+    at_ = z.vector();
+    field_at(felt_);
+    for (Eigen::Index i = 0; i < at_.size(); ++i) {  // unlike ones, which do not cancel
+      constexpr int roundings[] = {4, -3, 6};
+      at_[i] += Scalar(roundings[i % 3]) * Eigen::NumTraits<Scalar>::epsilon() * abs(at_[i]);
+    }
+    field_at(other_);
+    for (Eigen::Index i = 0; i < at_.size(); ++i) felt_[i] = abs(weights_dt_ * (other_[i] - felt_[i]));
+    report.gradients += 2;
+  }
+  /// Whether the last sweep changed no entry by more than so many times that and its own rounding.
+  bool is_within_felt(int multiple) {
+    const Scalar count = Scalar(options_.stages), rounding = 10 * Eigen::NumTraits<Scalar>::epsilon();
+    for (Eigen::Index i = 0; i < felt_.size(); ++i)
+      if (!(stages().changed(i) <= Scalar(multiple) * (count * felt_[i] + rounding * stages().displaced(i))))
+        return false;
+    return true;
   }
 
   /// Whether the last sweep improved an entry by more than the rounding of its own: a light body's numbers
@@ -215,7 +235,8 @@ class GaussShell {
   Stepper& stages() { return static_cast<Stepper&>(*this); }
 
   CompensatedUpdate<Scalar, Dof> update_;
-  Vector<Scalar, twice(Dof)> least_;  ///< change of each entry so far; 0 where it no longer matters
+  Vec least_;              ///< change of each entry so far; 0 where it no longer matters
+  Vec at_, felt_, other_;  ///< of feel_rounding()
   Scalar last_dt_ = Scalar(0), weights_dt_ = Scalar(0);
   Scalar ratio_ = Scalar(0);  ///< that the stages know how to follow by
 };

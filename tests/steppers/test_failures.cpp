@@ -432,6 +432,36 @@ TEST_CASE("A large coordinate that is coupled to nothing hides no iteration that
   goes_as_alone<float>(SimplifiedNewton{}, 1e5F, false);
 }
 
+TEST_CASE("An iteration that converges slowly beside a large coordinate goes on to its end", "[failures]") {
+  // p₁²/2 + 2.6 (p₂² + q₂²)/2 + 5e6 q₂⁴, at a rate of 0.93 and more for simplified Newton.
+  const auto h = make_hamiltonian<double, 2>(
+      [](const auto& q, const auto& p) {
+        const double square = q[1] * q[1];
+        return (p[0] * p[0] + 2.6 * (p[1] * p[1] + square)) / 2 + 5e6 * square * square;
+      },
+      [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+        dHdq[0] = 0;
+        dHdq[1] = 2.6 * q[1] + 2e7 * q[1] * q[1] * q[1];
+        dHdp[0] = p[0];
+        dHdp[1] = 2.6 * p[1];
+      });
+  const auto energy_of_oscillator = [&](double far) {
+    Semiexplicit stepper(h, schemes::low_defect6_s13<double>(), Robust{});
+    PhasePoint<double, 2> z({far, 1e-4}, {1e-3, 0});
+    const double before = h.energy(z.q(), z.p());
+    double worst = 0;
+    integrate(stepper, z, {.dt = 1, .steps = 2000}, [&](double, const auto& at) {
+      worst = std::max(worst, std::abs(h.energy(at.q(), at.p()) - before));
+    });
+    return worst;
+  };
+  const double alone = energy_of_oscillator(0);
+  for (const double far : {1e6, 1e7, 1e9}) {
+    CAPTURE(far);
+    CHECK(energy_of_oscillator(far) <= 2 * alone);
+  }
+}
+
 TEST_CASE("A large coordinate whose rounding the forces feel is no failure", "[failures]") {
   // A pendulum that has turned a million times: the rounding of its angle, 1e-9, is in its momentum, too.
   const auto H = from_energy<1>([](const auto& q, const auto& p) {

@@ -187,9 +187,9 @@ class Convergence {
     else if (!first && e <= accurate_ && e <= residual.rounding_level() &&
              // Not after a correction that was worse than rounding, unless that goes on.
              ((e >= previous && residual.within_rounding(100) && (e <= 8 * best_ || stalled_ >= patience)) ||
-              // The rounding of a large entry, carried to others by the kicks; an iteration that diverges has
-              // grown by then.
-              (stalled_ >= patience && e <= 8 * best_)))
+              // The rounding of a large entry, carried to others by the kicks; an iteration that converges or
+              // diverges slowly has shrunk or grown by then.
+              (stalled_ >= 3 * patience && e <= 2 * best_)))
       report_.status = Status::rounding_limited;
     else {
       // Copies that diverge have a rounding level above the state itself; the first sweep's is believed.

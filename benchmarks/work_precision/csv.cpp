@@ -97,6 +97,8 @@ Result read_csv(const std::filesystem::path& file) try {
     row.seconds = std::stod(cell.at("seconds"));
     row.timings = std::stoi(cell.at("timings"));
     row.errors.energy = std::stod(cell.at("energy_error"));
+    row.errors.first_half = std::stod(cell.at("energy_error_first_half"));
+    row.errors.second_half = std::stod(cell.at("energy_error_second_half"));
     row.errors.trajectory = std::stod(cell.at("trajectory_error"));
     result.rows.push_back(row);
   }

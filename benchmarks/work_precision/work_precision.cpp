@@ -82,6 +82,11 @@ std::filesystem::path table_of(const std::filesystem::path& output, const std::s
   return output / "tables" / (name + ".csv");
 }
 
+void report(const std::filesystem::path& output, const Result& result, bool plot) {
+  write_tables(output / "tables", result);
+  if (plot) draw_result(output / "figures", result);
+}
+
 void write(const std::filesystem::path& output, const Result& result, bool plot) {
   for (const char* folder : {"tables", "figures", "scans"})
     std::filesystem::create_directories(output / folder);
@@ -89,16 +94,15 @@ void write(const std::filesystem::path& output, const Result& result, bool plot)
   std::iota(all.begin(), all.end(), std::size_t{0});
   write_csv(output / "scans" / (result.name + ".csv"), result, all);
   write_csv(table_of(output, result.name), result, rows_to_keep(result.rows));
-  write_tables(output / "tables", result);
-  if (plot) draw_result(output / "figures", result);
+  report(output, result, plot);
 }
 
-/// Of all problems that were ever measured, so that they may be measured one by one.
-void summarise(const std::filesystem::path& output, const std::vector<std::string>& names) {
+/// All problems that were ever measured: they may be measured one by one.
+std::vector<Result> measured(const std::filesystem::path& output, const std::vector<std::string>& names) {
   std::vector<Result> results;
   for (const std::string& name : names)
     if (std::filesystem::exists(table_of(output, name))) results.push_back(read_csv(table_of(output, name)));
-  write_summary(output / "tables", results);
+  return results;
 }
 
 }  // namespace
@@ -114,7 +118,7 @@ int main(int argc, char** argv) {
     if (entry.make_long != nullptr) known.push_back(entry.long_name());
   }
   std::filesystem::path output = "out/work_precision";
-  bool is_short = false, no_plot = false;
+  bool is_short = false, no_plot = false, only_report = false;
   ScanOptions options;
   app.add_option("what", chosen, "problems; all if none is named: " + examples::joined(known))
       ->check(examples::one_of(known))
@@ -128,8 +132,15 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_flag("--short", is_short, "small problems and few settings: a test that everything runs");
   app.add_flag("--no-plot", no_plot, "leave the pictures out");
+  app.add_flag("--report", only_report, "measure nothing: pages and figures from the CSV files of --output");
 
   return examples::run_program(app, argc, argv, [&] {
+    if (only_report) {
+      const std::vector<Result> results = measured(output, known);
+      for (const Result& result : results) report(output, result, !no_plot);
+      write_summary(output / "tables", results);
+      return 0;
+    }
     if (chosen.empty()) chosen = known;
     if (is_short) {
       options.is_short = true;
@@ -143,7 +154,7 @@ int main(int argc, char** argv) {
     std::vector<std::string> wrong;
     const auto keep = [&](const Result& result) {
       write(output, result, !no_plot);
-      summarise(output, known);
+      write_summary(output / "tables", measured(output, known));
     };
     for (const Entry& entry : entries()) {
       if (wants(entry.name)) {

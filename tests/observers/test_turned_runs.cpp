@@ -10,6 +10,7 @@
 
 #include <semiexplicit/semiexplicit.hpp>
 #include <semiexplicit/systems.hpp>
+#include <semiexplicit/time.hpp>
 
 namespace test_turned_runs {
 
@@ -309,6 +310,38 @@ TEST_CASE("The last of the times is served although n (T/n) is rounded below T",
   integrate(move, z, {.dt = 0.1, .steps = 0}, none);
   none.finish();
   CHECK(none.served() == 1);
+}
+
+TEST_CASE("The end of a driven run is served by at_times, however its steps round the time", "[observers]") {
+  const Autonomous forced(from_energy<1>([](const auto& t, const auto& q, const auto& p) {
+    using std::cos;
+    return (p[0] * p[0] + q[0] * q[0]) / 2 - 0.7 * q[0] * cos(2.1 * t);
+  }));
+  const auto exact = [](double t) { return 0.7 * (std::cos(2.1 * t) - std::cos(t)) / (1 - 2.1 * 2.1); };
+  std::size_t served = 0, due = 0;
+  double worst = 0;
+  const auto run = [&](auto move, double T, double dt, double t0) {
+    // Whether the run is told of the time of its first state, or begins at 0.
+    auto Z = forced.extended({0, 0}, 0);
+    auto at = at_times(forced, {0.0, T / 2, T}, [&](double t, const Point& z) {
+      worst = std::max(worst, std::abs(z.q()[0] - exact(t)));
+    });
+    integrate(move, Z, {.dt = dt, .t0 = t0, .t_end = t0 + T}, at);
+    at.finish();
+    served += at.served();
+    due += 3;
+  };
+  for (int n = 40; n <= 160; ++n)
+    for (const double T : {1.0, 2 * std::numbers::pi, 10.0}) run(Semiexplicit(forced), T, T / n, 0);
+  for (const double T : {1.0, 10.0, -10.0, 100.0})
+    for (const double dt : {0.1, 1.0 / 3, 0.01})
+      for (const double t0 : {0.0, 16.0}) {
+        run(Semiexplicit(forced, schemes::sofroniou_spaletta10()), T, std::copysign(dt, T), t0);
+        run(Semiexplicit(forced, schemes::low_defect8_s20(), SimplifiedNewton{}, Summation::plain), T,
+            std::copysign(dt, T), t0);
+      }
+  CHECK(served == due);
+  CHECK(worst < 1e-4);
 }
 
 TEST_CASE("Runs that continue each other through t = 0 are one", "[observers]") {

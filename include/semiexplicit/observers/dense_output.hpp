@@ -441,9 +441,6 @@ class AtTimes {
   bool operator()(const Scalar& s, const State& z, const IntegrationReport& run = {}) {
     bool go_on = true;
     intervals_.take(s, z, run, [&](std::size_t i) { go_on = look(i, run) && go_on; });
-    const Scalar now = clock(intervals_.dense.size() - 1);
-    if (std::exchange(orbit_, intervals_.orbits()) != intervals_.orbits()) rounding_.begin(now);
-    rounding_.see(now);
     return go_on;
   }
 
@@ -452,6 +449,7 @@ class AtTimes {
     intervals_.finish([this](std::size_t i) { look(i, {}); });
     if (intervals_.dense.size() != 1) return;  // a run of no step
     between_ = intervals_.dense.state(0);
+    if (orbit_ != intervals_.orbits()) begin_orbit(0);
     while (next_ < times_.size() && !(beyond(times_[next_], clock(0)) || beyond(clock(0), times_[next_])))
       serve(times_[next_++], {});
   }
@@ -480,6 +478,7 @@ class AtTimes {
     intervals_.visit_memory(visit);
     visit(next_);
     visit(orbit_);
+    visit(shift_);
     rounding_.visit_memory(visit);
     detail::visit_inner(visit, observer_);
   }
@@ -488,24 +487,43 @@ class AtTimes {
   static constexpr bool extended = InExtendedPhaseSpace<H>;
   const H& system() const { return intervals_.dense.hamiltonian(); }
 
-  /// Time of state i: its own, where it carries one.
-  Scalar clock(std::size_t i) const {
+  /// Whether the time is one of the states alone. Else it is the run's, which ends where it was told to: that
+  /// in the state is a sum of parts of steps, and strays with their rounding.
+  static constexpr bool own_time = [] {
     if constexpr (extended)
+      return !H::steps_in_time;
+    else
+      return false;
+  }();
+
+  /// Time of state i.
+  Scalar clock(std::size_t i) const {
+    if constexpr (own_time)
       return system().time(intervals_.dense.state(i));
     else
-      return intervals_.dense.time(i);
+      return intervals_.dense.time(i) + shift_;
+  }
+
+  /// State i is the first one of an orbit, or of what is known of it.
+  void begin_orbit(std::size_t i) {
+    orbit_ = intervals_.orbits();
+    if constexpr (extended && !own_time)
+      shift_ = system().time(intervals_.dense.state(i)) - intervals_.dense.time(i);
+    rounding_.begin(clock(i));
   }
 
   /// Whether a is above b by more than the rounding of times: n·(T/n) need not be T, nor t0 + n·dt be 0; and
   /// a time within the state begins anew, without its compensation, wherever an event cuts a step.
   bool beyond(const Scalar& a, const Scalar& b) const {
-    const std::int64_t sums = extended ? intervals_.arcs() : 0;
+    const std::int64_t sums = own_time ? intervals_.arcs() : 0;
     return a - b > Scalar(double(2 + sums)) * Eigen::NumTraits<Scalar>::epsilon() *
                        std::max(rounding_.size(a), rounding_.size(b));
   }
 
   bool look(std::size_t i, const IntegrationReport& run) {
+    if (orbit_ != intervals_.orbits()) begin_orbit(i);
     const Scalar from = clock(i), to = clock(i + 1);
+    rounding_.see(to);
     const bool forward = intervals_.dense.interval(i) > Scalar(0);
     bool go_on = true;
     detail::FirstException thrown;
@@ -541,7 +559,7 @@ class AtTimes {
     // Times are rounded: the interval bounds it.
     if (forward ? !(t > from) : !(t < from)) return Scalar(0);
     if (forward ? !(t < to) : !(t > to)) return interval;
-    if constexpr (extended) {
+    if constexpr (own_time) {
       const auto late = [&](const Scalar& x) {
         intervals_.dense.sought_after(i, x, between_);
         return Scalar(system().time(between_) - t);
@@ -558,17 +576,19 @@ class AtTimes {
   Observer observer_;
   State between_;
   std::size_t next_ = 0;
-  std::int64_t orbit_ = 0;  ///< of those that were begun
+  std::int64_t orbit_ = -1;   ///< of those that were begun
+  Scalar shift_ = Scalar(0);  ///< from the run's time to that of the orbit
   detail::TimeRounding<Scalar> rounding_;
 };
 
 /// `at_times(H, {0, 0.5, 1}, observer)`: an observer that calls another one, (t, z), at these times, which
 /// rise or fall with the run, by interpolation between the steps (see DenseOutput). With a TimeTransformed
-/// they are physical times, and z is the phase point without time. Call finish() at the end: the last
-/// ones wait for it where fewer than nodes - 1 steps were taken from the start, or from the last event that
-/// changed the state. A named observer is referred to, a temporary is kept. Throws std::invalid_argument for
-/// times that are not finite, not sorted or lie before the start. What the observer throws is passed on when
-/// the other times of the step were handed to it.
+/// they are physical times, with an Autonomous those of the run, from the time in its first state on; z is
+/// then the phase point without time. Call finish() at the end: the last ones wait for it where fewer than
+/// nodes - 1 steps were taken from the start, or from the last event that changed the state. A named observer
+/// is referred to, a temporary is kept. Throws std::invalid_argument for times that are not finite, not
+/// sorted or lie before the start. What the observer throws is passed on when the other times of the step
+/// were handed to it.
 ///
 /// Where a step is long the states between are far worse than those at the steps: interpolation_error()
 /// tells. If it is too large, shorten the steps, or end a run at each time by t_end.

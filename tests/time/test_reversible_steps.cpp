@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <semiexplicit/chaos.hpp>
@@ -162,6 +163,40 @@ TEST_CASE("Monitor functions of distances leave out the time of a driven system"
   CHECK((end_with(monitors::DistanceFrom(origin, 0.5)).vector() - by_hand.vector()).norm() < 1e-12);
   CHECK(refuses([&] { end_with(monitors::DistanceFrom(Eigen::Vector3d(0, 0, 0), 0.5)); },
                 "give a centre of the system's, without the time"));
+}
+
+namespace {
+
+/// Vortices that are shaken.
+struct Shaken {
+  using Scalar = double;
+  static constexpr int Dof = 3;
+  systems::PointVortices<double, 3> vortices;
+  void gradient(const double& t, In<double, 3> q, In<double, 3> p, Out<double, 3> dHdq,
+                Out<double, 3> dHdp) const {
+    vortices.gradient(q, p, dHdq, dHdp);
+    dHdq[0] += 1e-3 * std::cos(t);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("Distances of vortices leave out the time of a driven system", "[reversible steps]") {
+  const systems::PointVortices<double, 3> vortices({1, 0.7, -0.4});
+  const Autonomous driven(Shaken{vortices});
+  const monitors::VortexDistances distances(vortices);
+  const auto end_with = [&](const auto& monitor) {
+    auto z = driven.extended({{0.3, -0.8, 0.5}, {0.1, 0.4, -0.6}}, 0.5);
+    const Semiexplicit by_times(driven);
+    ReversibleSteps stepper(by_times, monitor);
+    const auto report = integrate(stepper, z, {.dt = 0.02, .t0 = 0.5, .t_end = 2.5});
+    return std::pair(z, report.steps);
+  };
+  const auto [ready, steps] = end_with(distances);
+  const auto [by_hand, expected] =
+      end_with([&](const auto& q, const auto& p) { return distances.value(q.head(3), p.head(3)); });
+  CHECK(steps == expected);
+  CHECK(ready.vector() == by_hand.vector());
 }
 
 TEST_CASE("A run by reversible steps refuses an observer that moves its stepper", "[reversible steps]") {

@@ -304,5 +304,7 @@ template <class Scalar, int Dof>
 inline constexpr bool leaves_time_out<monitors::DistanceFrom<Scalar, Dof>> = true;
 template <>
 inline constexpr bool leaves_time_out<monitors::ClosestPair> = true;
+template <class Scalar, int N>
+inline constexpr bool leaves_time_out<monitors::VortexDistances<Scalar, N>> = true;
 
 }  // namespace semiexplicit::detail

@@ -483,6 +483,34 @@ TEST_CASE("A run goes on with the observer of a section that has thrown, and los
   }
 }
 
+TEST_CASE("A gradient that throws in the search of a section makes no crossing off the surface",
+          "[observers]") {
+  for (const int call : {0, 1, 2, 3}) {
+    CAPTURE(call);
+    int left = call;
+    bool armed = false;
+    const auto H = make_hamiltonian<double, 1>([](const auto&, const auto&) { return 0.0; },
+                                               [&](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+                                                 if (armed && left-- == 0) throw std::runtime_error("full");
+                                                 dHdq[0] = q[0];
+                                                 dHdp[0] = p[0];
+                                               });
+    double farthest = 0;
+    auto section = poincare_section(
+        H, position, [&](double, const Point& at) { farthest = std::max(farthest, std::abs(at.q()[0])); },
+        {.direction = CrossingDirection::both});
+    const auto within = [&](double t, const Point& at, const IntegrationReport& run) {
+      armed = t > 1.55;  // it crosses at t = 1.57, the first time
+      return section(t, at, run);
+    };
+    Point z(1, 0);
+    CHECK(go_on_to_20(z, within) == 1);
+    section.finish();
+    CHECK(section.count() == 5);  // of six
+    CHECK(farthest < 1e-9);
+  }
+}
+
 TEST_CASE("A run goes on with at_times() behind an exception of its observer or of the gradient",
           "[observers]") {
   std::vector<double> times;

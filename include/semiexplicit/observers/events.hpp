@@ -489,7 +489,9 @@ class Events {
       if (begins && settle(k, kind, start, end, near, h, at)) go_on = tell(k, i, Scalar(0), run) && go_on;
       if (open_[k]) return;
       const bool cut = intervals_.cut(i);
+      open_[k] = true;  // where the search throws the next interval has to find the side anew
       const Crossing crossing = leaves_side(k, kind, start, end, h, near, at, cut, !begins);
+      open_[k] = false;
       // On the surface of an event that changed the state it is the way on that decides.
       if (!crossing.to || (cut && (abs(Scalar(h - crossing.x)) <= abs(same_time(near)) ||
                                    abs(value(kind, end)) <= rounding(kind, end))))
@@ -572,6 +574,7 @@ class Events {
 /// interpolation_error() tells how far; actions hear of the first ones up to nodes -
 /// 1 steps late, and finish() hands on the last ones where fewer steps were taken from the start, or from the
 /// last event of another observer that changed the state. One that returns false ends the run after the step.
+/// What s or a gradient throws in the search passes through, and a crossing in that interval is not told.
 ///
 /// Where an action may change the state, integrate() cuts the step at every event: it finds the time by steps
 /// of the stepper itself, to 1e-12 of the step and better, for five to ten steps more an event; every other

@@ -25,14 +25,14 @@ Scalar two_pi() {
   }
 }
 
-/// |q × p|², in any number of dimensions.
-template <int Dim>
-auto square_of_momentum(const auto& q, const auto& p) {
-  std::decay_t<decltype(q[0] * p[0])> sum(0);
+/// |q × p|²/v², the square of a distance, in any number of dimensions.
+template <int Dim, class Scalar>
+Scalar square_of_impact(const auto& q, const auto& p, const Scalar& per_v) {
+  Scalar sum(0);
   for (int i = 0; i < Dim; ++i)
     for (int j = 0; j < i; ++j) {
-      const auto l = q[i] * p[j] - q[j] * p[i];
-      sum += l * l;
+      const Scalar b = (q[i] * p[j] - q[j] * p[i]) * per_v;
+      sum += b * b;
     }
   return sum;
 }
@@ -47,9 +47,10 @@ auto square_of_momentum(const auto& q, const auto& p) {
 /// A body that falls in fast and flies past leaves next to nothing of r₀ + η₀/√-β, on which its way out
 /// depends. There r and t come from their growing and falling exponentials,
 ///
-///     r = P eˣ + Q e⁻ˣ + GM/β,   x = √-β s,   4PQ = (L² - GM²/β)/-β,   2Q = r₀ - η₀/√-β - GM/β,
+///     r = P eˣ + Q e⁻ˣ + GM/β,   x = √-β s,   4PQ = b² + (GM/β)²,   2Q = r₀ - η₀/√-β - GM/β,
 ///
-/// with P from the product, where nothing cancels.
+/// with the distance b = L/√-β that it would pass the centre by without a force, and with P from the product,
+/// where nothing cancels.
 ///
 /// G₁ and G₂ come from the sine and cosine of the half angle, so that their identities hold to a rounding
 /// that has no preferred sign. (From a series in double precision the energy drifts linearly, by 1e-16 a
@@ -57,10 +58,10 @@ auto square_of_momentum(const auto& q, const auto& p) {
 template <class Scalar>
 class UniversalKepler {
  public:
-  /// `root` is the square root of |beta|, `inverse` 1/r0, `l2` the square of the angular momentum, which only
-  /// counts where beta and eta0 are negative.
+  /// `root` is the square root of |beta|, `inverse` 1/r0, `impact2` the b² above, which only counts where
+  /// beta and eta0 are negative.
   UniversalKepler(const Scalar& gm, const Scalar& r0, const Scalar& inverse, const Scalar& eta0,
-                  const Scalar& beta, const Scalar& root, const Scalar& l2)
+                  const Scalar& beta, const Scalar& root, const Scalar& impact2)
       : gm_(gm),
         r0_(r0),
         inverse_(inverse),
@@ -72,8 +73,9 @@ class UniversalKepler {
     if constexpr (std::is_floating_point_v<Scalar>)
       excess_ = std::fma(root, root, beta < 0 ? beta : -beta) * (per_root_ * per_root_ / 2);
     if (beta < 0 && eta0 < 0) {
-      falling_ = (r0 - eta0 * per_root_ - gm / beta) / 2;
-      growing_ = (l2 - gm * gm / beta) / (-4 * beta * falling_);
+      const Scalar axis = gm / beta;
+      falling_ = (r0 - eta0 * per_root_ - axis) / 2;
+      growing_ = (impact2 + axis * axis) / (4 * falling_);
       inward_ = 64 * growing_ < falling_;
     }
   }
@@ -97,12 +99,14 @@ class UniversalKepler {
       const Scalar bend = passing_ ? Scalar(root_ * (growing_ * power_ - falling_ / power_))
                                    : Scalar(eta0_ * g0_ + zeta_ * g1_);
       const Scalar turn = gm_ - beta_ * slope;
-      // A step of fourth order; where it is not small, Laguerre's, which converges from far away.
-      Scalar step = reverted(f, slope, bend, turn);
+      // A step of fourth order where Newton's is small: its own factor may vanish far from the root. Else
+      // Laguerre's, which converges from far away. Ratios first: squares of distances may be infinite.
+      const Scalar per_slope = 1 / slope, newton = f * per_slope, bent = newton * bend * per_slope;
       const Scalar size =
-          step * step *
-          (bend * bend + slope * ((turn < 0 ? -turn : turn) + slope * (beta_ < 0 ? -beta_ : beta_)));
-      if (size <= close * slope * slope) {
+          bent * bent +
+          newton * newton * ((turn < 0 ? -turn : turn) * per_slope + (beta_ < 0 ? -beta_ : beta_));
+      if (size <= close) {
+        const Scalar step = reverted_per(-f, per_slope, bend, turn);
         shift(step);
         if (!passing_) return true;
         g3_ = (s + step - g1_) / beta_;
@@ -115,8 +119,7 @@ class UniversalKepler {
         high = s;
         bounded = true;
       }
-      step = laguerre(f, slope, bend);
-      Scalar next = s + step;
+      Scalar next = s + laguerre(f, slope, bend);
       if (bounded) {
         if (!(next > low && next < high) || i > 20) next = (low + high) / 2;
         if (!(next > low && next < high)) {  // two neighbouring numbers
@@ -360,8 +363,9 @@ struct KeplerFlow {
     if (!(unbounded - unbounded == 0)) return Status::not_finite;
     const bool back = rest < 0;
     const Scalar eta = back ? Scalar(-eta0) : eta0, ahead = back ? Scalar(-rest) : rest;
-    const Scalar l2 = beta < 0 && eta < 0 ? detail::square_of_momentum<Dim>(q, p) : Scalar(0);
-    detail::UniversalKepler<Scalar> kepler(gm, r0, inverse, eta, beta, root, l2);
+    const Scalar impact2 =
+        beta < 0 && eta < 0 ? detail::square_of_impact<Dim, Scalar>(q, p, 1 / root) : Scalar(0);
+    detail::UniversalKepler<Scalar> kepler(gm, r0, inverse, eta, beta, root, impact2);
     if (!kepler.solve(ahead)) return Status::no_convergence;
     const Scalar g1 = back ? Scalar(-kepler.g1()) : kepler.g1(), g2 = kepler.g2();
     const Scalar f = -gm * g2 * inverse, g = back ? Scalar(-kepler.g(ahead)) : kepler.g(ahead);

@@ -135,10 +135,12 @@ class Forecast {
     for (const auto& sample : reference_.samples())
       if (sample.apart / unit > loosest() / 3) end = std::min(end, sample.t);
     const bool lost = end < length || apart(length) > loosest() / 3;
-    // Exponential is what grows as much in each third: close passages make single jumps.
+    // Exponential is what grows as much in each third, as far as a neighbouring orbit does not know better:
+    // close passages make single jumps, and so do steps of another length.
     const double first = apart(end / 3), second = apart(2 * end / 3), last = apart(end);
     const double rate = std::log(last / first) / (2 * end / 3);
-    const bool exponential = std::min(second / first, last / second) > much;
+    const bool stays_near = neighbour_.time() > length && neighbour_.rate() == 0;
+    const bool exponential = std::min(second / first, last / second) > much && !stays_near;
     const double power = std::log(apart(length) / apart(length / 4)) / std::log(4.0);
     if (lost && exponential) parts(rate);
     suspected_rate_ = !lost && exponential ? rate : 0;

@@ -182,6 +182,8 @@ class Search {
     return true;
   }
 
+  double aim_of(const Goal& goal) const { return std::max(goal.target, 2 * table_.rounding); }
+
   double longest_step(const Candidate& candidate) const {
     return candidate.setting.reversible ? most_scales : table_.time;
   }
@@ -385,7 +387,7 @@ class Search {
       Goal& goal = goals_[i];
       const double share = (end - table_.spent_gradients) / left--;
       if (cut_ || table_.parts_before(goal.target) || (goal.cut && goal.racers.empty())) continue;
-      goal.aim = std::max(goal.target, 2 * table_.rounding);
+      goal.aim = aim_of(goal);
       if (&goal != &goals_.front() && goal.aim == (&goal - 1)->aim)
         goal.racers = (&goal - 1)->racers, goal.tried = (&goal - 1)->tried, goal.cut = (&goal - 1)->cut;
       else {
@@ -430,6 +432,7 @@ class Search {
   /// A last race as far as the goal was tried, and to T where the calls that are left suffice for one racer.
   SEMIEXPLICIT_COLD void race_again(Goal& goal) {
     cut_ = false;
+    goal.aim = aim_of(goal);  // a neighbouring orbit may have told better what rounding comes to
     table_.tried = goal.tried;
     if (goal.missed == goal.tried) goal.racers.clear();
     race(goal);

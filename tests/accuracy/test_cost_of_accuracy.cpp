@@ -15,6 +15,7 @@
 #include <semiexplicit/time/autonomous.hpp>
 
 #include "catch.hpp"
+#include "kepler.hpp"
 
 namespace test_cost_of_accuracy {
 
@@ -187,6 +188,19 @@ TEST_CASE("bad requests are refused by name") {
   CHECK_FALSE(nothing.cheapest(1e-6));
   CHECK(contains(refusal([&] { (void)nothing.cheapest(0); }), "target is not"));
   CHECK(contains(refusal([&] { (void)nothing.cheapest(nan); }), "target is not"));
+}
+
+TEST_CASE("of a separable Hamiltonian splittings alone are something to try") {
+  const Kepler kepler;
+  const PhasePoint<double, 2> z0({1, 0}, {0, 1.1});
+  const CostOptions alone{.targets = {1e-6}, .schemes = {}, .gauss_stages = {}};
+  const auto cost = cost_of_accuracy(kepler, z0, 100, alone);
+  const auto advice = cost.cheapest(1e-6);
+  REQUIRE(advice);
+  CHECK(advice->setting.method == Setting::Method::splitting);
+  CostOptions none = alone;
+  none.splittings = {};
+  CHECK(contains(refusal([&] { cost_of_accuracy(kepler, z0, 100, none); }), "both empty"));
 }
 
 namespace {

@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <map>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -33,7 +34,8 @@ struct Candidate {
 /// Candidates of one kind, from loose to tight targets.
 using Family = std::vector<Candidate>;
 
-/// Every way that there is for a Hamiltonian. Throws std::invalid_argument for what is misspelled.
+/// Every way that there is for a Hamiltonian. Throws std::invalid_argument for what is misspelled, and where
+/// there is none.
 template <class Any>
 SEMIEXPLICIT_COLD std::vector<Family> families_for(const Problem<Any>& problem) {
   using Method = Setting::Method;
@@ -52,6 +54,11 @@ SEMIEXPLICIT_COLD std::vector<Family> families_for(const Problem<Any>& problem) 
   if (problem.hamiltonian.is_separable()) add_schemes(Method::splitting, options.splittings, 0.5);
   add_schemes(Method::semiexplicit, options.schemes, 1);
   add_schemes(Method::midpoint, options.schemes, 1);
+  if (all.empty() && options.gauss_stages.empty())
+    throw std::invalid_argument(
+        "cost_of_accuracy: options.schemes and options.gauss_stages are both empty, and there is no "
+        "splitting "
+        "to try; give something to try");
   if (options.gauss_stages.empty()) return all;
   // In gradient calls the stages in lanes are no better: they only win in time.
   const bool lanes = problem.hamiltonian.takes_packs() && options.by == CostBy::seconds;

@@ -63,8 +63,6 @@ SEMIEXPLICIT_COLD void check(const CostOptionsOf<Scalar, Dof>& options) {
     refuse("options.min_gradients is negative or not finite; give a number of gradient calls");
   if (!(options.max_gradients >= 1000))
     refuse("options.max_gradients is below 1000; give a bound that leaves room for a few steps");
-  if (options.schemes.empty() && options.gauss_stages.empty())
-    refuse("options.schemes and options.gauss_stages are both empty; give something to try");
   for (const int stages : options.gauss_stages)
     if (stages < 1 || stages > 8)
       refuse("options.gauss_stages holds " + std::to_string(stages) + "; give numbers from 1 to 8");

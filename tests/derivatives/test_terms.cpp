@@ -203,6 +203,40 @@ TEST_CASE("Parameters come from arrays of any kind", "[terms]") {
         }) <= 1e-15);
 }
 
+TEST_CASE("Integers of an array are integers in the gradient, too", "[terms]") {
+  const Index n = 37;
+  std::vector<int> kind(std::size_t(n), 0);
+  std::vector<unsigned> label(std::size_t(n), 0u);
+  Eigen::VectorXi column(n);
+  Eigen::MatrixXi table(n, n);
+  for (Index i = 0; i < n; ++i) {
+    kind[std::size_t(i)] = static_cast<int>(1 + i % 5);
+    label[std::size_t(i)] = static_cast<unsigned>(i % 3);
+    column[i] = static_cast<int>(i % 7);
+    for (Index j = 0; j < n; ++j) table(i, j) = static_cast<int>((3 * i + j) % 5);
+  }
+  const int* const pointer = kind.data();
+  CHECK(error_of(n, [=](const auto& q, const auto& p) {
+          return sum_over(n, [&](auto i) {
+            return (at(kind, i) / 2) * q[i] * q[i] + q[i] * p[i] * (at(column, i) / at(kind, i)) +
+                   p[i] * p[i] * (7 / at(pointer, i)) + q[i] * ((at(kind, i) + i) / 2) +
+                   p[i] * (at(column, i) % 2);
+          });
+        }) <= 1e-15);
+  CHECK(error_of(n, [=](const auto& q, const auto& p) {
+          return sum_over(n - 1, [&](auto i) {
+            return 1e-9 * (at(label, i) - at(label, i + 1)) * q[i] * q[i + 1] + p[i] * p[i];
+          });
+        }) <= 1e-15);
+  CHECK(error_of(n, [=](const auto& q, const auto& p) {
+          return sum_over_pairs(n, [&](auto i, auto j) {
+            return (at(kind, j) / 2) * q[i] * p[j] + p[i] * p[j] * (at(kind, i) / at(kind, j)) +
+                   q[i] * q[j] * (at(table, i, j) / 2) + q[i] * (at(table, j, 1) / 3) +
+                   q[j] * (at(table, 2, i) / 3);
+          });
+        }) <= 1e-15);
+}
+
 TEST_CASE("Terms may branch", "[terms]") {
   const Index n = 50;
   const auto by_value = [=](const auto& q, const auto& p) {

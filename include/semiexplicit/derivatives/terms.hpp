@@ -222,10 +222,10 @@ struct TracedBase<Traced<T>> {
 ///
 /// The term takes its index by `auto` and reads q and p at i, i + 1, i - 2, 3 * i + 1, (i + 1) % n, and
 /// at(array, i) of arrays of its parameters. Anything else is right as well, but slower (terms one by one on
-/// a tape): array[i] with a plain array, branches that neighbouring terms take differently, positions out of
-/// a table, more than eight neighbours, q and p copied elsewhere before. A term that does not compile with
-/// such an index takes it as `Eigen::Index i`, and is evaluated one by one. It may be called more often than
-/// n times.
+/// a tape): array[i] with a plain array, at(array, i) of integers, branches that neighbouring terms take
+/// differently, positions out of a table, more than eight neighbours, q and p copied elsewhere before. A term
+/// that does not compile with such an index takes it as `Eigen::Index i`, and is evaluated one by one. It may
+/// be called more often than n times.
 template <std::integral Count, class Term>
 auto sum_over(Count n, const Term& term);
 
@@ -343,6 +343,12 @@ auto at(const Array& array, I i) {
   else
     return array[i];
 }
+/// Integers stay what they are, as 1 / 2 is 0: those of a single term.
+template <class Array, class S>
+requires requires(const Array& array) { semiexplicit::at(array, Eigen::Index()) % 1; }
+SEMIEXPLICIT_INTO_TERM auto at(const Array& array, const detail::autodiff::LaneIndex<S>& i) {
+  return at(array, static_cast<Eigen::Index>(i));
+}
 template <class Array, class S>
 SEMIEXPLICIT_INTO_TERM auto at(const Array& array, const detail::autodiff::LaneIndex<S>& i) {
   using Pack = detail::autodiff::LanePack<S>;
@@ -375,6 +381,12 @@ SEMIEXPLICIT_INTO_TERM auto at(const Array& array, const detail::autodiff::LaneI
 template <class Matrix, std::integral I, std::integral J>
 auto at(const Matrix& matrix, I i, J j) {
   return matrix.coeff(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+}
+template <class Matrix, class S>
+requires requires(const Matrix& matrix) { matrix.coeff(0, 0) % 1; }
+SEMIEXPLICIT_INTO_TERM auto at(const Matrix& matrix, const detail::autodiff::LaneIndex<S>& i,
+                               const detail::autodiff::LaneIndex<S>& j) {
+  return at(matrix, static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
 }
 template <class Matrix, class S>
 SEMIEXPLICIT_INTO_TERM auto at(const Matrix& matrix, const detail::autodiff::LaneIndex<S>& i,

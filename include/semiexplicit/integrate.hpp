@@ -366,7 +366,7 @@ Status cut_at_events(S& stepper, typename S::State& start, typename S::State& st
     report.at_event = true;
     bool go_on = !later || tell();
     go_on = observer.act(found, t, state, report) && go_on;
-    ++report.changes;
+    if (observer.changes(found)) ++report.changes;
     if (t != end || !go_on) go_on = tell() && go_on;
     if (!go_on) return Status::stopped;
     if (h == Scalar(0)) {

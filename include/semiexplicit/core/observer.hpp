@@ -28,9 +28,9 @@ concept Observer = std::invocable<O&, const Scalar&, const State&> ||
 
 /// An observer for which integrate() cuts steps, since it may change the state there: `static constexpr bool
 /// changes_state = true;`, see(t, z, report), which is told what observers are, first_event(start, end, h,
-/// move), the first event on a step, act(found, t, z, report), which may change z, and known() and
-/// back_to(known, z), by which a step that fails or throws is taken back; see Events. It is no Observer, so
-/// that none of those can hide it from integrate().
+/// move), the first event on a step, changes(found), whether that may change z, act(found, t, z, report), and
+/// known() and back_to(known, z), by which what fails or throws is taken back; see Events. It is no Observer,
+/// so that none of those can hide it from integrate().
 template <class O>
 concept ChangesState = requires {
   requires bool(std::remove_cvref_t<O>::changes_state);

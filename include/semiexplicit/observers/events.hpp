@@ -236,6 +236,8 @@ class Events {
     return first;
   }
 
+  /// Whether the action of that event may change the state.
+  bool changes(const Found& found) const { return acting[found.kind]; }
   /// Calls its action; false: it wants the run to stop.
   bool act(const Found& found, const Scalar& t, State& z, const IntegrationReport& run) {
     bool go_on = true;
@@ -278,6 +280,7 @@ class Events {
   template <class Kind>
   static constexpr bool acts =
       detail::StateChange<std::remove_reference_t<decltype(std::declval<Kind>().action)>, Scalar, State>;
+  static constexpr std::array<bool, number> acting{acts<Kinds>...};
 
   /// Where s goes from a state on the surface: to that side (0: not seen), seen at the time x.
   struct Leaving {

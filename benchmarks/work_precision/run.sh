@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# run.sh [OPTION...]: what accuracy costs, all problems, about an hour; tables, figures and the summary in README.md
-# of this folder. Installs what is missing, builds what is needed and runs on one core (CORE=2 chooses it). With --short:
-# a test that everything runs, its results in a temporary folder. Other options go to the program (see
-# build/release/benchmarks/bench_work_precision --help).
+# run.sh [OPTION...] [PROBLEM...]: what accuracy costs, two hours and more for all problems; tables, figures and the summary in
+# README.md of this folder. Of problems that are not named the tables stay as they are. Installs what is missing, builds what is
+# needed and runs on one core (CORE=2 chooses it). With --short: a test that everything runs, its results in a temporary folder.
+# Other options go to the program (see build/release/benchmarks/bench_work_precision --help).
 set -euo pipefail
 # shellcheck source=cmake/stage.sh
 source "$(dirname "${BASH_SOURCE[0]}")/../../cmake/stage.sh"

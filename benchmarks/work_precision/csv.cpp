@@ -77,6 +77,8 @@ Result read_csv(const std::filesystem::path& file) try {
   std::getline(in, line);
   const std::vector<std::string> names = fields(line);
   Result result;
+  for (const std::string& name : names)
+    if (is_invariant(name)) result.invariants.push_back(name.substr(0, name.rfind("_error")));
   while (std::getline(in, line)) {
     const std::vector<std::string> values = fields(line);
     std::map<std::string, std::string> cell;

@@ -189,7 +189,7 @@ class GaussShell {
   GaussTableau<Scalar> tableau_;
 
  private:
-  /// By how much a few roundings of the coordinates change dt times the vector field at z, entry by entry.
+  /// By how much a few roundings of the stages' places change dt times the vector field at z, entry by entry.
   SEMIEXPLICIT_COLD void feel_rounding(const State& z, StepReport& report) {
     using std::abs;
     const Eigen::Index d = dof();
@@ -200,7 +200,8 @@ class GaussShell {
     field_at(felt_);
     for (Eigen::Index i = 0; i < at_.size(); ++i) {  // unlike ones, which do not cancel
       constexpr int roundings[] = {4, -3, 6};
-      at_[i] += Scalar(roundings[i % 3]) * Eigen::NumTraits<Scalar>::epsilon() * abs(at_[i]);
+      const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon();
+      at_[i] += Scalar(roundings[i % 3]) * epsilon * (abs(at_[i]) + stages().displaced(i));
     }
     field_at(other_);
     for (Eigen::Index i = 0; i < at_.size(); ++i) felt_[i] = abs(weights_dt_ * (other_[i] - felt_[i]));

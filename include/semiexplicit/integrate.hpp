@@ -312,16 +312,25 @@ auto& changing(First& first, Others&... others) {
 /// A step that was taken from `start`, at the time t, to `state`, cut where an observer wants to change the
 /// state: `state` and t become those after the last event, and what is left of the step is taken from there.
 /// tell() notifies all observers of `state` at t. Success, `stopped` at an event, or why the rest of the step
-/// failed; in the latter two cases behind an event report.at_event stays true.
-template <class S, class Tell, class Observer>
-Status cut_at_events(S& stepper, typename S::State& start, typename S::State& state, typename S::Scalar& t,
-                     const typename S::Scalar& end, const IntegrationOptions<typename S::Scalar>& options,
-                     IntegrationReport& report, const Tell& tell, Observer& observer) {
+/// failed; in the latter two cases behind an event report.at_event stays true. Where something throws,
+/// `start` and `known` are the last good state and what the observer knew there: before an action that
+/// throws.
+template <class S, class Tell, class Observer, class Known>
+Status cut_at_events(S& stepper, typename S::State& start, Known& known, typename S::State& state,
+                     typename S::Scalar& t, const typename S::Scalar& end,
+                     const IntegrationOptions<typename S::Scalar>& options, IntegrationReport& report,
+                     const Tell& tell, Observer& observer) {
   using Scalar = typename S::Scalar;
   Scalar h = options.dt;
+  const auto keep = [&] {
+    start = state;
+    known = observer.known();
+  };
+  const auto accept = [&] {
+    report.max_correction = std::max(report.max_correction, report.last.correction);
+  };
   constexpr int most = 1000;
   for (int events = 0;; ++events) {
-    const auto known = observer.known();
     StepReport searched;  // the first step of the search that failed, if any
     const auto move = [&](const Scalar& x, typename S::State& z) {
       z = start;
@@ -340,6 +349,7 @@ Status cut_at_events(S& stepper, typename S::State& start, typename S::State& st
       return searched.status;
     }
     if (!found) {
+      accept();
       t = end;
       report.at_event = false;
       return Status::success;
@@ -358,22 +368,21 @@ Status cut_at_events(S& stepper, typename S::State& start, typename S::State& st
       observer.back_to(known, start);
       return report.last.status;
     }
+    accept();
     Scalar now = x == h ? end : Scalar(t + x);
     if (h > Scalar(0) ? now > end : now < end) now = end;
     const bool later = now != t;
     t = now;
     h -= x;
     report.at_event = true;
+    keep();
     bool go_on = !later || tell();
     go_on = observer.act(found, t, state, report) && go_on;
+    keep();
     if (observer.changes(found)) ++report.changes;
     if (t != end || !go_on) go_on = tell() && go_on;
     if (!go_on) return Status::stopped;
-    if (h == Scalar(0)) {
-      start = state;
-      continue;
-    }
-    start = state;
+    if (h == Scalar(0)) continue;
     report.last = stepper.step(state, h);
     report.evaluations += report.last.evaluations;
     report.gradients += report.last.gradients;
@@ -446,21 +455,21 @@ IntegrationReport integrate_checked(S& stepper, typename S::State& state,
                 "only one observer of a run may change the state: put these events into one events(H, ...)");
 
   if (report.steps == 0 && !wanted()) return finish(Status::stopped);
-  // The state at the last whole step, and after the last event behind that.
+  // The state at the last whole step, or at the last event behind that.
   const auto kept = [&] {
     if constexpr (changing_observers == 1)
       return typename S::State(state);
     else
       return 0;
   };
-  [[maybe_unused]] auto whole = kept(), start_of_rest = kept();
+  [[maybe_unused]] auto last_good = kept();
   const auto at_end = [&] {
     if constexpr (ChoosesSteps<S>)
       if (by_clock) return stepper.reached(*options.t_end);
     return report.steps >= options.steps;
   };
   while (!at_end()) {
-    if constexpr (changing_observers == 1) start_of_rest = whole = state;
+    if constexpr (changing_observers == 1) last_good = state;
     if constexpr (ChoosesSteps<S>)
       if (stepper.time() != t)
         throw std::logic_error(
@@ -473,16 +482,15 @@ IntegrationReport integrate_checked(S& stepper, typename S::State& state,
     if constexpr (ChoosesSteps<S>)
       if (report.last.ok()) report.taken = static_cast<double>(stepper.taken());
     if (!report.last.ok() && !step_in_parts(stepper, state, options, report)) return fail(report.last.status);
-    report.max_correction = std::max(report.max_correction, report.last.correction);
     if constexpr (changing_observers == 1) {
       auto& changes = changing(observers...);
-      const Status status = [&, known = changes.known()] {
+      const Status status = [&, known = changes.known()]() mutable {
         try {
-          return cut_at_events(stepper, start_of_rest, state, t, time_after(report.steps + 1), options,
+          return cut_at_events(stepper, last_good, known, state, t, time_after(report.steps + 1), options,
                                report, wanted, changes);
         } catch (...) {
-          state = whole;
-          changes.back_to(known, whole);
+          state = last_good;
+          changes.back_to(known, last_good);
           throw;
         }
       }();
@@ -490,6 +498,7 @@ IntegrationReport integrate_checked(S& stepper, typename S::State& state,
       if (status != Status::success) return fail(status);
       ++report.steps;
     } else {
+      report.max_correction = std::max(report.max_correction, report.last.correction);
       ++report.steps;
       t = time_after(report.steps);
     }
@@ -512,7 +521,9 @@ IntegrationReport integrate_checked(S& stepper, typename S::State& state,
 /// Times are t0 + n dt, without accumulated rounding; of a stepper that ChoosesSteps they are its own. A step
 /// that fails leaves `state` at the last good one and throws IntegrationError, or ends the run
 /// (OnFailure::stop). An exception of a gradient, an observer or an event's action passes through, with the
-/// state likewise; one from within a step at an event leaves the state of the step before.
+/// state likewise: that of the last whole step, or of the last event in the step behind it, before an action
+/// that throws. A new run from there, with t0 the time that observers were shown with it, goes on with the
+/// same observers, and calls that action again.
 /// Throws std::invalid_argument for a negative number of steps, a t_end that dt leads away from, a senseless
 /// `subdivide`, one with an observer that changes the state (ChangesState), and a run to be gone on with that
 /// ended at an event within a step (`done.at_event`), or that another stepper made that ChoosesSteps. With a

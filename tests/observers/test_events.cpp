@@ -594,13 +594,14 @@ TEST_CASE("A failure behind an event leaves the state of the event", "[events]")
   CHECK(z.p()[0] == 1);
 }
 
-TEST_CASE("What throws at an event leaves the state of the step before, and no event is counted twice",
+TEST_CASE("What throws at an event leaves the state of the event, and no event is lost or counted twice",
           "[events]") {
   auto stepper = semiexplicit_of(Ball());
   for (const bool action : {true, false}) {
     for (const int which : {1, 2}) {  // two bounces in a step of 3
       CAPTURE(action, which);
       Point z(0.5, 0), good = z;
+      double now = 0;
       int bounces = 0;
       bool thrown = false;
       auto watch = events(Ball(), on_event(
@@ -610,21 +611,87 @@ TEST_CASE("What throws at an event leaves the state of the step before, and no e
                                         if (++bounces == which && action) throw std::runtime_error("action");
                                       },
                                       CrossingDirection::falling));
-      const auto observer = [&](double, const Point& at, const IntegrationReport& run) {
-        if (!run.at_event)
-          good = at;
-        else if (bounces == which && !action && !std::exchange(thrown, true))
-          throw std::runtime_error("observer");
+      const auto observer = [&](double t, const Point& at) {
+        good = at;
+        now = t;
+        if (bounces == which && !action && !std::exchange(thrown, true)) throw std::runtime_error("observer");
       };
-      CHECK_THROWS_AS(integrate(stepper, z, {.dt = 3.5, .steps = 10}, watch, observer), std::runtime_error);
+      CHECK_THROWS_AS(integrate(stepper, z, {.dt = 3.5, .t_end = 34}, watch, observer), std::runtime_error);
       CHECK(z.vector() == good.vector());
-      CHECK(z.p()[0] == 0);
-      CHECK(watch.count() == 0);
-      const auto report = integrate(stepper, z, {.dt = 3.5, .steps = 10}, watch, observer);
-      CHECK(report.changes == 17);  // at t = 1, 3, ..., 33
-      CHECK(watch.count() == report.changes);
+      CHECK(now == Approx(2 * which - 1));
+      CHECK(z.p()[0] == Approx(action ? -1 : 1));
+      CHECK(watch.count() == (action ? which - 1 : which));
+      integrate(stepper, z, {.dt = 3.5, .t0 = now, .t_end = 34}, watch, observer);
+      CHECK(watch.count() == 17);  // at t = 1, 3, ..., 33
+      CHECK(z.q()[0] == Approx(elastic(34)));
     }
   }
+}
+
+TEST_CASE("Observers see nothing twice where a run goes on behind a gradient that threw at an event",
+          "[events]") {
+  for (const int call : {0, 5, 30}) {
+    CAPTURE(call);
+    int left = -1;
+    const auto H =
+        make_hamiltonian<double, 1>([](const auto& q, const auto& p) { return p[0] * p[0] / 2 + q[0]; },
+                                    [&](const auto&, const auto& p, auto& dHdq, auto& dHdp) {
+                                      if (left >= 0 && left-- == 0) throw std::runtime_error("no licence");
+                                      dHdq[0] = 1;
+                                      dHdp[0] = p[0];
+                                    });
+    int bounces = 0;
+    const auto bounce = [&](double, Point& at) {
+      at.p()[0] = -at.p()[0];
+      if (++bounces == 1) left = call;
+    };
+    auto watch = events(Ball(), on_event(height, bounce, CrossingDirection::falling));
+    std::vector<double> crossings, rows;
+    auto section = poincare_section(
+        Ball(), [](const auto& q, const auto&) { return q[0] - 0.125; },
+        [&](double t, const Point&) { crossings.push_back(t); }, {.direction = CrossingDirection::both});
+    auto fourth = every(4, [&](double t, const Point&) { rows.push_back(t); });
+    double now = 0;
+    const auto clock = [&](double t, const Point&) { now = t; };
+    auto stepper = semiexplicit_of(H);
+    Point z(0.5, 0);
+    const auto run = [&] {
+      integrate(stepper, z, {.dt = 0.3, .t0 = now, .t_end = 3.9}, watch, section, fourth, clock);
+    };
+    CHECK_THROWS_AS(run(), std::runtime_error);  // in the step from 0.9 to 1.2, the surface crossed before it
+    CHECK(now == Approx(1));
+    CHECK(z.p()[0] == Approx(1));
+    run();
+    section.finish();
+    CHECK(bounces == 2);
+    const double time = std::sqrt(0.75);
+    REQUIRE(crossings.size() == 4);
+    CHECK(crossings[0] == Approx(time));
+    CHECK(crossings[1] == Approx(2 - time));
+    REQUIRE(rows.size() == 4);
+    CHECK(rows[1] == Approx(1.29));  // three steps, and one of ten to the end
+    CHECK(z.q()[0] == Approx(elastic(3.9)));
+  }
+}
+
+TEST_CASE("The largest correction is that of what was accepted of a step that was cut", "[events]") {
+  // One of the fall by its length, ten times that where it is fast, and five of the way up.
+  struct Falls {
+    using Scalar = double;
+    using State = Point;
+    StepReport step(Point& z, const double& dt) {
+      const double p = z.p()[0];
+      z.q()[0] += dt * p - dt * dt / 2;
+      z.p()[0] -= dt;
+      return {.correction = p > 0 ? 5 : p < -0.5 ? 10 * dt : dt};
+    }
+  };
+  Falls stepper;
+  Point z(0.5, 0);
+  auto watch =
+      events(Ball(), on_event(
+                         height, [](double, Point& at) { at.p()[0] = 1; }, CrossingDirection::falling));
+  CHECK(integrate(stepper, z, {.dt = 0.6, .steps = 2}, watch).max_correction == 5);
 }
 
 TEST_CASE("An action that throws, or a surface that is NaN, takes no event from the other kinds",
@@ -731,12 +798,10 @@ TEST_CASE("An exception in the search for an event loses none", "[events]") {
   auto stepper = semiexplicit_of(H);
   Point z(0.5, 0);
   double now = 0;
-  const auto clock = [&](double t, const Point&, const IntegrationReport& run) {
-    if (!run.at_event) now = t;
-  };
+  const auto clock = [&](double t, const Point&) { now = t; };
   CHECK_THROWS_AS(integrate(stepper, z, {.dt = 0.3, .t_end = 3.9}, clock, watch), std::runtime_error);
-  CHECK(now == Approx(0.9));
-  CHECK(watch.count() == 0);
+  CHECK(now == Approx(std::sqrt(0.98)));
+  CHECK(watch.count() == 1);
   integrate(stepper, z, {.dt = 0.3, .t0 = now, .t_end = 3.9}, clock, watch);
   CHECK(watch.count(0) == 2);
   CHECK(watch.count(1) == 2);

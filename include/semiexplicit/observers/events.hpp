@@ -161,8 +161,8 @@ class Events {
     each([&](std::size_t, auto& kind) { detail::visit_inner(visit, kind.action); });
   }
 
-  /// What it knows of the orbit, and back to that, at the state z: for integrate(), which takes back a step
-  /// that fails or throws at an event.
+  /// What it knows of the orbit, and back to that, at the state z: for integrate(), which takes back what
+  /// fails or throws on the way to an event, or at it.
   auto known() const {
     return std::tuple(sides_, counts_, open_, pending_, fired_, rests_, level_, since_, scale_);
   }
@@ -181,11 +181,11 @@ class Events {
 
   /// The first event on the way from `start` to `end`, which takes the time h; move(x, z) makes z the state
   /// at the time x after `start`. Events at the same time follow one by one with x = 0, also where nothing is
-  /// left of the step, h = 0. For integrate(), where changes_state.
+  /// left of the step, h = 0. It is to come until act(). For integrate(), where changes_state.
   template <class Move>
   Found first_event(const State& start, const State& end, const Scalar& h, const Move& move) {
     using std::abs;
-    if (const Found found = take_pending()) return found;
+    if (const Found found = next_pending()) return found;
     lengthen(h);
     const Scalar near = shortly(h == Scalar(0) ? longest_ : h);
     const auto along = [&](const auto& kind) {
@@ -197,7 +197,7 @@ class Events {
     each([&](std::size_t k, auto& kind) {
       if (open_[k]) pending_[k] = settle(k, kind, start, end, near, longest_, along(kind));
     });
-    if (const Found found = take_pending()) return found;
+    if (const Found found = next_pending()) return found;
     if (h == Scalar(0)) return {};
     Found first;
     std::array<int, number> after = sides_;
@@ -233,6 +233,7 @@ class Events {
         if (pending_[k]) sides_[k] = after[k];
       });
     }
+    pending_[first.kind] = true;
     return first;
   }
 
@@ -241,6 +242,7 @@ class Events {
   /// Calls its action; false: it wants the run to stop.
   bool act(const Found& found, const Scalar& t, State& z, const IntegrationReport& run) {
     bool go_on = true;
+    pending_[found.kind] = false;
     open_.fill(true);
     since_ = Scalar(0);
     each([&](std::size_t k, auto& kind) {
@@ -322,9 +324,9 @@ class Events {
     open_.fill(true);
   }
 
-  Found take_pending() {
+  Found next_pending() {
     for (std::size_t k = 0; k < number; ++k)
-      if (std::exchange(pending_[k], false)) return {k, Scalar(0)};
+      if (pending_[k]) return {k, Scalar(0)};
     return {};
   }
 

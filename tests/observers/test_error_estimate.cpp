@@ -215,6 +215,20 @@ TEST_CASE("A sparse estimate counts on over runs that follow one another", "[err
   }
 }
 
+TEST_CASE("A sparse estimate goes on where a run turned between two of its states", "[error estimate]") {
+  for (const int steps : {24, 25, 27}) {  // of 25 the next state is at the time of the last one
+    CAPTURE(steps);
+    Semiexplicit stepper(Kepler(), schemes::strang());
+    auto estimate = with_error_estimate(stepper), each_step = estimate;
+    auto tenth = every(10, estimate);
+    Point z = kepler_orbit(0.4, 1);
+    const auto there = integrate(stepper, z, {.dt = 0.01, .steps = steps}, tenth, each_step);
+    integrate(stepper, z, {.dt = -0.01, .steps = 3 * steps, .t0 = there.t}, tenth, each_step);
+    REQUIRE(estimate.error());
+    CHECK(*estimate.error() == Approx(*each_step.error()).epsilon(0.3));
+  }
+}
+
 TEST_CASE("An estimate goes on in a run from the last state, whatever its t0", "[error estimate]") {
   const Semiexplicit stepper(Kepler(), schemes::blanes_moan4());
   for (const double t0 : {0.0, 20.0}) {

@@ -153,7 +153,8 @@ class ErrorEstimate {
   }
 
   void go_on(const Scalar& time, std::int64_t steps) {
-    const std::int64_t parts = options_.parts * (steps < 1 ? 1 : steps);
+    if (steps == 0) return;
+    const std::int64_t parts = options_.parts * steps;
     const Scalar part = time / Scalar(parts);
     State& ahead = difference_;  // a gradient may throw, or fail, between two parts
     ahead = companion_;

@@ -79,7 +79,8 @@ class RunClock {
   }
 
   /// How many steps lie between, where that is known; else 1. By the time where the state at which one run
-  /// ended and the next one began was not shown: of steps that were chosen, as many of the last one's length.
+  /// ended and the next one began was not shown: of steps that were chosen, as many of the last one's length;
+  /// none where a run that turned is back at the time of the last state.
   std::int64_t steps_since(const Scalar& t, const IntegrationReport& run) const {
     using std::abs;
     if (run.dt == 0) return 1;
@@ -87,9 +88,10 @@ class RunClock {
     if (run.taken != 0 && counted > 1) return counted;
     const Scalar length = static_cast<Scalar>(run.taken != 0 ? run.taken : run.dt), passed = t - t_;
     const Scalar open = abs(length) / 2 + 4 * Eigen::NumTraits<Scalar>::epsilon() * rounding_.size(t);
-    if (abs(passed - Scalar(counted) * length) <= open) return counted;
+    if (counted > 0 && abs(passed - Scalar(counted) * length) <= open) return counted;
     const double by_time = std::round(static_cast<double>(abs(passed / length)));
-    return by_time > 1 ? static_cast<std::int64_t>(by_time) : 1;
+    if (run.at_event || at_event_) return 1;  // a part of a step
+    return static_cast<std::int64_t>(by_time);
   }
 
   /// The state at t, so related to the one before, is the last one now.

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <iostream>
 #include <numeric>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -97,11 +98,18 @@ void write(const std::filesystem::path& output, const Result& result, bool plot)
   report(output, result, plot);
 }
 
-/// All problems that were ever measured: they may be measured one by one.
+/// All problems that were ever measured: they may be measured one by one. A table of an earlier program is
+/// left out, and named.
 std::vector<Result> measured(const std::filesystem::path& output, const std::vector<std::string>& names) {
   std::vector<Result> results;
-  for (const std::string& name : names)
-    if (std::filesystem::exists(table_of(output, name))) results.push_back(read_csv(table_of(output, name)));
+  for (const std::string& name : names) {
+    if (!std::filesystem::exists(table_of(output, name))) continue;
+    try {
+      results.push_back(read_csv(table_of(output, name)));
+    } catch (const std::runtime_error& error) {
+      std::cerr << "left out of the summary: " << error.what() << '\n';
+    }
+  }
   return results;
 }
 

@@ -258,7 +258,7 @@ class HessianProduct {
         if (!(size(half, found - other) <= size(half, found) / 1000)) near[half] = true;
       // Where one half of z is far smaller than what it is on its way to, the shift may be one that the other
       // does not feel; where units differ, one that steps over what bends a coordinate.
-      const Scalar smallest(1e-14);
+      const Scalar smallest = Scalar(1e-14);
       const Scalar farther = ShiftSearch<H>::usual_part(lengths_.farthest_along(v));
       if (farther > Scalar(0) && look_by(farther)) return Scalar(0);
       Scalar least(0);  // below that rounding hides what some coordinate does

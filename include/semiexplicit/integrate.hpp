@@ -350,6 +350,7 @@ Status cut_at_events(S& stepper, typename S::State& start, Known& known, typenam
     }
     if (!found) {
       accept();
+      report.part = events > 0 ? static_cast<double>(h) : 0;
       t = end;
       report.at_event = false;
       return Status::success;
@@ -369,18 +370,18 @@ Status cut_at_events(S& stepper, typename S::State& start, Known& known, typenam
       return report.last.status;
     }
     accept();
-    Scalar now = x == h ? end : Scalar(t + x);
-    if (h > Scalar(0) ? now > end : now < end) now = end;
-    const bool later = now != t;
-    t = now;
+    const Scalar now = x == h ? end : Scalar(t + x);
+    t = (h > Scalar(0) ? now > end : now < end) ? end : now;
     h -= x;
     report.at_event = true;
+    report.part = static_cast<double>(x);
     keep();
-    bool go_on = !later || tell();
+    bool go_on = x == Scalar(0) || tell();
     go_on = observer.act(found, t, state, report) && go_on;
     keep();
     if (observer.changes(found)) ++report.changes;
-    if (t != end || !go_on) go_on = tell() && go_on;
+    report.part = 0;
+    if (h != Scalar(0) || !go_on) go_on = tell() && go_on;
     if (!go_on) return Status::stopped;
     if (h == Scalar(0)) continue;
     report.last = stepper.step(state, h);

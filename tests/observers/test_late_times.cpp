@@ -94,6 +94,50 @@ TEST_CASE("Observers see at late times what they see at early ones", "[observers
   same_at<float>(4e5F, 0.02F, 20'000);
 }
 
+namespace {
+/// A ball q₁ over the floor, beside an oscillator q₂.
+template <class Scalar>
+auto ball_and_oscillator() {
+  return make_hamiltonian<Scalar, 2>(
+      [](const auto& q, const auto& p) { return (p[0] * p[0] + p[1] * p[1] + q[1] * q[1]) / 2 + q[0]; },
+      [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+        dHdq[0] = 1;
+        dHdq[1] = q[1];
+        dHdp = p;
+      });
+}
+
+/// The states at the crossings of q₂ = 0 while the ball bounces.
+template <class Scalar>
+std::vector<Scalar> crossings_beside_bounces(Scalar t0) {
+  const auto h = ball_and_oscillator<Scalar>();
+  Semiexplicit stepper(h, schemes::blanes_moan6<Scalar>());
+  PhasePoint<Scalar, 2> z({Scalar(0.05), Scalar(1)}, {Scalar(0), Scalar(0)});
+  std::vector<Scalar> crossings;
+  auto section = poincare_section(
+      h, [](const auto& q, const auto&) { return q[1]; },
+      [&](Scalar, const auto& at) {
+        for (const Scalar& x : at.vector()) crossings.push_back(x);
+      },
+      {.direction = CrossingDirection::both});
+  auto bounces = events(h, on_event([](const auto& q, const auto&) { return q[0]; },
+                                    [](Scalar, PhasePoint<Scalar, 2>& at) { at.p()[0] = -at.p()[0]; },
+                                    CrossingDirection::falling));
+  integrate(stepper, z, {.dt = Scalar(0.02), .steps = 4000, .t0 = t0}, bounces, section);
+  section.finish();
+  return crossings;
+}
+}  // namespace
+
+TEST_CASE("Sections beside events see at late times what they see at early ones", "[observers][long]") {
+  const auto early = crossings_beside_bounces(0.0);
+  REQUIRE(early.size() == 4 * 25);
+  for (const double t0 : {1e9, 1e13, 1e16}) CHECK(crossings_beside_bounces(t0) == early);
+  const auto early_in_float = crossings_beside_bounces(0.0F);
+  REQUIRE(early_in_float.size() == 4 * 25);
+  for (const float t0 : {1e4F, 4e5F}) CHECK(crossings_beside_bounces(t0) == early_in_float);
+}
+
 TEST_CASE("Observers do not forget steps in a long run of floats", "[observers][long]") {
   // 64 ε t exceeds dt after 131072 steps.
   const Seen<float> seen(0, 0.02F, 200'000);

@@ -289,6 +289,26 @@ TEST_CASE("Books in float at late times are those at early ones", "[motion]") {
   CHECK(work[0] == Approx(1.25 / 2 * std::expm1(-2 * 0.25 * 4)).epsilon(1e-5));
 }
 
+TEST_CASE("Books beside bounces in float at late times are those at early ones", "[motion]") {
+  using Point = PhasePoint<float, 2>;
+  const Scene scene(effects::orbits::Kinetic<float, 2>{}, effects::orbits::Drag<float, 2>{.linear = 0.25f});
+  for (const float t0 : {0.f, 1e4f, 4e5f}) {
+    CAPTURE(t0);
+    auto stepper = stepper_for(scene);
+    Point z({0.1f, 0}, {1, 0.5f});
+    Books books(scene);
+    const auto bounce = [](float, Point& at) { at.p()[0] = -at.p()[0]; };
+    auto walls = events(
+        scene,
+        on_event([](const auto& q, const auto&) { return q[0] - 0.3f; }, bounce, CrossingDirection::rising),
+        on_event([](const auto& q, const auto&) { return q[0]; }, bounce, CrossingDirection::falling));
+    integrate(stepper, z, {.dt = 0.01f, .steps = 400, .t0 = t0}, walls, books);
+    CHECK(walls.count() > 5);
+    CHECK(static_cast<double>(books.work()) == Approx(1.25 / 2 * std::expm1(-2 * 0.25 * 4)).epsilon(1e-5));
+    CHECK(books.by_events() == 0);
+  }
+}
+
 TEST_CASE("Books keep the work done before an event that ends a step, or the run", "[motion]") {
   // Between two walls that cost nothing, with drag: p² decays as e^{-2kt}, also where every bounce falls on
   // the end of a step, as at a wall that is a whole number of steps away.

@@ -138,6 +138,8 @@ struct IntegrationReport {
                                     ///< in the end: the run ended there, and `done` does not go on with it
   StepReport last{};                ///< the last step's own report: where the run failed, what the solver saw
   double taken = 0;                 ///< the time of the last step, where the stepper chose it (ChoosesSteps)
+  double part = 0;                  ///< of a step that an event cut: the time from the event, or the start of
+                                    ///< the step, before; t may be too late to tell. 0: a whole step
 
   /// The run came to its end, or to where an observer stopped it.
   bool ok() const { return status == Status::success || status == Status::stopped; }

@@ -71,8 +71,11 @@ class RunClock {
     using std::abs;
     const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon();
     const bool chosen = run.taken != 0 && run.steps - steps_ == 1;
-    const Scalar shown = t - t_,
-                 counted = chosen ? Scalar(run.taken) : Scalar(run.dt) * Scalar(run.steps - steps_);
+    const bool cut =
+        run.part != 0 && (run.at_event ? run.steps == steps_ : at_event_ && run.steps - steps_ == 1);
+    const Scalar shown = t - t_, counted = cut      ? Scalar(run.part)
+                                           : chosen ? Scalar(run.taken)
+                                                    : Scalar(run.dt) * Scalar(run.steps - steps_);
     const Scalar size = rounding_.size(t);
     const bool more_exact = Scalar(2.3e-16) * abs(counted) < epsilon * size;  // dt is a double there
     return counted != Scalar(0) && more_exact && abs(shown - counted) <= 4 * epsilon * size ? counted : shown;

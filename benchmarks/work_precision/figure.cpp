@@ -54,7 +54,7 @@ void draw_result(const std::filesystem::path& folder, const Result& result) {
     ++panel;
   }
   std::ostringstream script;
-  script << examples::gnuplot_prologue(png, 1600, 620) << blocks.str()
+  script << examples::gnuplot_prologue(png, 1650, 620) << blocks.str()
          << "set grid linetype 1 linewidth 0.5 linecolor rgb '#d8d8d8'\nset logscale xy\nset format "
             "'10^{%T}'\nset yrange [1e-15:1]\nset multiplot layout 1,2 title "
          << quoted(result.title) << "\nset bmargin at screen 0.12\nset tmargin at screen 0.92\n"

@@ -1,7 +1,9 @@
+#include <algorithm>
 #include <charconv>
 #include <fstream>
 #include <map>
 #include <ostream>
+#include <set>
 #include <stdexcept>
 
 #include "common/output.hpp"
@@ -26,8 +28,7 @@ void write_csv(const std::filesystem::path& file, const Result& result,
                const std::vector<std::size_t>& rows) {
   examples::write_whole(file, [&](std::ostream& out) {
     out << "problem,title,end,family,method,options,order,dt,tolerance,status,t,steps,gradients,seconds,"
-           "timings,energy_"
-           "error,energy_error_first_half,energy_error_second_half,drift";
+           "timings,energy_error,energy_error_first_half,energy_error_second_half,drift";
     for (const std::string& name : result.invariants) out << ',' << name << "_error";
     out << ",trajectory_error,line_end\n";
     for (const std::size_t i : rows) {

@@ -222,7 +222,7 @@ std::vector<Row> long_runs(const Task& task, const std::vector<Row>& rows, doubl
       });
       if (line == task.lines.end())
         throw std::runtime_error(task.name + ": " + row->method.name +
-                                 " is not there any more; measure the " + "shorter problem again");
+                                 " is not there any more; measure the shorter problem again");
       Row result{.line = static_cast<std::size_t>(line - task.lines.begin()),
                  .method = row->method,
                  .parameter = row->parameter,

@@ -54,12 +54,13 @@ SEMIEXPLICIT_COLD std::vector<Family> families_for(const Problem<Any>& problem) 
   if (problem.hamiltonian.is_separable()) add_schemes(Method::splitting, options.splittings, 0.5);
   add_schemes(Method::semiexplicit, options.schemes, 1);
   add_schemes(Method::midpoint, options.schemes, 1);
-  if (all.empty() && options.gauss_stages.empty())
-    throw std::invalid_argument(
-        "cost_of_accuracy: options.schemes and options.gauss_stages are both empty, and there is no "
-        "splitting "
-        "to try; give something to try");
-  if (options.gauss_stages.empty()) return all;
+  if (options.gauss_stages.empty()) {
+    if (all.empty())
+      throw std::invalid_argument(
+          "cost_of_accuracy: options.schemes and options.gauss_stages are both empty, and there is no "
+          "splitting to try; give something to try");
+    return all;
+  }
   // In gradient calls the stages in lanes are no better: they only win in time.
   const bool lanes = problem.hamiltonian.takes_packs() && options.by == CostBy::seconds;
   all.emplace_back();

@@ -104,14 +104,7 @@ inline void visit_sums(CheckpointMemory& memory, IntegrationReport& report) {
       throw std::invalid_argument("its counts cannot be; start anew without it");
   }
   for (auto* number : {&report.max_correction, &report.seconds}) memory(*number);
-  StepReport& last = report.last;
-  std::int64_t status = static_cast<std::int64_t>(last.status), escalations = last.escalations;
-  for (auto* count : {&status, &last.evaluations, &last.gradients, &escalations}) memory(*count);
-  for (auto* number : {&last.correction, &last.rate}) memory(*number);
-  if (status < 0 || status > static_cast<std::int64_t>(last_status))
-    throw std::invalid_argument("its last step has no status; start anew without it");
-  last.status = static_cast<Status>(status);
-  last.escalations = static_cast<int>(escalations);
+  visit_step(memory, report.last);
 }
 
 /// visit(from) puts everything back, and require() may say that it does not fit: where either throws nothing
@@ -222,8 +215,7 @@ class Checkpoints {
     if (so_far.at_event)
       throw std::invalid_argument(
           "Checkpoints: save() at an event within a step, from where a run cannot be resumed; save at the "
-          "end "
-          "of a step");
+          "end of a step");
     start_.require(so_far.steps, [&] { return checksum_of(z); });
     IntegrationReport report = so_far;
     State copy = z;

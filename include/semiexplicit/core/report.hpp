@@ -101,6 +101,25 @@ struct StepReport {
   bool ok() const { return status == Status::success || status == Status::rounding_limited; }
 };
 
+namespace detail {
+/// Every number of a status and of a step's report; see CheckpointMemory.
+template <class Visitor>
+void visit_status(Visitor&& visit, Status& status) {
+  auto number = static_cast<std::int32_t>(status);
+  visit(number);
+  if (number < 0 || number > static_cast<std::int32_t>(last_status))
+    throw std::invalid_argument("a status that is none; start anew without it");
+  status = static_cast<Status>(number);
+}
+template <class Visitor>
+void visit_step(Visitor&& visit, StepReport& step) {
+  visit_status(visit, step.status);
+  for (auto* count : {&step.evaluations, &step.gradients}) visit(*count);
+  for (auto* number : {&step.correction, &step.rate}) visit(*number);
+  visit(step.escalations);
+}
+}  // namespace detail
+
 /// What a solver did with the equation of the projection.
 template <class Scalar>
 struct SolverReport {

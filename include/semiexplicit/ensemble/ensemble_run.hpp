@@ -180,22 +180,11 @@ class MemberWatch {
 /// Every number of a report but the wall clock; see CheckpointMemory.
 template <class Visitor>
 void visit_report(Visitor&& visit, IntegrationReport& report) {
-  const auto visit_status = [&](Status& status) {
-    auto number = static_cast<std::int32_t>(status);
-    visit(number);
-    if (number < 0 || number > static_cast<std::int32_t>(last_status))
-      throw std::invalid_argument("a status that is none; start anew without it");
-    status = static_cast<Status>(number);
-  };
-  visit_status(report.status);
-  visit_status(report.last.status);
-  for (auto* count : {&report.steps, &report.evaluations, &report.gradients, &report.subdivided,
-                      &report.last.evaluations, &report.last.gradients})
+  visit_status(visit, report.status);
+  visit_step(visit, report.last);
+  for (auto* count : {&report.steps, &report.evaluations, &report.gradients, &report.subdivided})
     visit(*count);
-  for (auto* number :
-       {&report.t, &report.dt, &report.max_correction, &report.last.correction, &report.last.rate})
-    visit(*number);
-  visit(report.last.escalations);
+  for (auto* number : {&report.t, &report.dt, &report.max_correction}) visit(*number);
 }
 
 }  // namespace detail

@@ -50,7 +50,7 @@ class GaussLegendre : public detail::GaussShell<GaussLegendre<H>, H> {
 
  private:
   using Shell::hamiltonian_, Shell::options_, Shell::tableau_;
-  using Vec = typename State::Storage;
+  using typename Shell::Vec;
   /// Columns of a few numbers are padded with zeros to whole registers, where sums over the stages then stay.
   static constexpr bool small = Dof != Eigen::Dynamic && Dof <= 32;
   static constexpr int padded = small ? (2 * Dof + 3) / 4 * 4 : twice(Dof);

@@ -66,7 +66,7 @@ class GaussShell {
   static constexpr int Dof = HamiltonianDoor<H>::Dof;
   using State = PhasePoint<Scalar, Dof>;
   static_assert(is_in_one_process<H>());
-  using Vec = Vector<Scalar, twice(Dof)>;
+  using Vec = typename State::Storage;
 
   /// One step of size dt, which may be negative; z is untouched unless the report is ok(). `evaluations` are
   /// iterations, `correction` is the sum of the absolute values of what they last changed in the stages.

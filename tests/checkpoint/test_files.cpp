@@ -406,10 +406,11 @@ TEST_CASE("A CSV file goes on where the checkpoint has it, byte for byte", "[che
   struct Killed {};
   /// Runs until it is done or dies after some steps; what was written after the last checkpoint stays in the
   /// .part.
-  const auto run = [&](std::int64_t dies) {
+  const auto run = [&](std::int64_t dies, bool has_rows = false) {
     GaussLegendre stepper(h, {.stages = 2});
     PhasePoint<double, 1> z(-3, 0);
     CsvTrajectory trajectory(csv, 1);
+    if (has_rows) trajectory(-1.0, z);
     auto thirds = every(3, trajectory);
     Checkpoints checkpoints(file, {.every = 10}, stepper, options, thirds);
     options.done = checkpoints.resume(z);
@@ -448,6 +449,11 @@ TEST_CASE("A CSV file goes on where the checkpoint has it, byte for byte", "[che
   run(-1);
   CHECK(contents(csv) == whole);
   CHECK_FALSE(fs::exists(part));
+
+  // The same behind rows that were written before the run is gone on with.
+  std::ofstream(file, std::ios::binary) << kept;
+  run(-1, true);
+  CHECK(contents(csv) == whole);
 }
 
 TEST_CASE("Where a CSV file does not fit its checkpoint, a run from the start saves its own rows",

@@ -106,4 +106,11 @@ TEST_CASE("A step that fails under odeint throws and keeps the state", "[odeint]
                 "the state has 3 numbers where the Hamiltonian has 4"));
 }
 
+TEST_CASE("odeint's phase points of another size are refused, as numbers are", "[odeint]") {
+  OdeintStepper stepper(MidpointProjection(systems::NlsLattice<double>(2), schemes::strang<double>()));
+  PhasePoint<double, Eigen::Dynamic> z(3);
+  CHECK(refuses([&] { stepper.do_step(stepper.system(), z, 0.0, 0.05); },
+                "the state has 6 numbers where the Hamiltonian has 4"));
+}
+
 }  // namespace test_odeint

@@ -133,4 +133,9 @@ TEST_CASE("The defect of tiny and of huge points neither underflows nor overflow
     }
 }
 
+TEST_CASE("A phase point of less than no degrees of freedom is refused", "[phase point]") {
+  CHECK(refuses([] { Dynamic(-1); }, "PhasePoint: dof has size -1; give 0 or more"));
+  CHECK(refuses([] { Fixed(-2); }, "PhasePoint: dof has size -2"));
+}
+
 }  // namespace test_phase_point

@@ -411,6 +411,19 @@ TEST_CASE("A file that is moved away or in the way is not taken for ours", "[io]
   CHECK(contents(folder.path / "mine") == "t\n1\n");
 }
 
+TEST_CASE("What is kept for a name that something else has taken is where the message says", "[io]") {
+  const Folder folder;
+  const fs::path path = folder.path / "table.csv", part = folder.path / "table.csv.part";
+  const Redirected to_file(STDERR_FILENO, folder.path / "stderr");
+  {
+    DurableFile file(path);  // which would be removed
+    file.write("all that was measured");
+    fs::create_directory(path);
+    CHECK(says(complaint([&] { file.commit(); }), "what was written is in " + part.string()));
+  }
+  CHECK(contents(part) == "all that was measured");
+}
+
 TEST_CASE("A trajectory of less than no degrees of freedom is refused", "[io]") {
   const Folder folder;
   const fs::path path = folder.path / "table.csv";

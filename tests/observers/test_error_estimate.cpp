@@ -344,4 +344,17 @@ TEST_CASE("Nothing is estimated from the first step on that was cut into parts",
   CHECK(estimate.error());
 }
 
+TEST_CASE("An estimate refuses a state that its companion cannot take", "[error estimate]") {
+  const systems::NlsLattice<double> four(4), five(5);
+  auto estimate = with_error_estimate(MidpointProjection(four, schemes::strang<double>()));
+  MidpointProjection of_four(four, schemes::strang<double>()), of_five(five, schemes::strang<double>());
+  PhasePoint<double, Eigen::Dynamic> z(4), other(5);
+  z.q()[0] = other.q()[0] = 1;
+  integrate(of_four, z, {.dt = 0.01, .steps = 10}, estimate);
+  CHECK(refuses([&] { integrate(of_five, other, {.dt = 0.01, .steps = 10}, estimate); },
+                "the state has 5 degrees of freedom and the companion 4"));
+  integrate(of_four, z, {.dt = 0.01, .steps = 10}, estimate);
+  CHECK(estimate.error());
+}
+
 }  // namespace test_error_estimate

@@ -70,6 +70,7 @@ class OdeintStepper {
     static_assert(std::same_as<System, OdeintSystem>,
                   "the Hamiltonian is in the stepper: give odeint stepper.system() for its system");
     if constexpr (std::same_as<State, state_type>) {
+      require_size(x.vector().size(), state_.vector().size());
       step(x, t, dt);
     } else if constexpr (requires {
                            x.first;
@@ -104,11 +105,14 @@ class OdeintStepper {
     ++steps_;
   }
 
+  static void require_size(Eigen::Index state, Eigen::Index own) {
+    if (state != own)
+      throw std::invalid_argument("OdeintStepper: the state has " + std::to_string(state) +
+                                  " numbers where the Hamiltonian has " + std::to_string(own));
+  }
   template <class From, class To>
   static void copy(const From& from, To&& to) {
-    if (static_cast<Eigen::Index>(from.size()) != to.size())
-      throw std::invalid_argument("OdeintStepper: the state has " + std::to_string(from.size()) +
-                                  " numbers where the Hamiltonian has " + std::to_string(to.size()));
+    require_size(static_cast<Eigen::Index>(from.size()), to.size());
     auto source = from.begin();
     for (Eigen::Index i = 0; i < to.size(); ++i, ++source) to[i] = *source;
   }

@@ -19,8 +19,8 @@ class PhasePoint {
   /// All zeros; an empty point where the size is dynamic.
   PhasePoint() : z_(Storage::Zero(Dof == Eigen::Dynamic ? 0 : 2 * Dof)) {}
 
-  /// All zeros, with `dof` degrees of freedom. Throws std::invalid_argument where a fixed size says
-  /// otherwise.
+  /// All zeros, with `dof` degrees of freedom. Throws std::invalid_argument where that is negative, or a
+  /// fixed size says otherwise.
   explicit PhasePoint(Eigen::Index dof) {
     require_size("dof", dof);
     z_.setZero(2 * dof);
@@ -70,11 +70,13 @@ class PhasePoint {
       return z.template tail<Dof>();
   }
   static void require_size(const char* name, Eigen::Index size) {
-    if (Dof != Eigen::Dynamic && size != Dof) refuse_size(name, size);
+    if (size < 0 || (Dof != Eigen::Dynamic && size != Dof)) refuse_size(name, size);
   }
   [[noreturn]] static void refuse_size(const char* name, Eigen::Index size) {
     throw std::invalid_argument(std::string("PhasePoint: ") + name + " has size " + std::to_string(size) +
-                                ", but this type has " + std::to_string(Dof) + " degrees of freedom");
+                                (Dof == Eigen::Dynamic
+                                     ? "; give 0 or more"
+                                     : ", but this type has " + std::to_string(Dof) + " degrees of freedom"));
   }
   static Vector<Scalar, Dof> column(const char* name, std::initializer_list<Scalar> list) {
     require_size(name, static_cast<Eigen::Index>(list.size()));

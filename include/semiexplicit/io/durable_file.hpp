@@ -90,6 +90,7 @@ struct Destination {
 class DurableFile {
  public:
   /// What happens to a .part that is not committed: it is announced on stderr and kept, or it is removed.
+  /// It is always kept where something that is no file has taken the name meanwhile.
   enum class Uncommitted { kept, removed };
 
   /// Throws where the folder is missing or not writable, the name is a folder, a file that is write-protected
@@ -143,10 +144,12 @@ class DurableFile {
     begin();
     if (!to_.direct) {
       const auto there = std::filesystem::symlink_status(to_.path).type();
-      if (there != std::filesystem::file_type::not_found && there != std::filesystem::file_type::regular)
+      if (there != std::filesystem::file_type::not_found && there != std::filesystem::file_type::regular) {
+        uncommitted_ = Uncommitted::kept;
         throw std::runtime_error(name_.string() +
                                  ": something else has taken this name; what was written is in " +
                                  part_.string());
+      }
       if (!file_.is(part_))
         throw std::runtime_error(part_.string() + ": was moved or removed while it was written");
 #if defined(_WIN32)

@@ -109,7 +109,9 @@ class CsvWriter {
       file_.go_on_after(wanted.length);
     } else if (const std::string rows = committed(wanted.length);
                semiexplicit::checksum(rows) == wanted.sum) {
-      file_.write(rows);  // a run that was killed between commit() and the end of its checkpoints
+      // A run that was killed between commit() and the end of its checkpoints.
+      file_.go_on_after(0);
+      file_.write(rows);
     } else {
       throw std::invalid_argument(file_.part().string() +
                                   " is not what it was when the checkpoint was written; give the output of "

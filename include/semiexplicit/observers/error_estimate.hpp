@@ -50,8 +50,8 @@ class ErrorEstimate {
   }
 
   /// Takes in the next state; false where an observer of the companion asked to stop. Throws
-  /// std::invalid_argument where an event has changed the state, and where every() hides steps of a run that
-  /// chooses their lengths.
+  /// std::invalid_argument where the state is of another size than the companion, where an event has changed
+  /// it, and where every() hides steps of a run that chooses their lengths.
   bool operator()(const Scalar& t, const State& z, const IntegrationReport& run = {}) {
     using Next = typename detail::RunClock<Scalar>::Next;
     if (run.changes > 0)
@@ -59,7 +59,14 @@ class ErrorEstimate {
           "with_error_estimate: an event has changed the state, which its companion knows nothing of; "
           "estimate "
           "the arcs between events by runs of their own");
-    const bool same = clock_.started() && z.vector() == last_.vector();
+    if constexpr (requires { stepper_.dof(); })
+      if (z.vector().size() != 2 * Eigen::Index(stepper_.dof()))
+        throw std::invalid_argument("with_error_estimate: the state has " +
+                                    std::to_string(z.vector().size() / 2) +
+                                    " degrees of freedom and the companion " +
+                                    std::to_string(stepper_.dof()) + "; give a stepper of the same system");
+    const bool same =
+        clock_.started() && z.vector().size() == last_.vector().size() && z.vector() == last_.vector();
     const Next next = clock_.relation(t, same, run);
     // Where steps are cut into parts the companion's would be those same parts, or fail as the run's did.
     if (run.subdivided > 0 && next == Next::follows) failed_ = true;

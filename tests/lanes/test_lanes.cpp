@@ -201,4 +201,27 @@ TEST_CASE("Sines in packs are right at any angle, and no lane depends on the oth
   CHECK(others == 0);
 }
 
+#ifdef __cpp_lib_experimental_parallel_simd
+TEST_CASE("A masked assignment of packs is one of each lane") {
+  const auto check = []<class Many>(const Many&) {
+    std::mt19937_64 random(1);
+    std::uniform_real_distribution<double> number(0, 1);
+    int wrong = 0;
+    for (int n = 0; n < 1000; ++n) {
+      const Many x([&](auto) { return number(random); }), y([&](auto) { return number(random); });
+      Many assigned = x, multiplied = x;
+      where(x < y, assigned) = y;
+      where(x < y, multiplied) *= y;
+      for (std::size_t k = 0; k < Many::size(); ++k) {
+        const double a = x[k], b = y[k];
+        wrong += assigned[k] != (a < b ? b : a) || multiplied[k] != (a < b ? a * b : a);
+      }
+    }
+    CHECK(wrong == 0);
+  };
+  check(RegisterPack<double>());
+  check(Pack<double>());
+}
+#endif
+
 }  // namespace test_lanes

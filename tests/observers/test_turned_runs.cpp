@@ -312,11 +312,19 @@ TEST_CASE("The last of the times is served although n (T/n) is rounded below T",
   CHECK(none.served() == 1);
 }
 
+namespace {
+struct Forced {
+  using Scalar = double;
+  static constexpr int Dof = 1;
+  void gradient(double t, In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
+    dHdq[0] = q[0] - 0.7 * std::cos(2.1 * t);
+    dHdp[0] = p[0];
+  }
+};
+}  // namespace
+
 TEST_CASE("The end of a driven run is served by at_times, however its steps round the time", "[observers]") {
-  const Autonomous forced(from_energy<1>([](const auto& t, const auto& q, const auto& p) {
-    using std::cos;
-    return (p[0] * p[0] + q[0] * q[0]) / 2 - 0.7 * q[0] * cos(2.1 * t);
-  }));
+  const Autonomous forced(Forced{});
   const auto exact = [](double t) { return 0.7 * (std::cos(2.1 * t) - std::cos(t)) / (1 - 2.1 * 2.1); };
   std::size_t served = 0, due = 0;
   double worst = 0;

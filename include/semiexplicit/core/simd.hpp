@@ -12,7 +12,30 @@
 // for tests.
 #if defined(__has_include) && !defined(SEMIEXPLICIT_NO_SIMD)
 #if __has_include(<experimental/simd>)
+// By clang++ for AVX-512 a masked assignment, where(mask, x) = y, changes all lanes or none (libstdc++ 12,
+// bits/simd_x86.h: "FIXME: this does a boolean choice, not a blend"), and sin and cos with it: packs have the
+// registers of AVX2 there.
+#if defined(__clang__) && defined(__AVX512F__)
+#ifdef __cpp_lib_experimental_parallel_simd
+#error \
+    "semiexplicit: include its headers before <experimental/simd>, whose masks are wrong by clang++ with AVX-512"
+#endif
+#pragma push_macro("__AVX512F__")
+#pragma push_macro("__AVX512VL__")
+#pragma push_macro("__AVX512BW__")
+#pragma push_macro("__AVX512DQ__")
+#undef __AVX512F__
+#undef __AVX512VL__
+#undef __AVX512BW__
+#undef __AVX512DQ__
 #include <experimental/simd>
+#pragma pop_macro("__AVX512F__")
+#pragma pop_macro("__AVX512VL__")
+#pragma pop_macro("__AVX512BW__")
+#pragma pop_macro("__AVX512DQ__")
+#else
+#include <experimental/simd>
+#endif
 #endif
 #endif
 #ifndef __cpp_lib_experimental_parallel_simd
@@ -49,8 +72,8 @@ SEMIEXPLICIT_FAR_LANES_ONE_BY_ONE(cos)
 namespace semiexplicit {
 
 #ifdef __cpp_lib_experimental_parallel_simd
-/// How many numbers a register of the target holds: for double 8 with AVX-512, 4 with AVX2, 2 with neither; 1
-/// where the standard library has no packs.
+/// How many numbers a register of the target holds: for double 8 with AVX-512 (4 by clang++), 4 with AVX2, 2
+/// with neither; 1 where the standard library has no packs.
 template <class Scalar>
 inline constexpr std::size_t native_width = std::experimental::native_simd<Scalar>::size();
 
@@ -142,14 +165,13 @@ namespace detail {
 using Many = RegisterPack<double>;
 using LaneMask = Many::mask_type;
 
-/// to = from in the chosen lanes. Clang 14 with AVX-512 makes nothing, or something else, of libstdc++'s
-/// where().
+/// to = from in the chosen lanes.
 inline void assign(const LaneMask& lanes, Many& to, const Many& from) {
-#if defined(__clang__) || !defined(__cpp_lib_experimental_parallel_simd)
+#ifdef __cpp_lib_experimental_parallel_simd
+  where(lanes, to) = from;
+#else
   for (std::size_t k = 0; k < Many::size(); ++k)
     if (lanes[k]) to[k] = double(from[k]);
-#else
-  where(lanes, to) = from;
 #endif
 }
 

@@ -415,6 +415,37 @@ TEST_CASE("A wrong Hessian is refused at the origin, where small shifts vanish i
   }
 }
 
+namespace {
+/// p²/2 + q²/2 + a cos(wq)/w², whose wave usual shifts step over.
+template <class Number>
+struct Rippled {
+  using Scalar = Number;
+  static constexpr int Dof = 1;
+  Scalar w, a;
+  void gradient(In<Scalar, 1> q, In<Scalar, 1> p, Out<Scalar, 1> dHdq, Out<Scalar, 1> dHdp) const {
+    dHdq[0] = q[0] - a * std::sin(w * q[0]) / w;
+    dHdp[0] = p[0];
+  }
+  void hessian(In<Scalar, 1> q, In<Scalar, 1>, Eigen::Ref<Eigen::Matrix<Scalar, 2, 2>> second) const {
+    second << 1 - a * std::cos(w * q[0]), 0, 0, 1;
+  }
+};
+}  // namespace
+
+TEST_CASE("A Hessian with a fast wave in it, or that is zero at the start, is believed", "[chaos]") {
+  const auto begins = []<class Scalar>(Scalar w, Scalar a, Scalar q) {
+    CAPTURE(w, a, q);
+    LyapunovExponents lyapunov(Semiexplicit(Rippled<Scalar>{.w = w, .a = a}), 1);
+    CHECK_NOTHROW(lyapunov(Scalar(0), PhasePoint<Scalar, 1>(q, Scalar(0.3))));
+  };
+  for (const double w : {30., 1e3, 3e3, 1e4, 1e5})
+    for (const double a : {0.5, 1., 1.5})
+      for (const double q : {0., 0.5, 10.}) begins(w, a, q);
+  for (const float w : {10.f, 100.f, 1e3f})
+    for (const float a : {0.5f, 1.f, 3.f})
+      for (const float q : {0.f, 0.5f, 1.f}) begins(w, a, q);
+}
+
 TEST_CASE("Lyapunov exponents refuse a state of another size", "[chaos][lyapunov]") {
   Semiexplicit stepper(Springs{4}, schemes::strang());
   LyapunovExponents lyapunov(stepper, 1);

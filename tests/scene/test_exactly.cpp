@@ -178,6 +178,12 @@ TEST_CASE("A solver may be given for what is doubled", "[exactly]") {
   static_assert(std::is_same_v<std::remove_cvref_t<decltype(stepper.solver())>, Robust>);
   PhasePoint<double, 3> z = perihelion();
   CHECK(integrate(stepper, z, {.dt = 0.04, .steps = 100}).ok());
+
+  // One for what is not, too: nothing needs it.
+  const Scene oblate(effects::orbits::Kinetic<double, 3>{}, effects::orbits::Attraction<double, 3>{},
+                     effects::orbits::Oblateness<double, 3>{.j2 = 1e-3});
+  const std::string words = explain(stepper_for(oblate, kepler, schemes::aba864<double>(), Robust{}));
+  CHECK(words.find("nothing doubled") != std::string::npos);
 }
 
 }  // namespace test_exactly

@@ -363,4 +363,10 @@ TEST_CASE("A state that is turned between two runs counts as changed, although i
   CHECK(std::abs(books.work() - (z.p()[0] * z.p()[0] - 1) / 2) < 1e-12);
 }
 
+TEST_CASE("Books refuse the states of a scene of another size", "[motion]") {
+  Books books(Scene(effects::lattice::OnSite<>{.sites = 3}, effects::lattice::Hopping<>{.sites = 3}));
+  CHECK(refuses([&] { books(0.0, PhasePoint<double, Eigen::Dynamic>(4)); },
+                "the state has 4 degrees of freedom and the scene 3"));
+}
+
 }  // namespace test_motion

@@ -210,4 +210,21 @@ TEST_CASE("The curl of the vector potentials is the field", "[systems]") {
   CHECK((curl(charges::BottleField(b, length)) - bottle).norm() <= 1e-14);
 }
 
+TEST_CASE("attraction and the loss by waves in float and SI units are those in double", "[effects]") {
+  const auto at_the_sun = []<class Scalar>(Scalar) {
+    const Vector<Scalar, 2> q(Scalar(6e12), Scalar(8e12)), p(Scalar(-3e3), Scalar(2e3));
+    PhasePoint<Scalar, 2> slopes(2);
+    Out<Scalar, 2> slope = slopes.q(), force = slopes.p();
+    orbits::Attraction<Scalar, 2>{.gm = Scalar(1.327e20)}.add_gradient(q, slope);
+    orbits::RadiationReaction<Scalar, 2>{.gm = Scalar(1.327e20), .c = Scalar(2.998e8)}.add_force(
+        Vector<Scalar, 2>(q / 1000), p, force);
+    return slopes;
+  };
+  const PhasePoint<double, 2> rough(at_the_sun(1.f).q().cast<double>(), at_the_sun(1.f).p().cast<double>()),
+      exact = at_the_sun(1.0);
+  REQUIRE(exact.p().norm() > 0);
+  CHECK((rough.q() - exact.q()).norm() < 1e-6 * exact.q().norm());
+  CHECK((rough.p() - exact.p()).norm() < 1e-6 * exact.p().norm());
+}
+
 }  // namespace test_effects

@@ -209,4 +209,21 @@ TEST_CASE("in a plane wave γ - p_z and the canonical momentum are kept") {
   CHECK(check_gradient(K, Z).ok());
 }
 
+TEST_CASE("fast charges in float and SI units are as fast as in double") {
+  const auto electron = []<class Scalar>(Scalar) {
+    return charges::RelativisticKinetic(Scalar(-1.602e-19), Scalar(9.109e-31), Scalar(2.998e8));
+  };
+  const auto rough = electron(1.f);
+  const auto exact = electron(1.0);
+  for (const double size : {1e-24, 1e-22, 1e-20}) {
+    CAPTURE(size);
+    const Eigen::Vector3d q(1, 2, 3), p(0.6 * size, 0, 0.8 * size);
+    const Eigen::Vector3f qf = q.cast<float>(), pf = p.cast<float>();
+    CHECK(rough.gamma(qf, pf) == Approx(exact.gamma(q, p)).epsilon(1e-6));
+    CHECK(rough.energy(qf, pf) == Approx(exact.energy(q, p)).epsilon(1e-6));
+    CHECK((rough.velocity(qf, pf).cast<double>() - exact.velocity(q, p)).norm() <
+          1e-6 * exact.velocity(q, p).norm());
+  }
+}
+
 }  // namespace test_relativistic_charges

@@ -201,8 +201,11 @@ class FlowSplitting {
   }
 
   /// Gradient calls that a step cannot exceed.
-  std::int64_t max_gradients() const requires std::same_as<Solver, SimplifiedNewton> {
-    return (halves_of_step(solver_.max_iterations) + 1) / 2;
+  std::int64_t max_gradients() const requires(!has_coupled || std::same_as<Solver, SimplifiedNewton>) {
+    if constexpr (has_coupled)
+      return (halves_of_step(solver_.max_iterations) + 1) / 2;
+    else
+      return (halves_of_step(1) + 1) / 2;
   }
   /// Gradient calls of a kick whose map of the coupled rest needs one evaluation.
   std::int64_t gradients_of_kick() const { return (halves_of_kick(1) + 1) / 2; }

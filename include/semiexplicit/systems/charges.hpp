@@ -62,8 +62,8 @@ struct DipoleField : detail::AxialPotential<DipoleField<Scalar>> {
   Scalar m;
   auto slopes(const auto& x) const {
     using std::sqrt;
-    const auto r2 = x[0] * x[0] + x[1] * x[1] + x[2] * x[2];
-    const auto g = m / (r2 * sqrt(r2)), by = -3 * g / r2;
+    const auto inverse2 = 1 / (x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
+    const auto g = m * inverse2 * sqrt(inverse2), by = -3 * g * inverse2;
     return detail::Slopes<std::remove_cv_t<decltype(g)>>{g, by * x[0], by * x[1], by * x[2]};
   }
 };

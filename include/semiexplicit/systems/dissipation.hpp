@@ -53,9 +53,10 @@ struct RadiationReaction {
 
   void add_force(const auto& q, const auto& p, auto& force) const {
     const auto [inverse_r, square, u, s] = detail::radial_form<Dim>(gm, q, p);
-    const Scalar c5 = c * c * c * c * c;
-    const auto k = 8 * nu * gm * u * inverse_r * inverse_r / (5 * c5);
-    const auto along = k * (3 * square + 17 * u / 3) * s * inverse_r, against = k * (square + 3 * u);
+    const Scalar c2 = c * c;  // c⁵ is Inf in float and SI units
+    const auto k = 8 * nu / 5 * (gm / c * inverse_r) * (u / c2 * inverse_r);
+    const auto along = k * ((3 * square + 17 * u / 3) / c2) * s * inverse_r,
+               against = k * ((square + 3 * u) / c2);
     for (int i = 0; i < Dim; ++i) force[i] += along * q[i] - against * p[i];
   }
 };

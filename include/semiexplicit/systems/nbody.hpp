@@ -180,7 +180,7 @@ void add_pair_gradient(const Bodies<Scalar>& bodies, const X& x, auto& out, cons
 template <class Scalar, class Number>
 Triple<Number> attraction(const Scalar& m, const Triple<Number>& x) {
   using std::sqrt;
-  const Number r2 = dot(x, x), k = m / (r2 * sqrt(r2));
+  const Number inverse2 = 1 / dot(x, x), k = m * inverse2 * sqrt(inverse2);
   return {k * x[0], k * x[1], k * x[2]};
 }
 

@@ -49,8 +49,8 @@ struct Attraction {
   }
   void add_gradient(const auto& q, auto& dHdq) const {
     using std::sqrt;
-    const auto r2 = detail::dot<Dim>(q, q);
-    const auto factor = gm / (r2 * sqrt(r2));
+    const auto inverse2 = 1 / detail::dot<Dim>(q, q);
+    const auto factor = gm * inverse2 * sqrt(inverse2);  // r³ would be Inf in float and SI units
     for (int i = 0; i < Dim; ++i) dHdq[i] += factor * q[i];
   }
 };
@@ -77,8 +77,8 @@ struct TwoCentres {
   }
   void add_gradient(const auto& q, auto& dHdq) const {
     using std::sqrt;
-    const auto r1 = distance2(q, x1), r2 = distance2(q, x2);
-    const auto f1 = gm1 / (r1 * sqrt(r1)), f2 = gm2 / (r2 * sqrt(r2));
+    const auto i1 = 1 / distance2(q, x1), i2 = 1 / distance2(q, x2);
+    const auto f1 = gm1 * i1 * sqrt(i1), f2 = gm2 * i2 * sqrt(i2);
     dHdq[0] += f1 * (q[0] - x1) + f2 * (q[0] - x2);
     for (int i = 1; i < Dim; ++i) dHdq[i] += (f1 + f2) * q[i];
   }
@@ -107,18 +107,17 @@ struct Oblateness {
 
   auto energy(const auto& q) const {
     using std::sqrt;
-    const auto r2 = detail::dot<Dim>(q, q);
-    const auto r3 = r2 * sqrt(r2);
-    const Scalar k = gm * j2 * radius * radius / 2;
+    const auto inverse2 = 1 / detail::dot<Dim>(q, q);
+    const auto k3 = gm * j2 / 2 * (radius * radius * inverse2) * sqrt(inverse2);
     if constexpr (Dim == 3)
-      return k * (3 * q[2] * q[2] / r2 - 1) / r3;
+      return k3 * (3 * q[2] * q[2] * inverse2 - 1);
     else
-      return -k / r3;
+      return -k3;
   }
   void add_gradient(const auto& q, auto& dHdq) const {
     using std::sqrt;
     const auto inverse2 = 1 / detail::dot<Dim>(q, q);
-    const auto k5 = 3 * (gm * j2 * radius * radius / 2) * inverse2 * inverse2 * sqrt(inverse2);  // 3k/r⁵
+    const auto k5 = 3 * (gm * j2 / 2 * (radius * radius * inverse2)) * inverse2 * sqrt(inverse2);
     auto factor = k5;
     if constexpr (Dim == 3) {
       factor -= 5 * k5 * q[2] * q[2] * inverse2;

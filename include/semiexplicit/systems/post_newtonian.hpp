@@ -144,8 +144,8 @@ struct SpinOrbit {
  private:
   auto weight(const auto& q) const {
     using std::sqrt;
-    const auto r2 = detail::dot<Dim>(q, q);
-    return 2 * gs / (c * c * r2 * sqrt(r2));
+    const auto inverse2 = 1 / detail::dot<Dim>(q, q);
+    return 2 * gs / (c * c) * inverse2 * sqrt(inverse2);
   }
 };
 

@@ -23,20 +23,24 @@ struct Relativity {
 
   /// √(m²c⁴ + c²π²) - mc², without loss of digits where π is small.
   auto energy(const auto& momentum) const {
-    const auto square = dot(momentum);
-    return square * c / (root(square) + mass * c);
+    const auto square = rapid(momentum);
+    return square / (root(square) + 1) * (mass * c) * c;
   }
-  auto gamma(const auto& momentum) const { return root(dot(momentum)) / (mass * c); }
+  auto gamma(const auto& momentum) const { return root(rapid(momentum)); }
   Vector<Scalar, 3> velocity(const auto& momentum) const {
-    const Scalar factor = c / root(dot(momentum));
+    const Scalar factor = 1 / (mass * root(rapid(momentum)));
     return {factor * momentum[0], factor * momentum[1], factor * momentum[2]};
   }
 
  private:
-  static auto dot(const auto& x) { return x[0] * x[0] + x[1] * x[1] + x[2] * x[2]; }
-  auto root(const auto& square) const {
+  /// (π/(mc))²: in SI units m² is nothing in float.
+  auto rapid(const auto& momentum) const {
+    const auto x = momentum[0] / (mass * c), y = momentum[1] / (mass * c), z = momentum[2] / (mass * c);
+    return x * x + y * y + z * z;
+  }
+  static auto root(const auto& square) {
     using std::sqrt;
-    return sqrt(mass * mass * c * c + square);
+    return sqrt(1 + square);
   }
 };
 

@@ -240,12 +240,18 @@ class HessianProduct {
       const auto rounding = [&](Eigen::Index half, const Scalar& shift) {
         return epsilon * std::max(size(half, search_.above()), size(half, search_.below())) / shift;
       };
-      // A difference that rounding swallows proves nothing.
+      // A difference that rounding swallows proves nothing. A product that is zero is near to one that is
+      // nothing beside the usual one.
+      const Scalar length = lengths_.along(v);
       const auto look_by = [&](const Scalar& shift) {
         difference(h, z, v, shift, other);
-        for (const Eigen::Index half : {0, 1})
-          near[half] = near[half] || (size(half, other - given) <= size(half, other) / 100 &&
-                                      size(half, other) > 100 * rounding(half, shift));
+        for (const Eigen::Index half : {0, 1}) {
+          const Scalar apart = size(half, other - given);
+          near[half] =
+              near[half] ||
+              (apart <= size(half, other) / 100 && size(half, other) > 100 * rounding(half, shift)) ||
+              (apart <= size(half, found) / 100 && shift > 200 * epsilon * length);
+        }
         return near[0] && near[1];
       };
       for (const Eigen::Index half : {0, 1}) {
@@ -263,8 +269,8 @@ class HessianProduct {
       if (farther > Scalar(0) && look_by(farther)) return Scalar(0);
       Scalar least(0);  // below that rounding hides what some coordinate does
       for (Eigen::Index i = 0; i < z.size(); ++i)
-        if (v[i] != Scalar(0)) least = std::max<Scalar>(least, 1000 * epsilon * abs(z[i] / v[i]));
-      for (Scalar shift = usual / 8; shift > least && shift > usual * smallest; shift /= 8)
+        if (v[i] != Scalar(0)) least = std::max<Scalar>(least, 200 * epsilon * abs(z[i] / v[i]));
+      for (Scalar shift = usual / 4; shift > least && shift > usual * smallest; shift /= 4)
         if (look_by(shift)) return Scalar(0);
       return std::max(near[0] ? Scalar(0) : off[0], near[1] ? Scalar(0) : off[1]);
     }

@@ -9,6 +9,7 @@
 
 #include <semiexplicit/accuracy.hpp>
 #include <semiexplicit/derivatives.hpp>
+#include <semiexplicit/observers/events.hpp>
 #include <semiexplicit/observers/every.hpp>
 #include <semiexplicit/systems/nls_lattice.hpp>
 #include <semiexplicit/systems/product.hpp>
@@ -511,6 +512,19 @@ TEST_CASE("a reversible setting refuses a state of another size") {
                           .pace = {.length = 1, .momentum = 1, .longest = 0.1}};
     CHECK_THROWS_WITH(run(h, z, 1.0, setting), Catch::Contains("size"));
   }
+}
+
+TEST_CASE("a setting runs beside events that change the state, by equal steps") {
+  const systems::Product<double> h;
+  PhasePoint<double, 1> z(-3, 0);
+  int bounces = 0;
+  auto wall = events(h, on_event([](const auto& q, const auto&) { return q[0]; },
+                                 [&](double, PhasePoint<double, 1>& at) { at.p()[0] *= -1, ++bounces; }));
+  Setting setting{.scheme = "low_defect6_s13", .dt = 0.02};
+  CHECK(run(h, z, 3.0, setting, wall).ok());
+  CHECK(bounces > 1);
+  setting.reversible = true;
+  CHECK_THROWS_WITH(run(h, z, 3.0, setting, wall), Catch::Contains("need equal steps"));
 }
 
 }  // namespace test_observables

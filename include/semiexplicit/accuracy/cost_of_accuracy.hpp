@@ -16,7 +16,8 @@ namespace semiexplicit {
 /// Observers, report and failures as integrate() has them. The stepper works on a Hamiltonian whose type is
 /// hidden, which saves a compiler much, and takes a small system some time: a program that is all about speed
 /// makes its own from the setting. Throws std::invalid_argument unless T and setting.dt are finite and
-/// positive, for an unknown scheme, a number of stages outside 1 to 8, and a method that H cannot have.
+/// positive, for an unknown scheme, a number of stages outside 1 to 8, a method that H cannot have, and
+/// events that change the state beside steps that follow the motion.
 ///
 ///     const CostRow advice = cost.cheapest(1e-8).value();
 ///     Invariants invariants(H);
@@ -33,8 +34,15 @@ IntegrationReport run(const H& hamiltonian, PhasePoint<typename H::Scalar, H::Do
   detail::AnyStepperOf<Scalar, H::Dof> stepper(erased.stepper(setting), dof_of(hamiltonian));
   const IntegrationOptions<Scalar> options{.dt = Scalar(setting.dt), .t_end = Scalar(T)};
   if (!setting.reversible) return integrate(stepper, z, options, std::forward<Observers>(observers)...);
-  ReversibleSteps following(std::move(stepper), detail::pace_of(hamiltonian, setting));
-  return integrate(following, z, options, std::forward<Observers>(observers)...);
+  if constexpr ((false || ... || ChangesState<Observers>)) {
+    throw std::invalid_argument(
+        "run: events that change the state need equal steps, and setting.reversible asks for others; ask "
+        "with "
+        ".reversible = false");
+  } else {
+    ReversibleSteps following(std::move(stepper), detail::pace_of(hamiltonian, setting));
+    return integrate(following, z, options, std::forward<Observers>(observers)...);
+  }
 }
 
 /// A CostTable with the Hamiltonian that it is about.
@@ -101,7 +109,8 @@ SEMIEXPLICIT_COLD CostOptionsOf<Scalar, Dof> options_for(const CostOptionsOf<Sca
 /// because neighbouring orbits part exponentially, is refused with the rate, and one below the rounding that
 /// adds up with the reason. What lies beyond the trials of a long run, and no coarse run shows, goes unseen:
 /// close encounters in chaos, slow instabilities, resonances of the step with the motion. Raise min_gradients
-/// there until `tried` is T.
+/// there until `tried` is T. An observable other than an invariant is compared at some 80 times along what
+/// was tried, more where the motion is uneven: a flash between two of them goes unseen, too.
 ///
 /// H needs an energy(q, p), which the gradient is compared with first. That of a TimeTransformed is K, near
 /// zero: for the energy of its H give that as the observable. z0 is not changed. Throws

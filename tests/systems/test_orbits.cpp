@@ -75,6 +75,23 @@ TEST_CASE("States near the periapsis of steep orbits have the energy of these, t
   }
 }
 
+TEST_CASE("The eccentric anomaly near the periapsis of nearly parabolic orbits has all digits", "[systems]") {
+  const auto mean = [](long double x, long double off) {  // off x + (1 - off) (x - sin x), by its series
+    const long double x2 = x * x;
+    return off * x + (1 - off) * x * x2 / 6 * (1 - x2 / 20 * (1 - x2 / 42 * (1 - x2 / 72 * (1 - x2 / 110))));
+  };
+  for (int power = 2; power <= 53; ++power) {
+    const double off = std::ldexp(1.0, -power);
+    CAPTURE(off);
+    for (double x = 0.1; x > 1e-12; x *= 0.3) {
+      const double anomaly = eccentric_anomaly(static_cast<double>(mean(x, off)), 1 - off);
+      CHECK(std::abs(anomaly / x - 1) <= 1e-15);
+      CHECK(eccentric_anomaly(-static_cast<double>(mean(x, off)), 1 - off) == -anomaly);
+    }
+  }
+  CHECK(eccentric_anomaly(0.0, 1 - 1e-9) == 0);
+}
+
 TEST_CASE("Mercury's perihelion turns by 42.98 arcseconds a century with 1PN and not without", "[systems]") {
   const double gm = 4 * pi * pi, a = 0.38709893, e = 0.20563069, c = 63241.077;  // au, years
   const double year_orbits = std::pow(a, -1.5), speed = std::sqrt(gm / a * (1 + e) / (1 - e));

@@ -16,16 +16,43 @@ struct Elements {
   Scalar inclination = Scalar(0), node = Scalar(0), periapsis = Scalar(0), mean_anomaly = Scalar(0);
 };
 
+namespace detail {
+
+/// x - sin x, to rounding also where x is small.
+template <class Scalar>
+Scalar less_sine(const Scalar& x) {
+  using std::abs;
+  using std::sin;
+  if (!(abs(x) < 1)) return x - sin(x);
+  Scalar term = x * x * x / 6, sum = term;
+  for (int n = 4; abs(term) > Eigen::NumTraits<Scalar>::epsilon() * abs(sum); n += 2) {
+    term *= -x * x / Scalar(n * (n + 1));
+    sum += term;
+  }
+  return sum;
+}
+
+/// 1 - cos x, likewise.
+template <class Scalar>
+Scalar less_cosine(const Scalar& x) {
+  using std::sin;
+  const Scalar half = sin(x / 2);
+  return 2 * half * half;
+}
+
+}  // namespace detail
+
 /// The eccentric anomaly E of E - e sin E = M. Source: J. Danby, Fundamentals of Celestial Mechanics, 2nd
 /// ed., section 6.6.
 template <class Scalar>
 Scalar eccentric_anomaly(const Scalar& mean_anomaly, const Scalar& e) {
   using std::abs;
-  using std::cos;
   using std::sin;
+  // 1 - e stands alone, since near the periapsis of a steep orbit nothing else is left of x - e sin x.
   Scalar x = mean_anomaly + (sin(mean_anomaly) < 0 ? -e : e) * Scalar(17) / 20;
   for (int i = 0; i < 60; ++i) {
-    const Scalar step = (x - e * sin(x) - mean_anomaly) / (1 - e * cos(x));
+    const Scalar step =
+        ((1 - e) * x + e * detail::less_sine(x) - mean_anomaly) / ((1 - e) + e * detail::less_cosine(x));
     x -= step;
     if (abs(step) <= 4 * Eigen::NumTraits<Scalar>::epsilon() * (1 + abs(x))) break;
   }
@@ -42,8 +69,8 @@ PhasePoint<Scalar, 3> state_of(const Elements<Scalar>& orbit, const Scalar& gm) 
   if (!(orbit.a > 0 && orbit.e >= 0 && orbit.e < 1 && gm > 0))
     throw std::invalid_argument("state_of: a bound orbit has a > 0, 0 <= e < 1 and GM > 0");
   const Scalar x = eccentric_anomaly(orbit.mean_anomaly, orbit.e);
-  // 1 - e stands alone, since near the periapsis nothing else is left of 1 - e cos x and cos x - e.
-  const Scalar minor = sqrt((1 - orbit.e) * (1 + orbit.e)), half = sin(x / 2), bend = 2 * half * half;
+  // 1 - e stands alone here, too: in 1 - e cos x and cos x - e.
+  const Scalar minor = sqrt((1 - orbit.e) * (1 + orbit.e)), bend = detail::less_cosine(x);
   const Scalar speed = sqrt(gm / orbit.a) / ((1 - orbit.e) + orbit.e * bend);
   const Scalar along = orbit.a * ((1 - orbit.e) - bend), across = orbit.a * minor * sin(x);
   const Scalar v_along = -speed * sin(x), v_across = speed * minor * cos(x);

@@ -115,6 +115,16 @@ TEST_CASE("An audit and the costs of accuracy advise an exact flow where it leav
   CHECK(advised_flow(Scene(Kinetic{}, Spring{.k = 1}), PhasePoint<double, 2>({1, 0}, {0, 1})));
 }
 
+TEST_CASE("Where there is no gradient no exact flow is advised, and no size told", "[exactly]") {
+  const Scene scene(Kinetic{}, Attraction{}, Spring{.k = 1e-6});
+  const PhasePoint<double, 2> centre({0, 0}, {0, 1}), beside({1, 0}, {0, 1});
+  CHECK(advised_flow(scene, beside));
+  CHECK_FALSE(advised_flow(scene, centre));
+  const auto stepper = stepper_for(scene, exactly<Kinetic, Attraction>());
+  CHECK(explain(stepper, beside).find("spring, 1e-06 of the gradient;") != std::string::npos);
+  CHECK(explain(stepper, centre) == explain(stepper));
+}
+
 TEST_CASE("The order in which a group is named does not matter", "[exactly]") {
   using Frame = orbits::RotatingFrame<double, 2>;
   const Scene scene(Frame{.omega = 0.3}, Kinetic{}, Attraction{.gm = 2},

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstddef>
@@ -20,14 +19,18 @@ namespace semiexplicit {
 
 namespace detail {
 
+/// The larger one; NaN where one is NaN.
+inline double larger(double a, double b) { return a >= b || a != a ? a : b; }
+
 /// How large a part of the gradient of H that of an effect is: |∂effect/∂q|/|∂H/∂q|, or the same by p where
-/// that is larger. Units of q and p leave it as it is. 0 where H is in equilibrium.
+/// that is larger. Units of q and p leave it as it is. 0 where H is in equilibrium, NaN where it has no
+/// gradient.
 template <class Scalar, int Dof>
 double part_of_gradient(const PhasePoint<Scalar, Dof>& effect, const PhasePoint<Scalar, Dof>& whole) {
   const auto part = [](const auto& of, const auto& all) {
-    return norm(all) > Scalar(0) ? static_cast<double>(norm(of) / norm(all)) : 0.0;
+    return norm(all) == Scalar(0) ? 0.0 : static_cast<double>(norm(of) / norm(all));
   };
-  return std::max(part(effect.q(), whole.q()), part(effect.p(), whole.p()));
+  return larger(part(effect.q(), whole.q()), part(effect.p(), whole.p()));
 }
 
 /// The same at a state.

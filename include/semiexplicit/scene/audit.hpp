@@ -174,7 +174,7 @@ class Auditor {
       effect.add_gradient(z.q(), z.p(), by_q, by_p);
       scene_.gradient(z.q(), z.p(), whole.q(), whole.p());
       const double size = detail::part_of_gradient(own, whole);
-      row.size_max = std::max(row.size_max, size);
+      row.size_max = larger(row.size_max, size);
       row.size_mean += size / static_cast<double>(orbit.size());
     }
   }

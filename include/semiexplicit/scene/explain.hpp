@@ -24,8 +24,9 @@ class EffectWords {
   template <class E>
   void add(const E& effect, bool with_size = true) {
     text_ += (text_.empty() ? "" : " + ") + effect_name(effect);
-    if (z_ && with_size)
-      text_ += ", " + in_words(size_of_effect(effect, whole_, *z_), 2) + " of the gradient";
+    if (!z_ || !with_size) return;
+    const double size = size_of_effect(effect, whole_, *z_);
+    if (size == size) text_ += ", " + in_words(size, 2) + " of the gradient";
   }
   const std::string& text() const { return text_; }
 
@@ -99,7 +100,7 @@ SEMIEXPLICIT_COLD std::string explained(const FlowSplitting<H, Solver>& stepper,
 ///     exact: kinetic + attraction (Kepler); doubled: 1pn, 1.2e-07 of the gradient; aba82 of order (8,2), ...
 ///
 /// The sizes stand there where a state is given, explain(stepper, z): the effect's part of ∂H/∂q or of ∂H/∂p
-/// at z, the larger one.
+/// at z, the larger one. Where there is no gradient, as at the centre of an attraction, there are none.
 template <class H, class Solver>
 std::string explain(const FlowSplitting<H, Solver>& stepper) {
   return detail::explained(stepper, nullptr);

@@ -200,6 +200,27 @@ TEST_CASE("books tell of each effect, at run time, too, and of steps of any leng
   CHECK(refuses([&] { books.work("darg"); }, "drag"));
 }
 
+TEST_CASE("Effects of a scene with the same name are numbered in books and audits", "[motion]") {
+  const Scene scene(Kinetic{}, Spring{}, Drag{.linear = 0.1}, Drag{.quadratic = 0.2}, Drag{.linear = 0.3});
+  const std::vector<std::string> drags{"drag", "drag 2", "drag 3"};
+  const PhasePoint<double, 2> start({1, 0.5}, {0, 1});
+  Books books(scene);
+  CHECK(books.names() == drags);
+  auto z = start;
+  auto stepper = stepper_for(scene);
+  integrate(stepper, z, {.dt = 0.02, .steps = 50}, books);
+  CHECK(std::abs(books.difference()) < 1e-9);
+  CHECK(books.work("drag 3") == Approx(3 * books.work("drag")));
+  CHECK(refuses([&] { books.work("drag 4"); }, "drag 2"));
+  const Audit found = audit(scene, start, 1, {.dt = 0.1, .samples = 5});
+  for (std::size_t i = 0; i < drags.size(); ++i) CHECK(found.rows[2 + i].name == drags[i]);
+  CHECK(refuses(
+      [] {
+        (RuntimeScene<double, 2>{Kinetic{}, Drag{.linear = 0.1}, Drag{.linear = 0.2}});
+      },
+      "two effects are called drag; give one a member name() of its own"));
+}
+
 TEST_CASE("What needs a Hamiltonian refuses a scene with a force of its own by name", "[motion]") {
   const Scene damped(effects::orbits::Kinetic<double, 2>{}, effects::orbits::Attraction<double, 2>{},
                      effects::orbits::Drag<double, 2>{.linear = 0.01});

@@ -32,6 +32,12 @@ class AnyEffect {
 
   const std::string& name() const { return name_; }
   const std::string& about() const { return about_; }
+  /// The same effect by another name.
+  AnyEffect called(std::string name) const {
+    AnyEffect other = *this;
+    other.name_ = std::move(name);
+    return other;
+  }
   /// Whether it depends on q, on p, and on both in a way that no sum does.
   bool on_position() const { return on_position_; }
   bool on_momentum() const { return on_momentum_; }

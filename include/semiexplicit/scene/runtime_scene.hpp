@@ -45,14 +45,14 @@ class RuntimeScene {
                                     std::to_string(it->dof()) + " degrees of freedom, and " +
                                     (Dof == Eigen::Dynamic ? effects_[0].name() : "the type of the scene") +
                                     " has " + std::to_string(dof()));
-      if (std::any_of(effects_.begin(), it, [&](const Any& other) { return other.name() == it->name(); }))
+      if (is_called({effects_.begin(), it}, it->name()))
         throw std::invalid_argument("RuntimeScene: two effects are called " + it->name() +
                                     "; give one a member name() of its own");
     }
   }
   RuntimeScene(std::initializer_list<Any> effects) : RuntimeScene(std::vector<Any>(effects)) {}
 
-  /// The effects of a compile-time scene.
+  /// The effects of a compile-time scene; of those with the same name the second is called drag 2, say.
   template <class... Effects>
   explicit RuntimeScene(const Scene<Effects...>& scene) : RuntimeScene(erased(scene)) {}
 
@@ -104,8 +104,16 @@ class RuntimeScene {
   template <class... Effects>
   static std::vector<Any> erased(const Scene<Effects...>& scene) {
     std::vector<Any> list;
-    scene.for_each([&](const auto& effect) { list.emplace_back(effect); });
+    scene.for_each([&](const auto& effect) {
+      const Any any(effect);
+      std::string name = any.name();
+      for (int n = 2; is_called(list, name); ++n) name = any.name() + " " + std::to_string(n);
+      list.push_back(any.called(std::move(name)));
+    });
     return list;
+  }
+  static bool is_called(const std::vector<Any>& list, const std::string& name) {
+    return std::any_of(list.begin(), list.end(), [&](const Any& effect) { return effect.name() == name; });
   }
   void require(const std::string& name) const {
     const std::vector<std::string> valid = names();

@@ -129,4 +129,47 @@ TEST_CASE("Observers and tangent maps that were moved from do not crash", "[cont
   CHECK(other.served() == 2);
 }
 
+TEST_CASE("Exponents, alignment and scenes that were moved from refuse by name, of any size", "[contracts]") {
+  namespace lattice = effects::lattice;
+  const auto check = [](const auto& scene, const auto& z0) {
+    auto stepper = stepper_for(scene);
+    const auto refuses_run = [&](auto from) {
+      const auto to = std::move(from);
+      auto z = z0;
+      return refuses(
+          [&] {
+            integrate(stepper, z, {.dt = 0.01, .steps = 1}, from);  // NOLINT: that is what is tested
+          },
+          "it was moved from; use the one that it was moved to");
+    };
+    CHECK(refuses_run(LyapunovExponents(stepper, 2)));
+    CHECK(refuses_run(AlignmentIndex(stepper, 2)));
+  };
+  const auto check_scene = [](auto from, const auto& z0) {
+    const auto to = std::move(from);
+    CHECK(from.dof() == 0);  // NOLINT: that is what is tested
+    auto stepper = stepper_for(from);
+    auto z = z0;
+    CHECK(stepper.step(z, 0.01).status == Status::invalid_state);
+    CHECK(z.vector() == z0.vector());
+    CHECK(refuses([&] { LyapunovExponents(stepper, 2); },
+                  "LyapunovExponents: the stepper has no degree of freedom"));
+  };
+  const Scene fixed(lattice::OnSite<double, 2>{}, lattice::PairExchange<double, 2>{});
+  const Scene dynamic(lattice::OnSite<>{.sites = 2}, lattice::PairExchange<>{.sites = 2});
+  const PhasePoint<double, 2> z = start;
+  PhasePoint<double, Eigen::Dynamic> of_any_size(2);
+  of_any_size.vector() = z.vector();
+  check(fixed, z);
+  check(dynamic, of_any_size);
+  check_scene(RuntimeScene(dynamic), of_any_size);
+  RuntimeScene small(fixed);
+  const RuntimeScene<double, 2> taken = std::move(small);
+  CHECK(small.dof() == 0);  // NOLINT: that is what is tested
+  CHECK(taken.dof() == 2);
+  const effects::nbody::Bodies<> bodies({1, 0.1});
+  auto two = bodies.jacobi({{1, 0, 0}, {0, 0, 0}}, {{0, 1, 0}, {0, 0, 0}});
+  check_scene(Scene(effects::nbody::Kinetic<>{bodies}, effects::nbody::Attraction<>{bodies}), two);
+}
+
 }  // namespace test_contracts

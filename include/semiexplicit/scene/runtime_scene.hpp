@@ -56,7 +56,11 @@ class RuntimeScene {
   template <class... Effects>
   explicit RuntimeScene(const Scene<Effects...>& scene) : RuntimeScene(erased(scene)) {}
 
-  Eigen::Index dof() const { return Dof == Eigen::Dynamic ? effects_[0].dof() : Dof; }
+  /// 0 where it was moved from; with Eigen::Dynamic steppers refuse it then.
+  Eigen::Index dof() const {
+    if (effects_.empty()) return 0;
+    return Dof == Eigen::Dynamic ? effects_[0].dof() : Dof;
+  }
   const std::vector<Any>& effects() const { return effects_; }
 
   std::vector<std::string> names() const {

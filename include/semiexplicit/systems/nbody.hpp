@@ -47,7 +47,8 @@ class Bodies {
   bool operator==(const Bodies&) const = default;
 
   Eigen::Index size() const { return static_cast<Eigen::Index>(bodies_.size()); }
-  Eigen::Index dof() const { return 3 * (size() - 1); }
+  /// 0 where they were moved from.
+  Eigen::Index dof() const { return bodies_.empty() ? 0 : 3 * (size() - 1); }
   /// Of body i; of it and those within; its reduced mass beside those within (0 for the primary); its share
   /// of the mass of it and those within.
   const Scalar& gm(Eigen::Index i) const { return at(i).gm; }

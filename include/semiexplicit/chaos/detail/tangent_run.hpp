@@ -62,6 +62,7 @@ class TangentRun {
   /// LyapunovExponents says.
   bool follow(const Scalar& t, const State& z, const IntegrationReport& run) {
     using Next = typename RunClock<Scalar>::Next;
+    if (count() == 0) refuse("it was moved from; use the one that it was moved to, or make a new one");
     if (z.vector().size() != previous_.vector().size())
       refuse("the state has another number of degrees of freedom than the stepper");
     const bool equal = clock_.started() && z.vector() == previous_.vector();
@@ -217,6 +218,10 @@ class TangentRun {
   }
 
   static Eigen::Index require(const char* who, Eigen::Index least, Eigen::Index count, Eigen::Index all) {
+    if (all < 1)
+      throw std::invalid_argument(std::string(who) +
+                                  ": the stepper has no degree of freedom; give one that was not moved from, "
+                                  "of a Hamiltonian that has");
     if (count < least || count > all)
       throw std::invalid_argument(std::string(who) + ": " + std::to_string(count) +
                                   (least == 1 ? " exponents" : " vectors") + " asked for; there are " +

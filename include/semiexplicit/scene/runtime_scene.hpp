@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <initializer_list>
 #include <iterator>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -45,7 +46,7 @@ class RuntimeScene {
                                     std::to_string(it->dof()) + " degrees of freedom, and " +
                                     (Dof == Eigen::Dynamic ? effects_[0].name() : "the type of the scene") +
                                     " has " + std::to_string(dof()));
-      if (is_called({effects_.begin(), it}, it->name()))
+      if (is_called(std::span(effects_.begin(), it), it->name()))
         throw std::invalid_argument("RuntimeScene: two effects are called " + it->name() +
                                     "; give one a member name() of its own");
     }
@@ -116,7 +117,7 @@ class RuntimeScene {
     });
     return list;
   }
-  static bool is_called(const std::vector<Any>& list, const std::string& name) {
+  static bool is_called(std::span<const Any> list, const std::string& name) {
     return std::any_of(list.begin(), list.end(), [&](const Any& effect) { return effect.name() == name; });
   }
   void require(const std::string& name) const {

@@ -92,6 +92,33 @@ TEST_CASE("The eccentric anomaly near the periapsis of nearly parabolic orbits h
   CHECK(eccentric_anomaly(0.0, 1 - 1e-9) == 0);
 }
 
+TEST_CASE("The elements of an orbit of any length come back, and those of a circle are as documented",
+          "[systems]") {
+  for (const double a : {1e-300, 1e-200, 1e-100, 1.0, 1e100, 1e200, 1e300}) {
+    CAPTURE(a);
+    const auto z = state_of(
+        Elements<double>{
+            .a = a, .e = 0.3, .inclination = 0.4, .node = 0.5, .periapsis = 0.6, .mean_anomaly = 0.7},
+        1.0);
+    const auto back = elements_of<double>(z.q(), z.p(), 1.0);
+    CHECK(back.a == Approx(a).epsilon(1e-13));
+    CHECK(back.e == Approx(0.3));
+    CHECK(back.inclination == Approx(0.4));
+    CHECK(back.node == Approx(0.5));
+    CHECK(back.periapsis == Approx(0.6));
+    CHECK(back.mean_anomaly == Approx(0.7));
+  }
+  // A quarter of an inclined circle behind its node, and the same in the plane.
+  const auto inclined = elements_of<double>({0, 0.6, 0.8}, {-1, 0, 0}, 1.0);
+  CHECK(inclined.e == 0);
+  CHECK(std::abs(inclined.node) < 1e-15);
+  CHECK(inclined.periapsis == Approx(pi / 2));
+  CHECK(inclined.mean_anomaly == 0);
+  const auto flat = elements_of<double>({0, 1, 0}, {-1, 0, 0}, 1.0);
+  CHECK(flat.node == 0);
+  CHECK(flat.periapsis == Approx(pi / 2));
+}
+
 TEST_CASE("Mercury's perihelion turns by 42.98 arcseconds a century with 1PN and not without", "[systems]") {
   const double gm = 4 * pi * pi, a = 0.38709893, e = 0.20563069, c = 63241.077;  // au, years
   const double year_orbits = std::pow(a, -1.5), speed = std::sqrt(gm / a * (1 + e) / (1 - e));

@@ -81,20 +81,22 @@ PhasePoint<Scalar, 3> state_of(const Elements<Scalar>& orbit, const Scalar& gm) 
   return {along * to_periapsis + across * beside, v_along * to_periapsis + v_across * beside};
 }
 
-/// The elements of the orbit through a position with a velocity. An angle that a circle or an orbit in the
-/// plane has not is counted from the first axis. Throws std::invalid_argument where the orbit is not bound,
-/// or a line but for rounding.
+/// The elements of the orbit through a position with a velocity. The node of an orbit in the plane is 0, on
+/// the first axis; a circle counts as one whose periapsis is where the body is now. Throws
+/// std::invalid_argument where the orbit is not bound, or a line but for rounding.
 template <class Scalar>
 Elements<Scalar> elements_of(const Vector<Scalar, 3>& q, const Vector<Scalar, 3>& v, const Scalar& gm) {
+  using semiexplicit::detail::norm;
   using std::atan2, std::cos, std::sin, std::sqrt;
-  const Scalar r = q.norm(), per_a = 2 / r - v.dot(v) / gm;
+  const Scalar r = norm(q), per_a = 2 / r - v.dot(v) / gm;
   if (!(per_a > 0)) throw std::invalid_argument("elements_of: the orbit is not bound");
   const Vector<Scalar, 3> momentum = q.cross(v);
   // sqrt(1 - e²), which says more of an e near 1 than e.
-  const Scalar minor = momentum.norm() * sqrt(per_a / gm), epsilon = Eigen::NumTraits<Scalar>::epsilon();
-  if (!(minor * minor > 4 * epsilon) || !(momentum.norm() > 4 * epsilon * r * v.norm()))
+  const Scalar turning = norm(momentum), minor = turning * sqrt(per_a / gm),
+               epsilon = Eigen::NumTraits<Scalar>::epsilon();
+  if (!(minor * minor > 4 * epsilon) || !(turning > 4 * epsilon * r * norm(v)))
     throw std::invalid_argument("elements_of: the body falls along a line, which is in no plane");
-  const Scalar flat = sqrt(momentum[0] * momentum[0] + momentum[1] * momentum[1]);
+  const Scalar flat = norm(momentum.template head<2>());
   Elements<Scalar> orbit{.a = 1 / per_a};
   const Scalar ec = 1 - r * per_a, es = q.dot(v) / sqrt(gm * orbit.a);
   const Scalar squared = ec * ec + es * es;
@@ -104,7 +106,7 @@ Elements<Scalar> elements_of(const Vector<Scalar, 3>& q, const Vector<Scalar, 3>
   const Scalar x = orbit.e > 0 ? Scalar(atan2(es, ec)) : Scalar(0);
   orbit.mean_anomaly = x - es;
   const Vector<Scalar, 3> to_node(cos(orbit.node), sin(orbit.node), Scalar(0));
-  const Vector<Scalar, 3> beside = momentum.cross(to_node) / momentum.norm();
+  const Vector<Scalar, 3> beside = momentum.cross(to_node) / turning;
   const Scalar anomaly = atan2(minor * sin(x), cos(x) - orbit.e);
   orbit.periapsis = atan2(q.dot(beside), q.dot(to_node)) - anomaly;
   return orbit;

@@ -1,6 +1,7 @@
 #include "catch.hpp"
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include <semiexplicit/chaos.hpp>
@@ -64,6 +65,9 @@ TEST_CASE("Two spinning bodies have no exponent: what grows with the time goes d
 TEST_CASE("Masses, spins and directions that make no sense are refused by name", "[spins]") {
   using Bodies = systems::SpinOrbit<double>;
   CHECK(refuses([] { Bodies(0, 1, 0.5, 0, 0); }, "gm and c are to be positive"));
+  const double infinite = std::numeric_limits<double>::infinity();
+  CHECK(refuses([&] { Bodies(infinite, 1, 0.5, 0, 0); }, "gm and c are to be positive, and gm finite"));
+  CHECK(refuses([&] { Bodies(1, 1, 0.5, 0, infinite); }, "length is negative, NaN or Inf"));
   CHECK(refuses([] { Bodies(1, 1, 1, 0, 0); }, "share of the first body"));
   CHECK(refuses([] { Bodies(1, 1, 0.5, -1, 0); }, "length is negative"));
   CHECK(refuses(
@@ -71,6 +75,22 @@ TEST_CASE("Masses, spins and directions that make no sense are refused by name",
         Bodies(1, 1, 0.5, 1, 1).state({1, 0, 0}, {0, 1, 0}, {0, 0, 0}, {1, 0, 0});
       },
       "direction 1 has no length"));
+  CHECK(refuses(
+      [&] {
+        Bodies(1, 1, 0.5, 1, 1).state({1, 0, 0}, {0, 1, 0}, {1, 0, 0}, {infinite, 0, 0});
+      },
+      "direction 2 has no length, or holds NaN or Inf"));
+}
+
+TEST_CASE("Only the directions of spins count, whatever their length", "[spins]") {
+  const systems::SpinOrbit<double> bodies(1, 4, 0.6, 0.7, 0.9);
+  const auto z = bodies.state({8, 0, 1}, {0, 0.3, 0.1}, {1, 0, 1}, {0, 1, 1});
+  for (const double length : {1e-300, 1e-170, 1e-100, 1e100, 1e160, 1e300}) {
+    CAPTURE(length);
+    const auto same = bodies.state({8, 0, 1}, {0, 0.3, 0.1}, {length, 0, length}, {0, length, length});
+    CHECK(same.q() == z.q());
+    CHECK((same.p() - z.p()).norm() < 1e-15);
+  }
 }
 
 }  // namespace test_spin_orbit

@@ -35,12 +35,15 @@ class SpinOrbit {
   /// in units of GM_i²/c, at most 1 for a black hole. Throws std::invalid_argument for what makes no sense.
   SpinOrbit(const Scalar& gm, const Scalar& c, const Scalar& share, const Scalar& chi1, const Scalar& chi2)
       : gm_(gm), c_(c), nu_(share * (1 - share)), newton_{.gm = gm}, corrected_{.gm = gm, .c = c, .nu = nu_} {
-    if (!(gm > 0) || !(c > 0)) throw std::invalid_argument("SpinOrbit: gm and c are to be positive");
+    using std::isfinite;
+    if (!(gm > 0) || !isfinite(gm) || !(c > 0))
+      throw std::invalid_argument("SpinOrbit: gm and c are to be positive, and gm finite");
     if (!(share > 0 && share < 1))
       throw std::invalid_argument("SpinOrbit: the share of the first body is to be between 0 and 1");
     const Scalar shares[2] = {share, 1 - share}, chi[2] = {chi1, chi2};
     for (int i = 0; i < 2; ++i) {
-      if (!(chi[i] >= 0)) throw std::invalid_argument("SpinOrbit: a spin's length is negative or NaN");
+      if (!(chi[i] >= 0) || !isfinite(chi[i]))
+        throw std::invalid_argument("SpinOrbit: a spin's length is negative, NaN or Inf; give 0 or more");
       length_[i] = gm * shares[i] * shares[i] * chi[i] / (c * nu_);
       weight_[i] = 1 + 3 * (1 - shares[i]) / (4 * shares[i]);
     }
@@ -77,17 +80,19 @@ class SpinOrbit {
   State state(const Vector<Scalar, 3>& position, const Vector<Scalar, 3>& momentum, const Spin& direction1,
               const Spin& direction2) const {
     using std::atan2;
+    using std::isfinite;
     State z;
     z.q().template head<3>() = position;
     z.p().template head<3>() = momentum;
     const Spin* directions[2] = {&direction1, &direction2};
     for (int i = 0; i < 2; ++i) {
       const Spin& n = *directions[i];
-      const Scalar size = n.norm();
-      if (!(size > 0))
-        throw std::invalid_argument("SpinOrbit: direction " + std::to_string(i + 1) + " has no length");
+      const Scalar size = semiexplicit::detail::norm(n);
+      if (!(size > 0) || !isfinite(size))
+        throw std::invalid_argument("SpinOrbit: direction " + std::to_string(i + 1) +
+                                    " has no length, or holds NaN or Inf; give any other one");
       z.q()[3 + i] = atan2(n[1], n[0]);
-      z.p()[3 + i] = length_[i] * n[2] / size;
+      z.p()[3 + i] = length_[i] * (n[2] / size);
     }
     return z;
   }

@@ -8,6 +8,8 @@
 #include <semiexplicit/semiexplicit.hpp>
 #include <semiexplicit/systems.hpp>
 
+#include "refusal.hpp"
+
 namespace test_effects {
 
 // Every effect by itself: its gradient against its energy, and against what else is known of it.
@@ -151,6 +153,16 @@ TEST_CASE("A scene of lattice effects is the NLS lattice", "[systems]") {
        systems::NlsLattice<double, 5>());
   same(Scene(lattice::OnSite<>{.sites = 33}, lattice::PairExchange<>{.sites = 33}),
        systems::NlsLattice<>(33));
+}
+
+TEST_CASE("Lattice effects of another number of sites than the type says are refused", "[systems]") {
+  using effects::lattice::OnSite, effects::lattice::PairExchange, effects::lattice::Hopping;
+  const std::string said = " has 7 degrees of freedom, and the type of the scene has 5";
+  CHECK(refuses([] { Scene scene(OnSite<double, 5>{.sites = 7}); }, "on_site" + said));
+  CHECK(refuses([] { Scene scene(OnSite<double, 5>{}, PairExchange<double, 5>{.sites = 7}); },
+                "pair_exchange" + said));
+  CHECK(refuses([] { RuntimeScene<double, 5>{Hopping<double, 5>{.sites = 7}}; }, "hopping" + said));
+  CHECK(Scene(OnSite<double, 5>{}, PairExchange<double, 5>{.sites = 5}).dof() == 5);
 }
 
 TEST_CASE("A scene of vortex pairs is systems::PointVortices", "[systems]") {

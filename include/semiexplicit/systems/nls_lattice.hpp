@@ -15,7 +15,8 @@ namespace semiexplicit::effects::lattice {
 
 namespace detail {
 
-/// The number of sites, known to the type or to the effect.
+/// The number of sites, known to the type or to the effect. The effects' dof() is `sites` in both cases, so
+/// that a scene refuses another number than that of its type.
 template <int N>
 constexpr Eigen::Index size(Eigen::Index sites) {
   return N == Eigen::Dynamic ? sites : N;
@@ -67,18 +68,18 @@ struct OnSite {
   Eigen::Index sites = N;
   Scalar strength = Scalar(1);  ///< g
 
-  Eigen::Index dof() const { return detail::size<N>(sites); }
+  Eigen::Index dof() const { return sites; }
 
   Scalar energy(const auto& q, const auto& p) const {
     Scalar sum(0);
-    for (Eigen::Index i = 0; i < dof(); ++i) {
+    for (Eigen::Index i = 0; i < detail::size<N>(sites); ++i) {
       const Scalar density = q[i] * q[i] + p[i] * p[i];
       sum += density * density;
     }
     return strength * sum / 4;
   }
   void add_gradient(const auto& q, const auto& p, auto& dHdq, auto& dHdp) const {
-    for (Eigen::Index i = 0; i < dof(); ++i) {
+    for (Eigen::Index i = 0; i < detail::size<N>(sites); ++i) {
       const auto density = strength * (q[i] * q[i] + p[i] * p[i]);
       dHdq[i] += density * q[i];
       dHdp[i] += density * p[i];
@@ -97,18 +98,19 @@ struct PairExchange {
   Eigen::Index sites = N;
   Scalar strength = Scalar(1);  ///< k
 
-  Eigen::Index dof() const { return detail::size<N>(sites); }
+  Eigen::Index dof() const { return sites; }
 
   Scalar energy(const auto& q, const auto& p) const {
     Scalar sum(0);
-    for (Eigen::Index i = 1; i < dof(); ++i)
+    for (Eigen::Index i = 1; i < detail::size<N>(sites); ++i)
       sum += detail::u(q[i - 1], p[i - 1]) * detail::u(q[i], p[i]) +
              4 * detail::v(q[i - 1], p[i - 1]) * detail::v(q[i], p[i]);
     return -strength * sum;
   }
   void add_gradient(const auto& q, const auto& p, auto& dHdq, auto& dHdp) const {
     detail::over_neighbours(
-        dof(), 0, dof(), q, p, [&]<class T>(Eigen::Index i, const T& sum_u, const T& sum_v) {
+        detail::size<N>(sites), 0, detail::size<N>(sites), q, p,
+        [&]<class T>(Eigen::Index i, const T& sum_u, const T& sum_v) {
           const T none = -Scalar(0);  // adding to it changes no number, so the compiler leaves that out
           const detail::SiteGradient<T> at(q[i], p[i], none, 2 * strength * sum_u, 4 * strength * sum_v);
           dHdq[i] += at.q;
@@ -129,15 +131,15 @@ struct Hopping {
   Eigen::Index sites = N;
   Scalar rate = Scalar(1);  ///< J
 
-  Eigen::Index dof() const { return detail::size<N>(sites); }
+  Eigen::Index dof() const { return sites; }
 
   Scalar energy(const auto& x) const {
     Scalar sum(0);
-    for (Eigen::Index i = 1; i < dof(); ++i) sum += x[i - 1] * x[i];
+    for (Eigen::Index i = 1; i < detail::size<N>(sites); ++i) sum += x[i - 1] * x[i];
     return -rate * sum;
   }
   void add_gradient(const auto& x, auto& dHdx) const {
-    const Eigen::Index last = dof() - 1;
+    const Eigen::Index last = detail::size<N>(sites) - 1;
     if (last < 1) return;
     dHdx[0] -= rate * x[1];
     for (Eigen::Index i = 1; i < last; ++i) dHdx[i] -= rate * (x[i - 1] + x[i + 1]);

@@ -37,7 +37,7 @@ namespace semiexplicit {
 /// group is: then a rest that depends on positions alone may have a Nyström list (see NearIntegrable).
 ///
 /// Flows of this library: Kinetic + Attraction, Kinetic + RotatingFrame, Kinetic + Attraction + RotatingFrame
-/// (orbits).
+/// (orbits); Kinetic + Attraction (nbody).
 template <class... Effects>
 struct ExactFlow;
 

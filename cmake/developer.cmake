@@ -2,8 +2,9 @@
 option(SEMIEXPLICIT_DEVELOPER_WARNINGS "Compile the tests and programs with many warnings, as errors" OFF)
 option(SEMIEXPLICIT_SANITIZE "Compile the tests and programs with the address and undefined-behaviour sanitizers" OFF)
 option(SEMIEXPLICIT_TEST_COMPILERS "Test packages, every header alone and the compilers' messages, too: some minutes more" ON)
-set(SEMIEXPLICIT_TEST_PART all CACHE STRING "What is tested: all, library, programs (with the pages), or what is worth a second compiler")
-set_property(CACHE SEMIEXPLICIT_TEST_PART PROPERTY STRINGS all library programs second)
+set(SEMIEXPLICIT_TEST_PART all CACHE STRING
+  "What is tested: all, library, programs (with the pages), what is worth a second compiler, or the long tests")
+set_property(CACHE SEMIEXPLICIT_TEST_PART PROPERTY STRINGS all library programs second long)
 option(SEMIEXPLICIT_NATIVE "Compile the examples and benchmarks for this machine, fully optimised" OFF)
 
 # For code that must be free of warnings whatever the options say.

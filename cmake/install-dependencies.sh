@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# install-dependencies.sh run|test|check|docs|benchmark|libc++|aarch64|mingw...: installs what these tasks need and this machine lacks. Where all is there
+# install-dependencies.sh run|test|check|format|docs|benchmark|libc++|aarch64|mingw...: installs what these tasks need and this machine lacks. Where all is there
 # it does nothing and needs no rights.
 set -euo pipefail
 
@@ -51,10 +51,11 @@ for task in "$@"; do
     libc++) packages+=(clang libc++-dev libc++abi-dev libeigen3-dev catch2 libboost-dev) ;;
     aarch64) packages+=(g++-aarch64-linux-gnu qemu-user libeigen3-dev catch2 libboost-dev) ;;
     mingw) packages+=(g++-mingw-w64-x86-64 libeigen3-dev libboost-dev) ;;
-    check) packages+=(clang libclang-rt-14-dev libgsl-dev libsundials-dev pkg-config clang-format) ;;
+    check) packages+=(clang libclang-rt-14-dev libgsl-dev libsundials-dev pkg-config) ;;
+    format) packages+=(clang-format) ;;
     docs) packages+=(g++ cmake ninja-build libeigen3-dev doxygen doxygen-awesome-css libjs-mathjax) ;;
     *)
-      echo "install-dependencies.sh: unknown task '$task'; give run, test, check, docs, benchmark, libc++, aarch64 or mingw" >&2
+      echo "install-dependencies.sh: unknown task '$task'; give run, test, check, format, docs, benchmark, libc++, aarch64 or mingw" >&2
       exit 2
       ;;
   esac

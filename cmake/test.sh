@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# test.sh [--programs | --warnings | --all]: installs what is missing, builds the tests of the library by clang++ and runs
-# them; with --programs, those of the bundled programs and of the pages; with --warnings, everything is read by g++ with its
-# warnings as errors, and the formatting checked. --all does the rest: tests of methods, runs and ensembles, some programs and
-# benchmarks by g++, packages, the compilers' messages, the documentation, and the tests by clang++ with the address and
-# undefined-behaviour sanitizers.
+# test.sh [--programs | --long | --warnings | --all]: installs what is missing, builds the tests of the library by clang++ and
+# runs them; with --programs, those of the bundled programs and of the pages, by g++, and the formatting; with --long, those of
+# the library that take minutes; with --warnings, everything is read by g++ with its warnings as errors. --all does the rest:
+# tests of methods, runs and ensembles, some programs and benchmarks by g++, packages, the compilers' messages, the
+# documentation, and the tests by clang++ with the address and undefined-behaviour sanitizers.
 set -euo pipefail
 # shellcheck source=cmake/stage.sh
 source "$(dirname "${BASH_SOURCE[0]}")/stage.sh"
@@ -12,10 +12,11 @@ preset=test
 case "$*" in
   "") ;;
   --programs) preset=programs ;;
+  --long) preset=long ;;
   --warnings | --all) preset= ;;
   *)
     current_stage="arguments"
-    echo "usage: bash cmake/test.sh [--programs | --warnings | --all]" >&2
+    echo "usage: bash cmake/test.sh [--programs | --long | --warnings | --all]" >&2
     exit 2
     ;;
 esac
@@ -47,14 +48,17 @@ check_format() {
 
 stage "Dependencies"
 bash cmake/install-dependencies.sh test
+if [ "$*" = --programs ]; then
+  bash cmake/install-dependencies.sh format
+  stage "Formatting"
+  check_format
+fi
 if [ -n "$preset" ]; then
   build_and_test "$preset"
   exit
 fi
 bash cmake/install-dependencies.sh check
 if [ "$*" = --warnings ]; then
-  stage "Formatting"
-  check_format
   build warnings
   exit
 fi

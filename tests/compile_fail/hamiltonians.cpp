@@ -9,6 +9,7 @@
 // case gradient_returned: the gradient of this Hamiltonian takes other arguments: write `void gradient(
 // case gradient_of_vectors: the gradient of this Hamiltonian takes other arguments: write `void gradient(
 // case gradient_by_value: takes dHdq or dHdp by value, so what it writes is lost: take both as
+// case static_gradient_by_value: takes dHdq or dHdp by value, so what it writes is lost: take both as
 // case gradient_of_other_size: takes columns of another size or of other numbers than its Dof and Scalar: write
 // case gradient_of_floats: takes columns of another size or of other numbers than its Dof and Scalar: write
 // case time_dependent: depends on the time: give the stepper Autonomous(H)
@@ -50,6 +51,8 @@ struct Mine {
   }
 #elif defined(gradient_by_value)
   void gradient(Column q, Column p, Eigen::Vector2d dHdq, Eigen::Vector2d dHdp) const { dHdq = p, dHdp = q; }
+#elif defined(static_gradient_by_value)
+  static void gradient(Column q, Column p, Half dHdq, Eigen::Vector2d dHdp) { dHdq = p, dHdp = q; }
 #elif defined(gradient_of_other_size)
   void gradient(In<double, 3> q, In<double, 3> p, Out<double, 3> dHdq, Out<double, 3> dHdp) const {
     dHdq = p, dHdp = q;

@@ -15,18 +15,25 @@ template <class F>
 struct Parameters {
   static constexpr bool known = false;
 };
-template <class R, class C, class Q, class P, class OutQ, class OutP>
-struct Parameters<R (C::*)(Q, P, OutQ, OutP) const> {
+template <class R, class Q, class P, class OutQ, class OutP>
+struct Parameters<R(Q, P, OutQ, OutP)> {
   static constexpr bool known = true;
   using First = Q;
   using Output = OutQ;
   using LastOutput = OutP;
 };
-template <class R, class C, class Q, class P, class OutQ, class OutP>
-struct Parameters<R (C::*)(Q, P, OutQ, OutP)> : Parameters<R (C::*)(Q, P, OutQ, OutP) const> {};
-template <class R, class C, class Q, class P, class OutQ, class OutP>
-struct Parameters<R (C::*)(Q, P, OutQ, OutP) const noexcept> : Parameters<R (C::*)(Q, P, OutQ, OutP) const> {
-};
+#define SEMIEXPLICIT_PARAMETERS_OF(qualifiers)                          \
+  template <class R, class C, class Q, class P, class OutQ, class OutP> \
+  struct Parameters<R (C::*)(Q, P, OutQ, OutP) qualifiers> : Parameters<R(Q, P, OutQ, OutP)> {};
+SEMIEXPLICIT_PARAMETERS_OF()
+SEMIEXPLICIT_PARAMETERS_OF(noexcept)
+SEMIEXPLICIT_PARAMETERS_OF(const)
+SEMIEXPLICIT_PARAMETERS_OF(const noexcept)
+SEMIEXPLICIT_PARAMETERS_OF(const&)
+SEMIEXPLICIT_PARAMETERS_OF(const& noexcept)
+#undef SEMIEXPLICIT_PARAMETERS_OF
+template <class R, class Q, class P, class OutQ, class OutP, bool Noexcept>
+struct Parameters<R (*)(Q, P, OutQ, OutP) noexcept(Noexcept)> : Parameters<R(Q, P, OutQ, OutP)> {};
 
 template <class H>
 concept NamesGradient = requires {

@@ -3,7 +3,7 @@
 # include/semiexplicit itself leads to, once, where it is first included. FILE is written whole or not at all.
 set -euo pipefail
 
-if [ $# -ne 1 ]; then
+if [ $# -ne 1 ] || [[ $1 = -* ]] || [ -z "$1" ]; then
   echo "usage: bash cmake/amalgamate.sh FILE" >&2
   exit 2
 fi

@@ -147,9 +147,10 @@ class SceneRequest {
     for (const auto& [name, value] : choice.values)
       if (value == 0 && choice.used->count(name) > 0 && (given.empty() || !texts_.at(name).empty()))
         zeros.push_back("--" + name);
-    return zeros.empty() ? "one of these is too large, too small, or a start where a force has no bound: " +
-                               joined(given)
-                         : "one of these is zero and must not be: " + joined(zeros);
+    if (!zeros.empty()) return "one of these is zero and must not be: " + joined(zeros);
+    const std::string wrong = " too large, too small, or a start where a force has no bound";
+    return given.empty() ? "a number of it is" + wrong + "; look at the file that was read, or the preset"
+                         : "one of these is" + wrong + ": " + joined(given);
   }
 
  private:

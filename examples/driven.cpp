@@ -93,10 +93,11 @@ std::string script(const std::filesystem::path& png, const std::filesystem::path
                    double frequency, const std::string& left_out) {
   const double fastest = fastest_shown(amplitude, frequency);
   return examples::gnuplot_prologue(png, 1100, 900) + "set title 'A pendulum whose pivot shakes by " +
-         examples::formatted("%g cos(%g t)", amplitude, frequency) + ": a point a period, a colour an orbit" +
+         examples::formatted("%g cos(%g t)", amplitude, frequency) +
+         ": a point a period, a colour an orbit'\nset xlabel 'angle from the lowest position, rad'\nset "
+         "ylabel 'angular velocity, √(g/length)" +
          left_out +
-         "'\nset xlabel 'angle from the lowest position, rad'\nset "
-         "ylabel 'angular velocity, √(g/length)'\nset "
+         "'\nset "
          "xrange [-pi:pi]\nset yrange [-" +
          std::to_string(fastest) + ":" + std::to_string(fastest) +
          "]\nset key off\n"
@@ -161,7 +162,8 @@ int main(int argc, char** argv) {
               << '\n'
               << "section: " << csv.string() << '\n';
     const std::string left_out =
-        faster == 0 ? "" : "; " + std::to_string(faster) + " of " + std::to_string(points) + " are faster";
+        faster == 0 ? ""
+                    : "; " + std::to_string(faster) + " of " + std::to_string(points) + " points are faster";
     if (!settings.no_plot) draw(png, script(png, csv, amplitude, frequency, left_out));
     if (!fine)
       std::cerr << "driven: the energy is off by more than a hundredth, the section means nothing; "

@@ -432,6 +432,17 @@ TEST_CASE("A trajectory of less than no degrees of freedom is refused", "[io]") 
   CHECK(fs::is_empty(folder.path));
 }
 
+TEST_CASE("The name of a column that would be two is refused", "[io]") {
+  const Folder folder;
+  for (const char* name : {"q, p", "a\nb", "\"quoted\""})
+    CHECK(refuses(
+        [&] {
+          CsvWriter(folder.path / "table.csv", {"t", name});
+        },
+        "the name of column 2 holds a comma, a quote or the end of a line"));
+  CHECK(fs::is_empty(folder.path));
+}
+
 TEST_CASE("Numbers have a decimal point where the locale has a comma", "[io]") {
   struct German : std::numpunct<char> {
     char do_decimal_point() const override { return ','; }

@@ -32,7 +32,7 @@ class Reference {
   /// both runs are apart by no more than `enough` in the unit of targets, or smaller ones no longer help.
   /// False: the calls ended, no step goes on, or the observable is not finite.
   SEMIEXPLICIT_COLD bool go(double length, double enough) {
-    if (time_ > 0) return follow(length);
+    if (time_ > 0) return go_on(length);
     double last = std::numeric_limits<double>::infinity();
     for (int no_better = 0; no_better < 3;) {
       if (!follow(length)) return false;
@@ -86,6 +86,20 @@ class Reference {
     time_ = 0;
     size_ = static_cast<double>(norm(problem_.first));
     samples_.clear();
+  }
+
+  /// Behind the first stretch. Where the runs part by far more than rounding would, in places that are
+  /// harder, both begin anew with half the step, unless that was seen not to help, as in chaos.
+  SEMIEXPLICIT_COLD bool go_on(double length) {
+    const double from = time_, before = std::max(apart(from), Problem<Any>::epsilon * scale());
+    if (!follow(length)) return false;
+    const double parted = apart(length);
+    if (halving_failed_ || parted <= 30 * before * std::pow(length / from, 1.5)) return true;
+    share_ /= 2;
+    restart();
+    if (!follow(length)) return false;
+    halving_failed_ = apart(length) > 0.3 * parted;
+    return true;
   }
 
   SEMIEXPLICIT_COLD bool follow(double length) {
@@ -165,6 +179,7 @@ class Reference {
   double time_ = 0, rate_ = 0, size_ = 0;
   double share_ = 0.4, hardest_ = 0;  ///< of the scout's steps, and the shortest of them
   bool varies_ = false;               ///< there are far longer ones
+  bool halving_failed_ = false;
 };
 
 }  // namespace semiexplicit::detail

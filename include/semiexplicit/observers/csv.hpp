@@ -29,9 +29,16 @@ class CsvWriter {
  public:
   static constexpr const char* name = "CsvWriter";
 
+  /// Throws std::invalid_argument where the name of a column would make two of it; see DurableFile for the
+  /// rest.
   CsvWriter(std::filesystem::path path, const std::vector<std::string>& columns)
       : path_(path), columns_(columns.size()), file_(std::move(path), DurableFile::Uncommitted::kept) {
-    for (std::size_t i = 0; i < columns.size(); ++i) header_ += (i > 0 ? "," : "") + columns[i];
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      if (columns[i].find_first_of(",\"\r\n") != std::string::npos)
+        throw std::invalid_argument(path_.string() + ": the name of column " + std::to_string(i + 1) +
+                                    " holds a comma, a quote or the end of a line; give another one");
+      header_ += (i > 0 ? "," : "") + columns[i];
+    }
     header_ += '\n';
   }
 

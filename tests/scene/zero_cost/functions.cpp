@@ -15,8 +15,8 @@ struct Numbers {
 
 // Two effects: an orbit.
 extern "C" void two_by_hand(const Numbers& n, Read q, Read p, Write dHdq, Write dHdp) {
-  const double r2 = q[0] * q[0] + q[1] * q[1];
-  const double factor = n.gm / (r2 * std::sqrt(r2));
+  const double inverse2 = 1 / (q[0] * q[0] + q[1] * q[1]);
+  const double factor = n.gm * inverse2 * std::sqrt(inverse2);
   const double dq0 = factor * q[0], dq1 = factor * q[1], dp0 = p[0], dp1 = p[1];
   dHdq[0] = dq0;
   dHdq[1] = dq1;
@@ -29,8 +29,8 @@ extern "C" void two_in_scene(const Numbers& n, Read q, Read p, Write dHdq, Write
 
 // Three: the same in a frame that turns.
 extern "C" void three_by_hand(const Numbers& n, Read q, Read p, Write dHdq, Write dHdp) {
-  const double r2 = q[0] * q[0] + q[1] * q[1];
-  const double factor = n.gm / (r2 * std::sqrt(r2));
+  const double inverse2 = 1 / (q[0] * q[0] + q[1] * q[1]);
+  const double factor = n.gm * inverse2 * std::sqrt(inverse2);
   const double dq0 = factor * q[0] - n.omega * p[1], dq1 = factor * q[1] + n.omega * p[0];
   const double dp0 = p[0] + n.omega * q[1], dp1 = p[1] - n.omega * q[0];
   dHdq[0] = dq0;
@@ -46,8 +46,8 @@ extern "C" void three_in_scene(const Numbers& n, Read q, Read p, Write dHdq, Wri
 
 // One half alone of a separable scene.
 extern "C" void half_by_hand(const Numbers& n, Read q, Read, Write dHdq, Write) {
-  const double r2 = q[0] * q[0] + q[1] * q[1];
-  const double factor = n.gm / (r2 * std::sqrt(r2));
+  const double inverse2 = 1 / (q[0] * q[0] + q[1] * q[1]);
+  const double factor = n.gm * inverse2 * std::sqrt(inverse2);
   const double dq0 = factor * q[0], dq1 = factor * q[1];
   dHdq[0] = dq0;
   dHdq[1] = dq1;

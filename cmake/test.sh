@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # test.sh [--programs | --long | --warnings | --all]: installs what is missing, builds the tests of the library by clang++ and
 # runs them; with --programs, those of the bundled programs and of the pages, by g++, and the formatting; with --long, those of
-# the library that take minutes; with --warnings, everything is read by g++ with its warnings as errors. --all does the rest:
-# tests of methods, runs and ensembles, some programs and benchmarks by g++, packages, the compilers' messages, the
-# documentation, and the tests by clang++ with the address and undefined-behaviour sanitizers.
+# the library that go through the same code with many methods or for long; with --warnings, everything is read by g++ with its
+# warnings as errors. --all does the rest: tests of methods, runs and ensembles, some programs and benchmarks by g++, packages,
+# the compilers' messages, the documentation, and the tests by clang++ with the address and undefined-behaviour sanitizers.
 set -euo pipefail
 # shellcheck source=cmake/stage.sh
 source "$(dirname "${BASH_SOURCE[0]}")/stage.sh"

@@ -15,6 +15,7 @@
 
 #include "common/arguments.hpp"
 #include "common/output.hpp"
+#include "common/run.hpp"
 
 namespace {
 
@@ -133,8 +134,8 @@ int main(int argc, char** argv) {
     const double period = 2 * pi / frequency, dt = period / static_cast<double>(steps);
     report_stability(half_trace(stepper, period, steps), amplitude, frequency);
 
-    settings.make_output_folder();
     const std::filesystem::path csv = settings.output / "driven.csv", png = settings.output / "driven.png";
+    prepare_outputs(settings, {csv, png});
     CsvWriter writer(csv, {"orbit", "angle", "velocity"});
     double worst = 0;
     std::int64_t points = 0, faster = 0;

@@ -93,7 +93,10 @@ struct CostRequest {
           "--accuracy: no angle is measured here; give a relative energy error, as 1e-9");
     }
     if (!curve) options.targets = {target};
-    settings.make_output_folder();
+    if (curve)
+      prepare_outputs(settings, {settings.output / (file + ".csv"), settings.output / (file + ".png")});
+    else
+      settings.make_output_folder();
     const CostTable cost = cost_of_accuracy(hamiltonian, z0, settings.time, options);
     if (curve) {
       std::cout << cost;

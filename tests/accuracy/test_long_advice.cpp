@@ -681,4 +681,16 @@ TEST_CASE("a start where forces jump gives advice that was tried, or none", "[lo
     }
 }
 
+TEST_CASE("a target is not lost in rounding because the motion is harder behind the first stretch") {
+  const auto h = from_energy<2>([](const auto& q, const auto& p) {
+    return p[0] * p[0] / (2 * (1 + q[0] * q[0])) + p[1] * p[1] / (2 * (1 + q[1] * q[1])) +
+           (q[0] * q[0] + q[1] * q[1]) / 2 + q[0] * q[0] * q[1] * q[1] / 8;
+  });
+  const PhasePoint<double, 2> start({1.75651116986, 1.11355694216}, {-0.171180762893, -0.277205719092});
+  const auto cost =
+      cost_of_accuracy(h, start, 5000.0, {.observable = observables::Positions{}, .targets = {1e-8}});
+  CHECK(cost.cheapest(1e-8));
+  CHECK(cost.reference_error < 1e-10);  // 2e-12 is what Gauss's method is off by, in long double
+}
+
 }  // namespace test_long_advice

@@ -93,10 +93,7 @@ struct CostRequest {
           "--accuracy: no angle is measured here; give a relative energy error, as 1e-9");
     }
     if (!curve) options.targets = {target};
-    if (curve)
-      prepare_outputs(settings, {settings.output / (file + ".csv"), settings.output / (file + ".png")});
-    else
-      settings.make_output_folder();
+    prepare_outputs(settings, curve ? outputs(settings, file) : std::vector<std::filesystem::path>());
     const CostTable cost = cost_of_accuracy(hamiltonian, z0, settings.time, options);
     if (curve) {
       std::cout << cost;
@@ -188,12 +185,16 @@ struct CostRequest {
     return "";
   }
 
+  /// What write() writes.
+  static std::vector<std::filesystem::path> outputs(const Settings& settings, const std::string& file) {
+    return {settings.output / (file + ".csv"), settings.output / (file + ".png")};
+  }
   /// The rows in <file>.csv, and error against cost in <file>.png, a curve a method.
   static void write(const CostTable& cost, const Settings& settings, const std::string& file,
                     const std::string& title,
                     const std::string& error = "largest relative energy error, expected") {
-    const std::filesystem::path csv = settings.output / (file + ".csv"),
-                                png = settings.output / (file + ".png");
+    const auto both = outputs(settings, file);
+    const std::filesystem::path &csv = both[0], &png = both[1];
     write_whole(csv, [&](std::ostream& out) {
       out.precision(9);
       out << "method,solver,dt,error,gradients,seconds,limit,works\n";

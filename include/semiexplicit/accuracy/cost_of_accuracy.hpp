@@ -36,9 +36,8 @@ IntegrationReport run(const H& hamiltonian, PhasePoint<typename H::Scalar, H::Do
   if (!setting.reversible) return integrate(stepper, z, options, std::forward<Observers>(observers)...);
   if constexpr ((false || ... || ChangesState<Observers>)) {
     throw std::invalid_argument(
-        "run: events that change the state need equal steps, and setting.reversible asks for others; ask "
-        "with "
-        ".reversible = false");
+        "run: events that change the state need equal steps, and setting.reversible asks for others; "
+        "ask with .reversible = false");
   } else {
     ReversibleSteps following(std::move(stepper), detail::pace_of(hamiltonian, setting));
     return integrate(following, z, options, std::forward<Observers>(observers)...);

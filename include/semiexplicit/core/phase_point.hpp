@@ -86,6 +86,20 @@ class PhasePoint {
   Storage z_;
 };
 
+namespace detail {
+
+/// Throws std::invalid_argument, in the name of `who`, where a state has not the number of degrees of freedom
+/// that `whose` has.
+inline void require_same_dof(const char* who, Eigen::Index state, const char* whose, Eigen::Index own,
+                             const char* remedy = "give both the same size") {
+  if (state != own)
+    throw std::invalid_argument(std::string(who) + ": the state has " + std::to_string(state) +
+                                " degrees of freedom and the " + whose + " " + std::to_string(own) + "; " +
+                                remedy);
+}
+
+}  // namespace detail
+
 template <class Scalar, int Dof>
 PhasePoint(const Vector<Scalar, Dof>&, const Vector<Scalar, Dof>&) -> PhasePoint<Scalar, Dof>;
 

@@ -71,10 +71,8 @@ class DenseOutput {
   bool push(const Scalar& t, const State& z, const IntegrationReport& run, const Done& done) {
     using Next = typename detail::RunClock<Scalar>::Next;
     judged_ = none;
-    if (z.dof() != dof_of(hamiltonian_))
-      throw std::invalid_argument("DenseOutput: the state has " + std::to_string(z.dof()) +
-                                  " degrees of freedom and the Hamiltonian " +
-                                  std::to_string(dof_of(hamiltonian_)) + "; give the one that the run is of");
+    detail::require_same_dof("DenseOutput", z.dof(), "Hamiltonian", dof_of(hamiltonian_),
+                             "give the one that the run is of");
     const bool equal = size_ > 0 && z.vector() == node(size_ - 1).z.vector();
     const Next next = clock_.relation(t, equal, run);
     const Scalar after = next == Next::follows ? clock_.interval(t, run) : Scalar(0);

@@ -5,7 +5,6 @@
 #include <limits>
 #include <optional>
 #include <stdexcept>
-#include <string>
 #include <tuple>
 #include <type_traits>
 #include <utility>
@@ -60,11 +59,8 @@ class ErrorEstimate {
           "estimate "
           "the arcs between events by runs of their own");
     if constexpr (requires { stepper_.dof(); })
-      if (z.vector().size() != 2 * Eigen::Index(stepper_.dof()))
-        throw std::invalid_argument("with_error_estimate: the state has " +
-                                    std::to_string(z.vector().size() / 2) +
-                                    " degrees of freedom and the companion " +
-                                    std::to_string(stepper_.dof()) + "; give a stepper of the same system");
+      detail::require_same_dof("with_error_estimate", z.vector().size() / 2, "companion",
+                               Eigen::Index(stepper_.dof()), "give a stepper of the same system");
     const bool same =
         clock_.started() && z.vector().size() == last_.vector().size() && z.vector() == last_.vector();
     const Next next = clock_.relation(t, same, run);

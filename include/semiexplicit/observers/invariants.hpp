@@ -45,10 +45,7 @@ class Invariants {
   explicit Invariants(const H& hamiltonian) {
     if constexpr (detail::has_energy<H>())
       add("energy", [hamiltonian](const auto& q, const auto& p) {
-        if (q.size() != dof_of(hamiltonian))
-          throw std::invalid_argument("Invariants: the state has " + std::to_string(q.size()) +
-                                      " degrees of freedom and the Hamiltonian " +
-                                      std::to_string(dof_of(hamiltonian)) + "; give both the same size");
+        detail::require_same_dof("Invariants", q.size(), "Hamiltonian", dof_of(hamiltonian));
         return hamiltonian.energy(q, p);
       });
   }

@@ -59,9 +59,7 @@ class Auditor {
     if (!valid_step(t_end) || !valid_step(options.dt) || options.samples < 1)
       throw std::invalid_argument(
           "audit: give a time T and options.dt that are finite and not zero, and samples > 0");
-    if (z0.dof() != scene_.dof())
-      throw std::invalid_argument("audit: the state has " + std::to_string(z0.dof()) +
-                                  " degrees of freedom, and the scene " + std::to_string(scene_.dof()));
+    detail::require_same_dof("audit", z0.dof(), "scene", scene_.dof());
     if (!(options.max_gradients > 0))
       throw std::invalid_argument(
           "audit: options.max_gradients is not positive; give a number of gradient calls");

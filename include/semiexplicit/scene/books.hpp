@@ -154,10 +154,7 @@ class Books {
   template <class State>
   void operator()(const Scalar& t, const State& state, const IntegrationReport& run = {}) {
     const In<Scalar, Dof> q = state.q(), p = state.p();
-    if (q.size() != last_.dof())
-      throw std::invalid_argument("Books: the state has " + std::to_string(q.size()) +
-                                  " degrees of freedom and the scene " + std::to_string(last_.dof()) +
-                                  "; give both the same size");
+    detail::require_same_dof("Books", q.size(), "scene", last_.dof());
     const Scalar before = energy_;
     energy_ = scene_.energy(q, p);
     using Next = typename detail::RunClock<Scalar>::Next;

@@ -1,11 +1,11 @@
 #pragma once
 
-#include <cmath>
 #include <tuple>
 #include <type_traits>
 #include <utility>
 
 #include <semiexplicit/scene/effect.hpp>
+#include <semiexplicit/systems/detail/over_cube.hpp>
 
 /// Effects on one charge e of mass m in space, in the electric and magnetic fields of others. q is the
 /// position, p the canonical momentum m v + e A(q). Any consistent units, in which the Lorentz force is e(E +
@@ -61,9 +61,8 @@ struct DipoleField : detail::AxialPotential<DipoleField<Scalar>> {
   explicit DipoleField(Scalar moment) : m(moment) {}
   Scalar m;
   auto slopes(const auto& x) const {
-    using std::sqrt;
-    const auto inverse2 = 1 / (x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
-    const auto g = m * inverse2 * sqrt(inverse2), by = -3 * g * inverse2;
+    const auto r2 = x[0] * x[0] + x[1] * x[1] + x[2] * x[2];
+    const auto g = semiexplicit::detail::over_cube(m, r2), by = -3 * g / r2;
     return detail::Slopes<std::remove_cv_t<decltype(g)>>{g, by * x[0], by * x[1], by * x[2]};
   }
 };

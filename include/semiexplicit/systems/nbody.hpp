@@ -11,6 +11,7 @@
 #include <semiexplicit/core/phase_point.hpp>
 #include <semiexplicit/core/words.hpp>
 #include <semiexplicit/scene/effect.hpp>
+#include <semiexplicit/systems/detail/over_cube.hpp>
 
 /// Effects on any number of bodies that attract each other, in Jacobi coordinates: body 1 relative to body 0,
 /// body 2 to the centre of mass of 0 and 1, and so on. q holds these positions one behind the other, p the
@@ -180,8 +181,7 @@ void add_pair_gradient(const Bodies<Scalar>& bodies, const X& x, auto& out, cons
 /// m/|x|³ x, the gradient of -m/|x|.
 template <class Scalar, class Number>
 Triple<Number> attraction(const Scalar& m, const Triple<Number>& x) {
-  using std::sqrt;
-  const Number inverse2 = 1 / dot(x, x), k = m * inverse2 * sqrt(inverse2);
+  const Number k = semiexplicit::detail::over_cube(m, dot(x, x));
   return {k * x[0], k * x[1], k * x[2]};
 }
 
@@ -298,27 +298,25 @@ struct Oblateness {
 
   Eigen::Index dof() const { return bodies.dof(); }
   auto energy(const auto& q) const {
-    using std::sqrt;
     auto sum = 0 * q[0];
     detail::for_each_pair(
         bodies, q,
         [&](Eigen::Index j, Eigen::Index k, const auto& d) {
           if (j > 0) return;
           const auto r2 = detail::dot(d, d), along = d[0] * axis[0] + d[1] * axis[1] + d[2] * axis[2];
-          sum += strength(k) * (3 * along * along / r2 - 1) / (r2 * sqrt(r2));
+          sum += semiexplicit::detail::over_cube(strength(k), r2) * (3 * along * along / r2 - 1);
         },
         [](Eigen::Index) {});
     return sum;
   }
   void add_gradient(const auto& q, auto& dHdq) const {
-    using std::sqrt;
     using Number = detail::NumberIn<std::remove_cvref_t<decltype(q)>>;
     detail::add_pair_gradient(
         bodies, q, dHdq, [&](Eigen::Index j, Eigen::Index k, const detail::Triple<Number>& d) {
           detail::Triple<Number> f{Number(0), Number(0), Number(0)};
           if (j > 0) return f;
           const Number r2 = detail::dot(d, d), along = d[0] * axis[0] + d[1] * axis[1] + d[2] * axis[2];
-          const Number k5 = 3 * strength(k) / (r2 * r2 * sqrt(r2));
+          const Number k5 = 3 * semiexplicit::detail::over_cube(strength(k), r2) / r2;
           for (Eigen::Index i = 0; i < 3; ++i)
             f[i] = k5 * ((1 - 5 * along * along / r2) * d[i] + 2 * along * axis[i]);
           return f;

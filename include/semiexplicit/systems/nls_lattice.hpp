@@ -108,14 +108,13 @@ struct PairExchange {
     return -strength * sum;
   }
   void add_gradient(const auto& q, const auto& p, auto& dHdq, auto& dHdp) const {
-    detail::over_neighbours(
-        detail::size<N>(sites), 0, detail::size<N>(sites), q, p,
-        [&]<class T>(Eigen::Index i, const T& sum_u, const T& sum_v) {
-          const T none = -Scalar(0);  // adding to it changes no number, so the compiler leaves that out
-          const detail::SiteGradient<T> at(q[i], p[i], none, 2 * strength * sum_u, 4 * strength * sum_v);
-          dHdq[i] += at.q;
-          dHdp[i] += at.p;
-        });
+    const Eigen::Index n = detail::size<N>(sites);
+    detail::over_neighbours(n, 0, n, q, p, [&]<class T>(Eigen::Index i, const T& sum_u, const T& sum_v) {
+      const T none = -Scalar(0);  // adding to it changes no number, so the compiler leaves that out
+      const detail::SiteGradient<T> at(q[i], p[i], none, 2 * strength * sum_u, 4 * strength * sum_v);
+      dHdq[i] += at.q;
+      dHdp[i] += at.p;
+    });
   }
 };
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include <semiexplicit/scene/effect.hpp>
+#include <semiexplicit/systems/detail/over_cube.hpp>
 
 /// Effects on the orbit of one body, per unit of its mass, about a centre at the origin, in the plane (Dim 2)
 /// or in space (Dim 3): q is the position and p the momentum per mass, in the inertial frame the velocity in
@@ -48,9 +49,7 @@ struct Attraction {
     return -gm / sqrt(detail::dot<Dim>(q, q));
   }
   void add_gradient(const auto& q, auto& dHdq) const {
-    using std::sqrt;
-    const auto inverse2 = 1 / detail::dot<Dim>(q, q);
-    const auto factor = gm * inverse2 * sqrt(inverse2);  // r³ would be Inf in float and SI units
+    const auto factor = semiexplicit::detail::over_cube(gm, detail::dot<Dim>(q, q));
     for (int i = 0; i < Dim; ++i) dHdq[i] += factor * q[i];
   }
 };
@@ -76,9 +75,8 @@ struct TwoCentres {
     return -gm1 / sqrt(distance2(q, x1)) - gm2 / sqrt(distance2(q, x2));
   }
   void add_gradient(const auto& q, auto& dHdq) const {
-    using std::sqrt;
-    const auto i1 = 1 / distance2(q, x1), i2 = 1 / distance2(q, x2);
-    const auto f1 = gm1 * i1 * sqrt(i1), f2 = gm2 * i2 * sqrt(i2);
+    using semiexplicit::detail::over_cube;
+    const auto f1 = over_cube(gm1, distance2(q, x1)), f2 = over_cube(gm2, distance2(q, x2));
     dHdq[0] += f1 * (q[0] - x1) + f2 * (q[0] - x2);
     for (int i = 1; i < Dim; ++i) dHdq[i] += (f1 + f2) * q[i];
   }
@@ -106,24 +104,26 @@ struct Oblateness {
   Scalar radius = Scalar(1);  ///< equatorial, that J₂ refers to; length
 
   auto energy(const auto& q) const {
-    using std::sqrt;
-    const auto inverse2 = 1 / detail::dot<Dim>(q, q);
-    const auto k3 = gm * j2 / 2 * (radius * radius * inverse2) * sqrt(inverse2);
+    const auto r2 = detail::dot<Dim>(q, q), k3 = over_cube(r2);
     if constexpr (Dim == 3)
-      return k3 * (3 * q[2] * q[2] * inverse2 - 1);
+      return k3 * (3 * q[2] * q[2] / r2 - 1);
     else
       return -k3;
   }
   void add_gradient(const auto& q, auto& dHdq) const {
-    using std::sqrt;
-    const auto inverse2 = 1 / detail::dot<Dim>(q, q);
-    const auto k5 = 3 * (gm * j2 / 2 * (radius * radius * inverse2)) * inverse2 * sqrt(inverse2);
+    const auto r2 = detail::dot<Dim>(q, q), k5 = 3 * over_cube(r2) / r2;
     auto factor = k5;
     if constexpr (Dim == 3) {
-      factor -= 5 * k5 * q[2] * q[2] * inverse2;
+      factor -= 5 * k5 * q[2] * q[2] / r2;
       dHdq[2] += 2 * k5 * q[2];
     }
     for (int i = 0; i < Dim; ++i) dHdq[i] += factor * q[i];
+  }
+
+ private:
+  /// GM J₂ R²/(2r³)
+  auto over_cube(const auto& r2) const {
+    return semiexplicit::detail::over_cube(Scalar(gm * j2 * radius * radius / 2), r2);
   }
 };
 

@@ -143,9 +143,7 @@ struct SpinOrbit {
 
  private:
   auto weight(const auto& q) const {
-    using std::sqrt;
-    const auto inverse2 = 1 / detail::dot<Dim>(q, q);
-    return 2 * gs / (c * c) * inverse2 * sqrt(inverse2);
+    return semiexplicit::detail::over_cube(Scalar(2 * gs / (c * c)), detail::dot<Dim>(q, q));
   }
 };
 

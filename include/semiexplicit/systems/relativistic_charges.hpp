@@ -35,7 +35,8 @@ struct Relativity {
  private:
   /// (π/(mc))²: in SI units m² is nothing in float.
   auto rapid(const auto& momentum) const {
-    const auto x = momentum[0] / (mass * c), y = momentum[1] / (mass * c), z = momentum[2] / (mass * c);
+    const Scalar unit = 1 / (mass * c);
+    const auto x = unit * momentum[0], y = unit * momentum[1], z = unit * momentum[2];
     return x * x + y * y + z * z;
   }
   static auto root(const auto& square) {

@@ -56,10 +56,9 @@ class SpinOrbit {
   }
 
   auto energy(const auto& q, const auto& p) const {
-    const auto r2 = effects::orbits::detail::dot<3>(q, q);
-    using std::sqrt;
-    return effects::orbits::detail::dot<3>(p, p) / 2 + newton_.energy(q) + corrected_.energy(q, p) +
-           2 * gm_ * nu_ / (c_ * c_) * coupling(q, p) / (r2 * sqrt(r2));
+    using effects::orbits::detail::dot;
+    return dot<3>(p, p) / 2 + newton_.energy(q) + corrected_.energy(q, p) +
+           detail::over_cube(Scalar(2 * gm_ * nu_ / (c_ * c_)), dot<3>(q, q)) * coupling(q, p);
   }
   /// L·(σ₁s₁ + σ₂s₂), which is kept.
   auto coupling(const auto& q, const auto& p) const {

@@ -2,7 +2,6 @@
 
 #include <concepts>
 #include <stdexcept>
-#include <string>
 #include <utility>
 
 #include <semiexplicit/core/extended_phase_space.hpp>
@@ -76,9 +75,7 @@ class Autonomous : public ExtendedPhaseSpace<typename H::Scalar, H::Dof> {
   /// The extended point of z at the time t, with p_t = 0, so that K starts as H(t, z). Throws
   /// std::invalid_argument where z has another size than H.
   State extended(const Point& z, const Scalar& t) const {
-    if (z.dof() != dof() - 1)
-      throw std::invalid_argument("Autonomous: the state has " + std::to_string(z.dof()) +
-                                  " degrees of freedom and the Hamiltonian " + std::to_string(dof() - 1));
+    detail::require_same_dof("Autonomous", z.dof(), "Hamiltonian", dof() - 1);
     return Space::join(z, t, Scalar(0));
   }
 

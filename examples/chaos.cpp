@@ -19,7 +19,7 @@
 #include "chaos/series.hpp"
 #include "common/arguments.hpp"
 #include "common/output.hpp"
-#include "common/run.hpp"
+#include "common/prepare_outputs.hpp"
 
 namespace {
 
@@ -165,6 +165,7 @@ int main(int argc, char** argv) {
                 << std::endl;
     }
     write(csv, all);
+    std::cout << "data: " << csv.string() << '\n';
     if (settings.no_plot) return 0;
     if (all.front().series.t.back() <= picture_begin)
       std::cout << formatted("no picture: it begins at t = %g\n", picture_begin);

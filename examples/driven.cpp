@@ -15,7 +15,7 @@
 
 #include "common/arguments.hpp"
 #include "common/output.hpp"
-#include "common/run.hpp"
+#include "common/prepare_outputs.hpp"
 
 namespace {
 

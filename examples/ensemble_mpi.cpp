@@ -21,6 +21,7 @@
 #include "common/arguments.hpp"
 #include "common/finished_blocks.hpp"
 #include "common/mpi_program.hpp"
+#include "common/prepare_outputs.hpp"
 #include "ensemble_mpi/job.hpp"
 #include "ensemble_mpi/results.hpp"
 #include "ensemble_mpi/sweep.hpp"
@@ -32,9 +33,11 @@ using namespace examples;
 int run(const World& world, const Job& job) {
   const FinishedBlocks checkpoints(job.settings.output / "sweep",
                                    job.sweep.in_words() + ", block " + std::to_string(job.block));
+  const std::filesystem::path data = SweepResults::file_in(job.settings.output),
+                              png = job.settings.output / "sweep.png";
   std::unique_ptr<DurableFile> lock;
   if (world.first()) {
-    job.settings.make_output_folder();
+    prepare_outputs(job.settings, {data, png});
     lock = checkpoints.lock();
     make_folder(checkpoints.folder(), "--output");
     std::cout << "checkpoints: " << checkpoints.folder().string() << std::endl;
@@ -78,13 +81,13 @@ int run(const World& world, const Job& job) {
               << (job.threads > 1 ? " threads each: " : " thread each: ")
               << throughput(steps, "member-steps", seconds, processor_seconds) << '\n';
   }
-  std::cout << "data: " << results.write(job.settings.output).string() << std::endl;
+  results.write(data);
+  std::cout << "data: " << data.string() << std::endl;
   checkpoints.remove();
   if (results.sorted(3).empty()) {
     std::cerr << "ensemble_mpi: no member came to its end; give a smaller --dt\n";
     return 1;
   }
-  const std::filesystem::path png = job.settings.output / "sweep.png";
   if (!job.settings.no_plot) draw(png, results.script(png));
   return 0;
 }

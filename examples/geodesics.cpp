@@ -21,6 +21,7 @@
 #include "common/finished_blocks.hpp"
 #include "common/method.hpp"
 #include "common/output.hpp"
+#include "common/prepare_outputs.hpp"
 #include "common/run.hpp"
 #include "geodesics/picture.hpp"
 #include "geodesics/request.hpp"

@@ -14,6 +14,7 @@
 #include "common/arguments.hpp"
 #include "common/cost.hpp"
 #include "common/output.hpp"
+#include "common/prepare_outputs.hpp"
 #include "common/run.hpp"
 #include "solar_system/clemence.hpp"
 #include "solar_system/cost.hpp"

@@ -28,13 +28,14 @@ struct Ellipse {
 /// without spin the turns between two apoapsides are known.
 inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::optional<Ellipse>& ellipse) {
   struct Seen {
-    double energy = 0, momentum = 0;  // at first
+    double energy = 0, momentum = 0, carter = 0;  // at first
     Largest closeness, distance, highest;
-    double last_r_momentum = 0, last_phi = 0, first = 0, latest = 0, turn = 0;
+    double last_r = 0, last_r_momentum = 0, last_phi = 0, first = 0, latest = 0, turn = 0;
     std::int64_t rows = 0, apoapsides = 0;
     bool over_a_pole = false;
     void visit_memory(CheckpointMemory& visit) {
-      for (double* number : {&energy, &momentum, &last_r_momentum, &last_phi, &first, &latest, &turn})
+      for (double* number : {&energy, &momentum, &carter, &last_r, &last_r_momentum, &last_phi, &first,
+                             &latest, &turn})
         visit(*number);
       highest.visit_memory(visit);
       closeness.visit_memory(visit);
@@ -55,6 +56,7 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
     if (s.rows == 0) {
       s.energy = -p[0];
       s.momentum = p[3];
+      s.carter = hole.carter(q, p);
     } else {
       s.turn = std::max(s.turn, std::abs(q[3] - s.last_phi));
       // The start may be one.
@@ -63,6 +65,7 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
         apoapsis(s.last_phi + s.last_r_momentum / (s.last_r_momentum - p[1]) * (q[3] - s.last_phi));
     }
     ++s.rows;
+    s.last_r = q[1];
     s.last_r_momentum = p[1];
     s.last_phi = q[3];
     s.closeness.see(-q[1]);
@@ -108,7 +111,22 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
     }
     out << '\n';
   };
-  return {observe, report, memory_of(seen)};
+  // Inwards, and no turning point ahead, where the radial potential of Carter (1968), eq. (62), is zero.
+  const auto ending = [=]() -> std::string {
+    const Seen& s = *seen;
+    const double a = hole.spin, horizon = hole.mass + std::sqrt(hole.mass * hole.mass - a * a);
+    const double rest = s.carter + std::pow(s.momentum - a * s.energy, 2);
+    for (int i = 1; i <= 1000; ++i) {
+      const double r = horizon + (s.last_r - horizon) * i / 1000;
+      const double k = (r * r + a * a) * s.energy - a * s.momentum;
+      if (!(k * k > (r * r - 2 * hole.mass * r + a * a) * (r * r + rest))) return "";
+    }
+    if (!(s.last_r_momentum < 0)) return "";
+    return formatted("the body falls into the hole, from r = %.4g on nothing turns it back before the horizon, r = %.4g; "
+                     "give another --r or --l, or a --time that ends before",
+                     s.last_r, horizon);
+  };
+  return {observe, report, memory_of(seen), {}, ending};
 }
 
 }  // namespace examples

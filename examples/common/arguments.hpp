@@ -155,6 +155,8 @@ class ConfigFile : public CLI::ConfigTOML {
         refuse(unknown_name("option", name, option_names(app_)));
       else if (std::count(values.begin(), values.end(), "") > 0)
         refuse("'" + name + "' has no value");
+      else if (values.size() > 1 && app_.get_option("--" + name)->get_items_expected_max() == 1)
+        refuse("'" + name + "' has more than one value; one with a blank needs quotes, as time = \"1 day\"");
     std::erase_if(read, [this](const CLI::ConfigItem& item) { return is_flag_left_out(item); });
     return read;
   }
@@ -176,6 +178,7 @@ class ConfigFile : public CLI::ConfigTOML {
         at = line.find('=');
         name = CLI::detail::trim_copy(line.substr(begin, at == std::string::npos ? at : at - begin));
         if (at++ == std::string::npos) refuse("'" + name + "' has no value; write name = value");
+        if (name.empty()) refuse("a line begins with =; write name = value");
         if (!names.insert(name).second) refuse("'" + name + "' is there twice");
       }
       char quote = 0;

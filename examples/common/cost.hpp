@@ -18,6 +18,7 @@
 
 #include "arguments.hpp"
 #include "output.hpp"
+#include "prepare_outputs.hpp"
 #include "run.hpp"
 #include "units.hpp"
 

@@ -34,6 +34,7 @@ struct Measurement {
   std::function<void(CheckpointMemory&)> memory{};  ///< of what it has seen; see CheckpointMemory
   /// Its figures so far, optional: they get an error by a companion run, which needs a second measurement.
   std::function<std::vector<Figure>()> figures{};
+  std::function<std::string()> ending{};  ///< why a run ended early, where the motion tells; optional
 
   template <class State>
   void operator()(double t, const State& z) const {
@@ -47,9 +48,11 @@ struct Measurement {
 
   /// Nothing is said of a run that is no result.
   void print(std::ostream& out, const Run& run) const {
-    if (report && run.is_result()) report(out, run);
-    if (report && !run.is_result())
-      out << "nothing else is measured, as the run is no result; see the end of it\n";
+    if (!report) return;
+    if (run.is_result()) return report(out, run);
+    const std::string why = ending ? ending() : "";
+    out << "nothing else is measured, as the run is no result; "
+        << (why.empty() ? "see the end of it" : why) << '\n';
   }
 };
 

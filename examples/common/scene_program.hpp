@@ -19,6 +19,7 @@
 #include "arguments.hpp"
 #include "cost.hpp"
 #include "results.hpp"
+#include "prepare_outputs.hpp"
 #include "run.hpp"
 #include "scene_choice.hpp"
 #include "scene_picture.hpp"
@@ -129,7 +130,7 @@ Measurement<Dof> with_books(const RuntimeScene<double, Dof>& scene, const Measur
             visit(*worst);
             if (measurement.memory) measurement.memory(visit);
           },
-          measurement.figures};
+          measurement.figures, measurement.ending};
 }
 
 /// What an accuracy with a unit asks for; nothing where there is none. Throws std::invalid_argument where the
@@ -247,7 +248,8 @@ int run_scene_program(const SceneProgram<Dof>& program, int argc, char** argv, c
 
     if (request.audit)
       refuse_options(app, "--audit",
-                     {"--method", "--solver", "--rule", "--tolerance", "--omega", "--stages"});
+                     {"--method", "--solver", "--rule", "--tolerance", "--omega", "--stages", "--samples",
+                      "--output", "--no-plot"});
     const std::string usual = scene.is_separable() ? "splitting" : "semiexplicit";
     if (cost_wanted && !scene.is_symplectic())
       throw std::invalid_argument(std::string(cost.curve ? "--cost" : "--accuracy") +

@@ -94,6 +94,7 @@ inline Unit read_unit(const std::string& text) {
     if (!std::isnormal(product.size))
       throw std::invalid_argument("'" + text + "' is too large or too small a unit; write fewer factors");
   }
+  if (sign < 0) throw std::invalid_argument("'" + text + "' ends in a stroke; write a unit behind it");
   return product;
 }
 

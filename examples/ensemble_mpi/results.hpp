@@ -35,12 +35,19 @@ class SweepResults {
     return values;
   }
 
-  /// Writes them beside each other into the folder: sweep.h5, with a dataset a column and the settings as an
-  /// attribute, or sweep.csv where the program was built without HDF5. The file gets its name when it is
-  /// whole.
-  std::filesystem::path write(const std::filesystem::path& folder) const {
+  /// sweep.h5, or sweep.csv where the program was built without HDF5.
+  static std::filesystem::path file_in(const std::filesystem::path& folder) {
 #ifdef SEMIEXPLICIT_EXAMPLES_HDF5
-    const std::filesystem::path path = folder / "sweep.h5";
+    return folder / "sweep.h5";
+#else
+    return folder / "sweep.csv";
+#endif
+  }
+
+  /// Writes them beside each other: a dataset a column, and the settings as an attribute, or a CSV file. The
+  /// file gets its name when it is whole.
+  void write(const std::filesystem::path& path) const {
+#ifdef SEMIEXPLICIT_EXAMPLES_HDF5
     std::string image;
     try {
       H5::Exception::dontPrint();
@@ -68,12 +75,10 @@ class SweepResults {
     }
     write_durably(path, image);
 #else
-    const std::filesystem::path path = folder / "sweep.csv";
     CsvWriter csv(path, Sweep::columns());
     for (std::size_t i = 0; i < size(); ++i) csv.row(std::span(table_).subspan(i * width(), width()));
     csv.commit();
 #endif
-    return path;
   }
 
   void print(std::ostream& out) const {

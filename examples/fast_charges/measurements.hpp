@@ -245,14 +245,15 @@ inline Measurement<3> stoermer(const Choice& c) {
             const Stoermer region(c, {1, 0, 0}, {0, seen->l, 0});
             if (!std::isnormal(region.square) || !std::isfinite(seen->sine.value()))
               return print_none(out, "Stoermer's region", "there is no field, or no momentum");
-            out << formatted("Stoermer's length: %.6g, angular momentum over it: %.6g\n",
+            const std::string unit = ", " + c.units.name(0) + ": ";
+            out << formatted("Stoermer's length%s%.6g; angular momentum over it: %.6g\n", unit.c_str(),
                              std::sqrt(std::abs(region.square)),
                              region.per_momentum / std::sqrt(std::abs(region.square)));
             if (const std::string coarse = too_coarse(seen->turn); !coarse.empty())
               return print_none(out, "largest |sin χ|, and the place nearest to the dipole", coarse);
             out << "largest |sin χ| on the way: "
                 << with_uncertainty(seen->sine.value(), seen->sine.uncertain())
-                << "; forbidden: above 1\nnearest to the dipole: "
+                << "; forbidden: above 1\nnearest to the dipole" << unit
                 << with_uncertainty(-seen->closeness.value(), seen->closeness.uncertain()) << '\n';
           },
           memory_of(seen)};

@@ -1,10 +1,10 @@
 // case no_mistake: compiles
-// case no_energy: has no energy, by which the run is to be judged: write `Scalar energy(
+// case no_energy: has no public energy, by which the run is to be judged: write `Scalar energy(
 // case energy_not_const: the energy of this Hamiltonian is not const, or no number: write `Scalar energy(
 // case energy_is_no_number: the energy of this Hamiltonian is not const, or no number: write `Scalar energy(
 // case energy_of_other_arguments: the energy of this Hamiltonian takes other arguments: write `Scalar energy(
-// case check_without_energy: has no energy, by which the run is to be judged: write `Scalar energy(
-// case cost_without_energy: has no energy, by which the run is to be judged: write `Scalar energy(
+// case check_without_energy: has no public energy, by which the run is to be judged: write `Scalar energy(
+// case cost_without_energy: has no public energy, by which the run is to be judged: write `Scalar energy(
 #include <semiexplicit/accuracy/cost_of_accuracy.hpp>
 #include <semiexplicit/derivatives/check_gradient.hpp>
 #include <semiexplicit/observers/invariants.hpp>

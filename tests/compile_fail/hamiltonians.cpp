@@ -4,7 +4,7 @@
 // case dof_not_static: Dof of this Hamiltonian is no constant above 0: write `static constexpr int Dof = 2;`
 // case dof_zero: Dof of this Hamiltonian is no constant above 0: write `static constexpr int Dof = 2;`
 // case dynamic_without_dof: says its size at run time: write `Eigen::Index dof() const
-// case no_gradient: has no gradient of (q, p): write `void gradient(
+// case no_gradient: has no public gradient of (q, p): write `void gradient(
 // case gradient_not_const: the gradient of this Hamiltonian is not const: write `const` behind its parameters
 // case gradient_returned: the gradient of this Hamiltonian takes other arguments: write `void gradient(
 // case gradient_of_vectors: the gradient of this Hamiltonian takes other arguments: write `void gradient(

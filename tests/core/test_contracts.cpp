@@ -162,11 +162,19 @@ TEST_CASE("Exponents, alignment and scenes that were moved from refuse by name, 
   of_any_size.vector() = z.vector();
   check(fixed, z);
   check(dynamic, of_any_size);
-  check_scene(RuntimeScene(dynamic), of_any_size);
-  RuntimeScene small(fixed);
-  const RuntimeScene<double, 2> taken = std::move(small);
-  CHECK(small.dof() == 0);  // NOLINT: that is what is tested
-  CHECK(taken.dof() == 2);
+  // Scenes of run time share their effects, and lose none.
+  const auto check_kept = [](auto from, const auto& z0) {
+    const auto to = std::move(from);
+    auto z = z0, expected = z0;
+    CHECK(from.dof() == 2);  // NOLINT: that is what is tested
+    CHECK(stepper_for(from).step(z, 0.01).ok());
+    CHECK(stepper_for(to).step(expected, 0.01).ok());
+    CHECK(z.vector() != z0.vector());
+    CHECK(z.vector() == expected.vector());
+  };
+  check_kept(RuntimeScene(dynamic), of_any_size);
+  check_kept(RuntimeScene(fixed), z);
+  check_kept(SeparableRuntimeScene<double, 2>({effects::orbits::Kinetic<double, 2>{}, effects::orbits::Attraction<double, 2>{}}), z);
   const effects::nbody::Bodies<> bodies({1, 0.1});
   auto two = bodies.jacobi({{1, 0, 0}, {0, 0, 0}}, {{0, 1, 0}, {0, 0, 0}});
   check_scene(Scene(effects::nbody::Kinetic<>{bodies}, effects::nbody::Attraction<>{bodies}), two);

@@ -615,4 +615,18 @@ TEST_CASE("A check comes back where an entry is next to nothing, or huge and mov
   CHECK(check_gradient(lattice, packet).ok());
 }
 
+TEST_CASE("A right gradient where the energy underflows is not called wrong", "[check_gradient]") {
+  const auto oscillator = make_hamiltonian<double, 1>(
+      [](const auto& q, const auto& p) { return (q[0] * q[0] + p[0] * p[0]) / 2; },
+      [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+        dHdq[0] = q[0];
+        dHdp[0] = p[0];
+      });
+  for (const double size : {1e-150, 1e-160, 1e-170}) {
+    const auto check = check_gradient(oscillator, PhasePoint<double, 1>(size, -size));
+    CHECK(check.ok());
+    CHECK(check.judged() == (size > 1e-154));
+  }
+}
+
 }  // namespace test_check_gradient

@@ -7,6 +7,7 @@ foreach(program IN ITEMS charges lattice vortices)
   refuses(${program} "an unknown preset" "--preset walk" "--preset: no preset is called 'walk'; the nearest names are [a-z]")
   refuses(${program} "an audit and a cost" "--audit --cost" "excludes")
   refuses(${program} "an audit by another method" "--audit --method gauss" "--method means nothing to --audit")
+  refuses(${program} "an audit into a folder" "--audit --output out" "--output means nothing to --audit")
 endforeach()
 foreach(program IN ITEMS charges lattice)
   refuses(${program} "a step longer than the time" "--dt 2 --time 1" "--dt is larger than --time")
@@ -52,6 +53,8 @@ refuses(lattice "half a site" "--sites 2.5" "--sites: '2.5' is not a whole numbe
 
 check(vortices "draw apart before a wall" "--preset wall --no-plot" FILE out/vortices.csv
   HEADER "t,energy_error,impulse_y_error,defect" PRINTS "speed along the wall at the end: 0.080291[0-9]+; .*: 0.080291")
+check(vortices "are strained along a wall" "--preset wall --effects pairs,half_plane,strain --strain_rate 1e-3 --strain_angle \"180 deg\" --time 1 --no-plot" FILE out/vortices.csv)
+refuses(vortices "a strain through a wall" "--preset wall --effects pairs,half_plane,strain --strain_rate 1e-3 --strain_angle \"45 deg\"" "only strain with --strain_angle 0 or .90 deg. flows along")
 check(vortices "turn in a disk" "--preset disk --no-plot" FILE out/vortices.csv
   HEADER "t,energy_error,angular_impulse_error,defect" PRINTS "turns at: 0.21220659; .*: 0.21220659")
 check(vortices "are strained" "--effects pairs,strain --strain_angle 45deg --time 10 --no-plot" FILE out/vortices.csv
@@ -78,7 +81,7 @@ check(fast_charges "wiggles in an undulator" "--preset undulator --no-plot" FILE
   PRINTS "wiggle.*difference [0-9.]+e-04.*slippage.*difference [0-9.]+e-04")
 check(fast_charges "is turned by a solenoid" "--preset solenoid --no-plot" PRINTS "Larmor.*difference [0-9.]+e-0[67]")
 check(fast_charges "is focused by a quadrupole" "--preset quadrupole --no-plot" PRINTS "x at the end.*e-0[67].\n.*y at the end.*e-0[67].\n")
-check(fast_charges "stays out of Stoermer's region" "--preset cosmic_ray --no-plot" PRINTS "way: 0[.]999[0-9] ± 0[.]000[1-4]; forbidden: above 1\nnearest to the dipole: 0[.]8830 ± 0[.]000[1-4]\n")
+check(fast_charges "stays out of Stoermer's region" "--preset cosmic_ray --no-plot" PRINTS "way: 0[.]999[0-9] ± 0[.]000[1-4]; forbidden: above 1\nnearest to the dipole, Earth radius: 0[.]8830 ± 0[.]000[1-4]\n")
 check(fast_charges "audits its effects" "--audit --preset solenoid" ABSENT out PRINTS "called for at 1e-04: kinetic, solenoid")
 refuses(fast_charges "a charge that cannot move" "--effects electric" "nothing moves without kinetic or a magnetic field")
 refuses(fast_charges "a gamma below one" "--gamma 0.5" "--gamma: '0.5' is not a number above 1")

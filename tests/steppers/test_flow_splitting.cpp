@@ -105,6 +105,24 @@ struct Hole {
   }
 };
 
+/// A solver of one's own that is limited by rounding at its second solve.
+struct Limited {
+  mutable int solves = 0;
+  template <class Vec>
+  struct Workspace {
+    Workspace(const Limited&, Eigen::Index size) : own(SimplifiedNewton{}, size) {}
+    SimplifiedNewton::Workspace<Vec> own;
+  };
+  template <class Residual, class Vec>
+  SolverReport<typename Vec::Scalar> solve(Residual& residual, Vec& m, Workspace<Vec>& work) const {
+    auto report = SimplifiedNewton{}.solve(residual, m, work.own);
+    if (++solves == 2) report.status = Status::rounding_limited;
+    return report;
+  }
+  template <class List>
+  void describe(List&) const {}
+};
+
 }  // namespace
 
 TEST_CASE("The lists of generalised order pass their own check, and refuse to claim more",
@@ -269,6 +287,13 @@ TEST_CASE("A kick of a small coupled rest takes two gradient calls", "[flow_spli
   CHECK(run.evaluations == 4 * run.steps);
   CHECK(run.gradients == (2 + 1) * 4 * run.steps);  // and two halves for the oblateness
   CHECK(stepper.gradients_of_kick() == 3);
+}
+
+TEST_CASE("A kick that was limited by rounding is told of, whatever comes after it", "[flow_splitting]") {
+  auto stepper = stepper_for(relativistic<double>(1e-8), kepler<double>(), schemes::aba84<double>(), Limited{});
+  PhasePoint<double, 2> z = start<double>();
+  CHECK(stepper.step(z, 0.8).status == Status::rounding_limited);
+  CHECK(stepper.step(z, 0.8).status == Status::success);
 }
 
 TEST_CASE("A scene whose effects all have the exact flow is that flow", "[flow_splitting]") {

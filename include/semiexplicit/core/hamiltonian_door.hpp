@@ -152,7 +152,7 @@ consteval bool is_hamiltonian() {
                     "gradient(In<Scalar, Dof> q, In<Scalar, Dof> p, Out<Scalar, Dof> dHdq, "
                     "Out<Scalar, Dof> dHdp) const`, no Vector& (it would need a copy)");
       static_assert(NamesGradient<H>,
-                    "this Hamiltonian has no gradient of (q, p): write `void gradient(In<Scalar, "
+                    "this Hamiltonian has no public gradient of (q, p): write `void gradient(In<Scalar, "
                     "Dof> q, In<Scalar, Dof> p, Out<Scalar, Dof> dHdq, Out<Scalar, Dof> dHdp) "
                     "const`, or take from_energy()");
     }
@@ -184,7 +184,7 @@ consteval bool has_energy() {
                     "the energy of this Hamiltonian takes other arguments: write `Scalar "
                     "energy(In<Scalar, Dof> q, In<Scalar, Dof> p) const`");
       static_assert(NamesEnergy<H>,
-                    "this Hamiltonian has no energy, by which the run is to be judged: write `Scalar "
+                    "this Hamiltonian has no public energy, by which the run is to be judged: write `Scalar "
                     "energy(In<Scalar, Dof> q, In<Scalar, Dof> p) const`");
     }
     return false;

@@ -535,7 +535,8 @@ typename H::Scalar energy_rounding(const H& hamiltonian, const typename H::Scala
     }
     least = std::min(least, first_move<Scalar>(along, Scalar(0), Scalar(1)));
   }
-  return std::max<Scalar>(Eigen::NumTraits<Scalar>::epsilon() * (abs(energy) + 2 * terms), least / 4);
+  return std::max<Scalar>({Eigen::NumTraits<Scalar>::epsilon() * (abs(energy) + 2 * terms), least / 4,
+                           std::numeric_limits<Scalar>::min()});  // where it underflows
 }
 
 }  // namespace detail

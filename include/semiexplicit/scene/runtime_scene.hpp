@@ -57,11 +57,11 @@ class RuntimeScene {
   template <class... Effects>
   explicit RuntimeScene(const Scene<Effects...>& scene) : RuntimeScene(erased(scene)) {}
 
-  /// 0 where it was moved from; with Eigen::Dynamic steppers refuse it then.
-  Eigen::Index dof() const {
-    if (effects_.empty()) return 0;
-    return Dof == Eigen::Dynamic ? effects_[0].dof() : Dof;
-  }
+  // Moving copies, and copies share the effects: no scene is without any.
+  RuntimeScene(const RuntimeScene&) = default;
+  RuntimeScene& operator=(const RuntimeScene&) = default;
+
+  Eigen::Index dof() const { return Dof == Eigen::Dynamic ? effects_[0].dof() : Dof; }
   const std::vector<Any>& effects() const { return effects_; }
 
   std::vector<std::string> names() const {
@@ -160,6 +160,9 @@ class SeparableRuntimeScene : public RuntimeScene<ScalarType, DofValue> {
       if (effect.on_momentum()) on_momentum_.push_back(effect);
     }
   }
+
+  SeparableRuntimeScene(const SeparableRuntimeScene&) = default;
+  SeparableRuntimeScene& operator=(const SeparableRuntimeScene&) = default;
 
   void position_gradient(const Read& q, Out<Scalar, Dof> dHdq) const {
     dHdq.setZero();

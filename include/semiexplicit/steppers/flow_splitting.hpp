@@ -299,6 +299,11 @@ class FlowSplitting {
     }
   }
 
+  /// A part that was limited by rounding is not forgotten for those that were not.
+  static void note(StepReport& report, Status of_part) {
+    if (of_part != Status::success) report.status = of_part;
+  }
+
   SEMIEXPLICIT_INLINE void exactly(Moving& z, const Scalar& t, [[maybe_unused]] std::size_t which,
                                    StepReport& report) {
     const Eigen::Index d = dof();
@@ -307,9 +312,9 @@ class FlowSplitting {
       z.p[i] = z.at[d + i];
     }
     if constexpr (detail::HasPreparedFlow<H>)
-      report.status = flows_[which].increments(z.q, z.p, z.dq, z.dp);
+      note(report, flows_[which].increments(z.q, z.p, z.dq, z.dp));
     else
-      report.status = hamiltonian_.flow(t, z.q, z.p, z.dq, z.dp);
+      note(report, hamiltonian_.flow(t, z.q, z.p, z.dq, z.dp));
     if (!report.ok()) return;
     for (Eigen::Index i = 0; i < d; ++i) {
       z.move(i, z.dq[i]);
@@ -353,7 +358,7 @@ class FlowSplitting {
   SEMIEXPLICIT_INLINE void kick_coupled(Moving& z, const Scalar& t, StepReport& report) {
     Residual<Coupled> residual(hamiltonian_.coupled_rest(), work_, z.at, t);
     const auto solved = solver_.solve(residual, work_.m, solver_work_);
-    report.status = solved.status;
+    note(report, solved.status);
     report.evaluations += solved.evaluations;
     report.correction = std::max(report.correction, static_cast<double>(solved.correction));
     report.rate = std::max(report.rate, static_cast<double>(solved.rate));

@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <ostream>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -49,10 +50,19 @@ struct Measurement {
   /// Nothing is said of a run that is no result.
   void print(std::ostream& out, const Run& run) const {
     if (!report) return;
-    if (run.is_result()) return report(out, run);
+    if (run.is_result()) {
+      std::ostringstream said;
+      report(said, run);
+      out << said.str();
+      if (!figures && said.str().find("±") != std::string::npos)
+        out << "± is what the steps leave open; the error of the trajectory, of which that of the energy "
+               "tells, "
+               "is not in it\n";
+      return;
+    }
     const std::string why = ending ? ending() : "";
-    out << "nothing else is measured, as the run is no result; "
-        << (why.empty() ? "see the end of it" : why) << '\n';
+    out << "nothing else is measured, as the run is no result; " << (why.empty() ? "see the end of it" : why)
+        << '\n';
   }
 };
 

@@ -47,6 +47,7 @@ class Generations {
   /// files of two steps, so that all ranks had one, and now some lack it.
   IntegrationReport resume(State& z) {
     if (every_ == 0) return {};
+    DurableFile(file(0));  // where no file can be made that is said now
     std::set<std::int64_t> here = saved();
     std::int64_t step = most;
     for (;;) {
@@ -61,9 +62,11 @@ class Generations {
                                "missing files back, or remove the others to begin anew");
     if (step == 0 && ranks_.first()) mention_others();
     last_ = step;
-    left_.insert(here.upper_bound(step), here.end());
     const auto kept = here.lower_bound(step);  // the save before that one goes with the next
     before_ = kept == here.begin() ? step : *std::prev(kept);
+    left_ = std::move(here);
+    left_.erase(step);
+    left_.erase(before_);
     return step == 0 ? IntegrationReport{} : open_(step).resume(z);
   }
 
@@ -78,10 +81,11 @@ class Generations {
     before_ = std::exchange(last_, so_far.steps);
   }
 
-  /// Takes the files of this rank away: the run is done.
+  /// Takes the files of this rank away: the run is done. Also those that are left of runs that were killed.
   void finish() {
     if (every_ == 0) return;
     current_.reset();
+    for (const std::int64_t step : left_) remove(step);
     remove(before_);
     remove(last_);
   }
@@ -128,7 +132,8 @@ class Generations {
   std::filesystem::path folder_;
   std::int64_t every_, before_ = 0, last_ = 0;
   std::string prefix_;
-  std::set<std::int64_t> left_;  ///< steps that the run which was killed had not saved on all ranks
+  std::set<std::int64_t>
+      left_;  ///< steps of other files, as those that the run which was killed had not saved on all ranks
   const Ranks& ranks_;
   std::function<State()> start_;
   std::optional<Saved> current_;  ///< locks its file

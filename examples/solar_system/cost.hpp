@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <ctime>
+#include <filesystem>
 #include <iostream>
 #include <limits>
 #include <ostream>
@@ -14,6 +15,7 @@
 
 #include "../common/cost.hpp"
 #include "../common/output.hpp"
+#include "../common/prepare_outputs.hpp"
 #include "measurements.hpp"
 #include "motion.hpp"
 
@@ -132,11 +134,13 @@ inline bool answer(CostRequest& request, const System& system, Judge judge, std:
     throw std::invalid_argument(
         formatted("--time is shorter than a step; the shortest for --cost and --accuracy has %.3g days",
                   shortest * days_a_year));
-  settings.make_output_folder();
+  const std::string file = "solar_system_cost";
+  prepare_outputs(
+      settings, request.curve ? CostRequest::outputs(settings, file) : std::vector<std::filesystem::path>());
   const CostTable cost = cost_of_lists(system, settings.time, judge, target, request.cost_by());
   print_costs(std::cout, cost, judge);
   if (request.curve) {
-    CostRequest::write(cost, settings, "solar_system_cost", "The Solar System",
+    CostRequest::write(cost, settings, file, "The Solar System",
                        angle ? "error of the turn of the perihelion, arcseconds a century"
                              : "largest relative energy error, expected");
     return true;

@@ -24,7 +24,10 @@ inline std::string plane(const std::filesystem::path& csv, const std::vector<Pat
   std::ostringstream out;
   out << "$start << END\n";
   for (Eigen::Index i = 0; i < drawn; ++i) out << v.x[i] << ',' << v.y[i] << ',' << v.circulation[i] << '\n';
-  out << "END\nset rmargin at screen 0.86\nset size ratio -1\nset key off\nset xlabel 'x'\nset ylabel 'y'\n"
+  out << "END\nset rmargin at screen 0.86\nset size ratio -1\nset key off\nset xlabel '"
+      << (drawn < v.x.size() ? formatted("x, of the first %d of %d vortices", int(drawn), int(v.x.size()))
+                             : "x")
+      << "'\nset ylabel 'y'\n"
       << "set palette defined (-1 '#08519c', -0.1 '#6baed6', 0 '#999999', 0.1 '#fc9272', 1 '#a50f15')\n"
       << "set cbrange [" << -strongest << ':' << strongest << "]\nset cblabel 'circulation Γ'\n"
       << square_around(paths) << wall;

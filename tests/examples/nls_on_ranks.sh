@@ -32,9 +32,10 @@ kill_one "$folder/saved" "$launcher"
 # As if it had been killed between the saves of the two: one rank lacks the latest.
 latest=$(find saved -name 'rank0of2-*' | sed -E 's/.*step([0-9]+).*/\1/' | sort -n | tail -1)
 rm -f "saved/rank1of2-step$latest.checkpoint"
-# And as if the save before had not been taken away yet.
+# And as if the saves before had not been taken away yet.
 for rank in 0 1; do
-  for file in saved/rank${rank}of2-*; do cp "$file" "saved/rank${rank}of2-step1.checkpoint"; done
+  for file in saved/rank${rank}of2-*; do cp "$file" "$folder/old"; done
+  for step in 1 2; do cp "$folder/old" "saved/rank${rank}of2-step$step.checkpoint"; done
 done
 cp "saved/rank0of2-step$latest.checkpoint" another
 # A start that is refused leaves all files: one where a rank lacks its own, one that finds a damaged file.
@@ -73,6 +74,9 @@ cp another shared/rank0of2-step400.checkpoint
 if wait $launcher; then fail "a file of another run went unnoticed"; fi
 grep -q "rank0of2-step400.checkpoint: .*another" shared.log || fail "$(cat shared.log)"
 cmp another shared/rank0of2-step400.checkpoint
+
+if timeout 100 "$mpiexec" -n 2 "$program" --sites 100 --time 1 --checkpoint 50 --output /proc >unwritable.log 2>&1; then fail "a folder that takes no file went unnoticed"; fi
+grep -q "nls_mpi: /proc/rank.*: cannot be written" unwritable.log || fail "$(cat unwritable.log)"
 
 if timeout 100 "$mpiexec" -n 3 "$program" --sites 100 --dt 20 --time 20 >failed.log 2>&1; then fail "a step of 20 was taken"; fi
 cat failed.log

@@ -302,6 +302,27 @@ TEST_CASE("A limit on the size of files is an error and no death", "[io]") {
   CHECK(contents(path) == "old");
 }
 
+TEST_CASE("What is printed to a stream that is closed goes to no file", "[io]") {
+  const Folder folder;
+  const fs::path path = folder.path / "table.csv", text = folder.path / "text";
+  const pid_t child = start_child([&] {
+    for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) ::close(stream);
+    DurableFile file(text);
+    CsvWriter writer(path, {"n"});
+    writer.row({1.0});
+    file.write("whole");
+    std::fputs("a complaint\n", stderr);
+    std::fputs("a table\n", stdout);
+    std::fflush(stdout);
+    writer.commit();
+    file.commit();
+    return 0;
+  });
+  CHECK(exit_code(child) == 0);
+  CHECK(contents(path) == "n\n1\n");
+  CHECK(contents(text) == "whole");
+}
+
 TEST_CASE("What may not be written is said before the run", "[io]") {
   const Folder folder;
   fs::create_directory(folder.path / "closed");

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include <semiexplicit/ensemble.hpp>
+#include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 #include <semiexplicit/systems.hpp>
 
@@ -249,6 +250,35 @@ TEST_CASE("Options that make no sense are refused", "[gauss]") {
   CHECK_THROWS_AS(GaussLegendre(lattice, {.max_iterations = 0}), std::invalid_argument);
   CHECK_THROWS_AS(GaussLegendre(lattice, {.tolerance = -1}), std::invalid_argument);
   CHECK_THROWS_AS(GaussLegendre(lattice, {.tolerance = std::nan("")}), std::invalid_argument);
+}
+
+/// A proton of 10 MeV in the Earth's dipole field: p and eA are 30 times their difference, so that roundings
+/// of p and of q may change an entry of the field by nothing where they cancel.
+template <class Scalar, class Stepper>
+int failures_in_a_dipole(const Stepper& make, double dt) {
+  int failed = 0;
+  for (int k = 0; k < 10; ++k) {
+    const double pitch = (20 + 1.3 * k) * 0.017453, phase = 0.37 * k, v = 6.8629;
+    const effects::charges::MagneticKinetic motion(Scalar(1), Scalar(1),
+                                                   effects::charges::DipoleField<Scalar>(Scalar(-2988.597)));
+    const Vector<Scalar, 3> q(4, 0, 0),
+        along(Scalar(v * std::sin(pitch) * std::cos(phase)), Scalar(v * std::sin(pitch) * std::sin(phase)),
+              Scalar(v * std::cos(pitch)));
+    auto stepper = make(Scene(motion));
+    PhasePoint<Scalar, 3> z(q, motion.momentum(q, along));
+    failed += !integrate(stepper, z, {.dt = Scalar(dt), .steps = 4000, .on_failure = OnFailure::stop}).ok();
+  }
+  return failed;
+}
+
+TEST_CASE("Rounding ends the iteration also where it cancels in an entry of the field", "[gauss]") {
+  const auto by = [](GaussLegendreOptions options) {
+    return [options](auto h) { return GaussLegendre(h, options); };
+  };
+  CHECK(failures_in_a_dipole<double>(by({.stages = 8}), 0.0031) == 0);
+  CHECK(failures_in_a_dipole<double>(by({.stages = 4}), 0.001) == 0);
+  CHECK(failures_in_a_dipole<double>(by({.stages = 3, .solver = StageSolver::newton}), 0.002) == 0);
+  CHECK(failures_in_a_dipole<float>(by({.stages = 4}), 0.0016) == 0);
 }
 
 TEST_CASE("Few iterations are not enough, and the state is left alone", "[gauss]") {

@@ -89,16 +89,16 @@ class Descriptor {
 #else
   /// For writing at the end, and reading; made with these permissions where there is none.
   static Descriptor open_part(const std::filesystem::path& path, unsigned mode) {
-    return Descriptor(
+    return above_streams(
         ::open(path.c_str(), O_RDWR | O_APPEND | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, mode));
   }
   /// For writing to what is there, be it a device.
   static Descriptor open_direct(const std::filesystem::path& path) {
-    return Descriptor(::open(path.c_str(), O_WRONLY | O_APPEND | O_NOCTTY | O_CLOEXEC));
+    return above_streams(::open(path.c_str(), O_WRONLY | O_APPEND | O_NOCTTY | O_CLOEXEC));
   }
   /// For a lock on what is there.
   static Descriptor open_existing(const std::filesystem::path& path) {
-    return Descriptor(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
+    return above_streams(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
   }
   /// One that this process has open already, for writing.
   static Descriptor duplicate(int number) {
@@ -107,7 +107,7 @@ class Descriptor {
       errno = EBADF;
       return {};
     }
-    return Descriptor(fcntl(number, F_DUPFD_CLOEXEC, 0));
+    return Descriptor(fcntl(number, F_DUPFD_CLOEXEC, STDERR_FILENO + 1));
   }
 
   bool write(const char* bytes, std::size_t size) {
@@ -188,6 +188,14 @@ class Descriptor {
 
  private:
 #if !defined(_WIN32)
+  /// Not by the number of a standard stream, where that is closed: what is printed would go to the file.
+  static Descriptor above_streams(int number) {
+    if (number < 0 || number > STDERR_FILENO) return Descriptor(number);
+    const int above = fcntl(number, F_DUPFD_CLOEXEC, STDERR_FILENO + 1), reason = errno;
+    ::close(number);
+    errno = reason;
+    return Descriptor(above);
+  }
   /// The files that this process has locked.
   struct Held {
     std::mutex mutex{};

@@ -98,7 +98,8 @@ class GaussShell {
   std::int64_t max_gradients() const {
     const auto hessian =
         options_.solver == StageSolver::newton ? SecondDerivatives<H>::max_gradients(dof()) : Eigen::Index{0};
-    return 3 + std::int64_t{options_.max_iterations} * options_.stages * (1 + hessian);
+    return 1 + 2 * std::int64_t{1 + options_.max_iterations / 4} +
+           std::int64_t{options_.max_iterations} * options_.stages * (1 + hessian);
   }
 
   Eigen::Index dof() const { return dof_of(hamiltonian_); }
@@ -131,6 +132,7 @@ class GaussShell {
         least_(2 * dof()),
         at_(least_),
         felt_(least_),
+        field_(least_),
         other_(least_) {
     if (!(options.max_iterations >= 1 && options.tolerance >= 0 && std::isfinite(options.tolerance)))
       throw std::invalid_argument(std::string(Stepper::name) +
@@ -152,7 +154,8 @@ class GaussShell {
     const Scalar size = sum_of_absolutes(z.vector()), nothing = epsilon * (epsilon * (epsilon * size));
     Scalar previous(0), least = std::numeric_limits<Scalar>::infinity();
     int since_least = 0;
-    bool entries_left = false, felt = false;
+    int feels = 0;
+    bool entries_left = false;
     const Status at_rounding = options_.tolerance == 0 ? Status::success : Status::rounding_limited;
     for (;;) {
       const Scalar change = sweep();
@@ -169,7 +172,8 @@ class GaussShell {
         // A change grows by rounding. That of a state far from the origin, as of an angle that has wound up,
         // or of a late time, may be above that of the displacements, or nowhere at all: it is measured.
         if (since_least >= (options_.solver == StageSolver::newton ? 1 : 3)) {
-          if (!std::exchange(felt, true)) feel_rounding(z, report);
+          // Where that did not suffice it is measured again: some roundings cancel each other.
+          if (feels == 0 || (since_least >= 12 && since_least % 4 == 0)) feel_rounding(z, feels++, report);
           if (is_within_felt(since_least < 12 ? 1 : 100)) return at_rounding;
         }
         const bool grows = previous > Scalar(0) && change >= previous;
@@ -189,22 +193,27 @@ class GaussShell {
   GaussTableau<Scalar> tableau_;
 
  private:
-  /// By how much a few roundings of the stages' places change dt times the vector field at z, entry by entry.
-  SEMIEXPLICIT_COLD void feel_rounding(const State& z, StepReport& report) {
+  /// By how much a few roundings of the stages' places, others each time, change dt times the vector field at
+  /// z at most, entry by entry.
+  SEMIEXPLICIT_COLD void feel_rounding(const State& z, int before, StepReport& report) {
     using std::abs;
     const Eigen::Index d = dof();
     const auto field_at = [&](Vec& field) {
       gradient_at(hamiltonian_, at_.data(), at_.data() + d, field.data() + d, field.data(), d);
     };
     at_ = z.vector();
-    field_at(felt_);
-    for (Eigen::Index i = 0; i < at_.size(); ++i) {  // unlike ones, which do not cancel
-      constexpr int roundings[] = {4, -3, 6};
+    field_at(field_);
+    for (Eigen::Index i = 0; i < at_.size(); ++i) {
+      constexpr int roundings[] = {4, -3, 6, -5, 3, -6, 5};
       const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon();
-      at_[i] += Scalar(roundings[i % 3]) * epsilon * (abs(at_[i]) + stages().displaced(i));
+      at_[i] +=
+          Scalar(roundings[(i % 3 + before * (i + 1)) % 7]) * epsilon * (abs(at_[i]) + stages().displaced(i));
     }
     field_at(other_);
-    for (Eigen::Index i = 0; i < at_.size(); ++i) felt_[i] = abs(weights_dt_ * (other_[i] - felt_[i]));
+    for (Eigen::Index i = 0; i < at_.size(); ++i) {
+      const Scalar now = abs(weights_dt_ * (other_[i] - field_[i]));
+      if (before == 0 || now > felt_[i]) felt_[i] = now;
+    }
     report.gradients += 2;
   }
   /// Whether the last sweep changed no entry by more than so many times that and its own rounding.
@@ -236,8 +245,8 @@ class GaussShell {
   Stepper& stages() { return static_cast<Stepper&>(*this); }
 
   CompensatedUpdate<Scalar, Dof> update_;
-  Vec least_;              ///< change of each entry so far; 0 where it no longer matters
-  Vec at_, felt_, other_;  ///< of feel_rounding()
+  Vec least_;                      ///< change of each entry so far; 0 where it no longer matters
+  Vec at_, felt_, field_, other_;  ///< of feel_rounding()
   Scalar last_dt_ = Scalar(0), weights_dt_ = Scalar(0);
   Scalar ratio_ = Scalar(0);  ///< that the stages know how to follow by
 };

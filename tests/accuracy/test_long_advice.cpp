@@ -693,4 +693,45 @@ TEST_CASE("a target is not lost in rounding because the motion is harder behind 
   CHECK(cost.reference_error < 1e-10);  // 2e-12 is what Gauss's method is off by, in long double
 }
 
+TEST_CASE("a step that fails behind its trial takes no other setting's advice away: a planet") {
+  // From the pericentre of an orbit of another size than kepler_orbit()'s.
+  const PhasePoint<double, 2> start({0.7, 0}, {0, 1.2});
+  const double a = 1 / (2 / 0.7 - 1.44), e = 1 - 0.7 / a;
+  const auto place = [](const auto& q, const auto&) -> Eigen::Vector2d { return q; };
+  for (const double T : {3000.0, 15000.0}) {
+    const auto cost = cost_of_accuracy(
+        Kepler(), start, T,
+        {.observable = [](const auto& q, const auto&) { return q[0]; }, .targets = {1e-4, 1e-6, 1e-8}});
+    for (const double target : cost.targets) {
+      const auto advice = cost.cheapest(target);
+      REQUIRE(advice);
+      CHECK(reached(cost, *advice, start, place, [&](double t) -> Eigen::Vector2d {
+              return a * kepler_orbit(e, t / (a * std::sqrt(a))).q();
+            }) < 3 * target);
+    }
+  }
+}
+
+TEST_CASE("what rounding makes of an energy is seen in a run of the whole time: Arenstorf's orbit") {
+  static constexpr double moon = 0.012277471;
+  const auto h = from_energy<2>([](const auto& q, const auto& p) {
+    using std::hypot;
+    return (p[0] * p[0] + p[1] * p[1]) / 2 + q[1] * p[0] - q[0] * p[1] -
+           (1 - moon) / hypot(q[0] + moon, q[1]) - moon / hypot(q[0] - 1 + moon, q[1]);
+  });
+  const PhasePoint<double, 2> start({0.994, 0}, {0, 0.994 - 2.00158510637908252});
+  const std::vector<double> targets{1e-10, 1e-13, 1e-14};
+  const auto cost =
+      cost_of_accuracy(h, start, 17.0652165601579625, {.targets = targets, .by = CostBy::gradients});
+  for (const double target : targets) {
+    const auto advice = cost.cheapest(target);
+    REQUIRE(advice);
+    auto z = start;
+    Invariants energy(h);
+    cost.run(z, *advice, energy);
+    CHECK(energy["energy"].worst < 1.5 * target);
+  }
+  CHECK(cost.rounding < 1e-14);
+}
+
 }  // namespace test_long_advice

@@ -20,6 +20,7 @@ class Neighbour {
   /// Takes both orbits to T by equal steps of that setting, as far as the calls go, and until they are apart
   /// by a part of `length` in q or `momentum` in p. False: a step failed.
   SEMIEXPLICIT_COLD bool go(const Setting& setting, double length, double momentum) {
+    seen_.clear();
     Walker<Any> walker(problem_, setting), beside(problem_, setting);
     const double T = problem_.table.time, dt = T / steps_between(0.0, T, setting.dt);
     auto z = problem_.z0, other = z;

@@ -167,22 +167,32 @@ class Search {
   /// orbit cannot be followed by steps that met a target.
   SEMIEXPLICIT_COLD bool look_beside() {
     if (options().observable.is_energy() || table_.invariant || table_.parting_rate > 0) return true;
+    bool followed = true;
     for (const Goal& goal : goals_) {
       if (goal.tried == 0 || goal.tried >= table_.time) continue;
       table_.tried = goal.tried;
-      const auto racer = std::find_if(goal.racers.begin(), goal.racers.end(), [&](const auto& one) {
-        return forecast_.goes_on(*one.second) && bracket(*one.second, goal.aim, true).has_low();
-      });
-      if (racer == goal.racers.end()) continue;
-      const double dt = bracket(*racer->second, goal.aim, true).low;
-      problem_.limit =
-          std::min(0.9 * options().max_gradients, table_.spent_gradients + beside_share * table_.budget);
-      return forecast_.look_beside(racer->second->with_step(dt));
+      for (int attempt = 0; attempt < most_besides; ++attempt) {
+        const auto racer = std::find_if(goal.racers.begin(), goal.racers.end(), [&](const auto& one) {
+          return forecast_.goes_on(*one.second) && bracket(*one.second, goal.aim, true).has_low();
+        });
+        if (racer == goal.racers.end()) break;
+        const double dt = bracket(*racer->second, goal.aim, true).low;
+        problem_.limit =
+            std::min(0.9 * options().max_gradients, table_.spent_gradients + beside_share * table_.budget);
+        if (forecast_.look_beside(racer->second->with_step(dt))) return true;
+        followed = false;
+        // Behind its trial, where its iteration hardly converges, or one that is hard itself: others tell.
+        racer->second->trials[dt].status = Status::no_convergence;
+      }
     }
-    return true;
+    return followed;
   }
 
-  double aim_of(const Goal& goal) const { return std::max(goal.target, 2 * table_.rounding); }
+  /// A run of the whole time shows what rounding makes of an invariant; before, that is an estimate.
+  double aim_of(const Goal& goal) const {
+    const bool shown = table_.invariant && table_.tried >= table_.time;
+    return std::max(goal.target, 2 * (shown ? problem_.judged.noise : table_.rounding));
+  }
 
   double longest_step(const Candidate& candidate) const {
     return candidate.setting.reversible ? most_scales : table_.time;
@@ -472,7 +482,10 @@ class Search {
           (candidate.setting.reversible || forecast_.harder_behind(seen.seen_to()) <= CostTable::most_harder))
         least = std::min(least, forecast_.error_of(candidate, seen, step));
     });
-    if (least <= goal.target) return;
+    if (least <= goal.target) {
+      if (table_.invariant) table_.rounding = std::min(table_.rounding, least);
+      return;
+    }
     if (goal.stalled || goal.aim > goal.target)
       table_.rounding =
           std::max(table_.rounding, std::nextafter(goal.target, std::numeric_limits<double>::max()));
@@ -520,7 +533,7 @@ class Search {
   static constexpr double least_scales = 8;      ///< that a trial has to last
   static constexpr double much_dearer = 20, much_varied = 12;
   static constexpr std::size_t most_racers = 5;
-  static constexpr int most_trials = 8;
+  static constexpr int most_trials = 8, most_besides = 4;
 
   Problem<Any>& problem_;
   CostTable& table_;

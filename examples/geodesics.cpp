@@ -85,6 +85,8 @@ int run(const M& metric, Request& request, const CLI::App& app, const std::strin
   const std::int64_t middle = request.orbits / 2;
   if (request.cost.wanted(app) && answer(request, scene, start(middle), region)) return 0;
 
+  if (!(region.most_time() * static_cast<double>(request.crossings) / settings.dt <= 1e15))
+    throw std::invalid_argument("--dt: an orbit may take more such steps than anybody can wait for");
   const std::filesystem::path csv = settings.output / "geodesics.csv",
                               png = settings.output / "geodesics.png";
   prepare_outputs(settings, {csv, png}, request.checkpoint.file);

@@ -102,7 +102,8 @@ int run(Request& request, const System& system) {
   std::cout << "data: " << request.file(".csv").string() << '\n';
   if (!settings.no_plot)
     draw(request.file(".png"), curves(request.file(".png"), request.file(".csv"),
-                                      "Eccentricities about the Sun: " + joined(request.effects),
+                                      "Eccentricities about the Sun: " + joined(request.effects) +
+                                          (report.ok() ? "" : "; NO RESULT"),
                                       "eccentricity", system.names.size(), 2));
   if (!report.ok())
     std::cerr << formatted("solar_system: at t = %g: ", report.t) << why(report.status) << '\n';

@@ -53,11 +53,16 @@ struct Measurement {
     if (run.is_result()) {
       std::ostringstream said;
       report(said, run);
+      const double energy = run.quantities.front().worst;
+      if (!figures && !(energy <= 1e-2)) {
+        out << formatted("nothing else is measured, as the energy is off by %.1g of itself; ", energy)
+            << "give a smaller --dt, or another method\n";
+        return;
+      }
       out << said.str();
       if (!figures && said.str().find("±") != std::string::npos)
-        out << "± is what the steps leave open; the error of the trajectory, of which that of the energy "
-               "tells, "
-               "is not in it\n";
+        out << formatted("± is what the steps leave open; that the energy is off by %.1g is not in it\n",
+                         energy);
       return;
     }
     const std::string why = ending ? ending() : "";

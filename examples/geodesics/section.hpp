@@ -153,11 +153,10 @@ inline Orbit follow(const RuntimeScene<double, 4>& scene, const Method& method, 
     State4 z = start;
     const double most_steps = std::ceil(region.most_time() * static_cast<double>(crossings) / dt);
     try {
-      const IntegrationReport run = integrate(stepper, z,
-                                              {.dt = dt,
-                                               .steps = static_cast<std::int64_t>(std::min(most_steps, 1e15)),
-                                               .on_failure = OnFailure::stop},
-                                              section, alignment, invariants, stays);
+      const IntegrationReport run =
+          integrate(stepper, z,
+                    {.dt = dt, .steps = static_cast<std::int64_t>(most_steps), .on_failure = OnFailure::stop},
+                    section, alignment, invariants, stays);
       orbit.time = run.t;
       if (!run.ok())
         orbit.end = End::failed;

@@ -91,9 +91,9 @@ inline Measurement<Eigen::Dynamic> localisation(const Choice& c) {
 /// chain (M. Molina and G. Tsironis, Physica D 65 (1993) 267).
 inline Measurement<Eigen::Dynamic> trapping(const Choice& c) {
   struct Seen {
-    double least = 1, sum = 0, count = 0, last = 1, change = 0;
+    double least = 1, sum = 0, steps = -1, last = 1, change = 0;
     void visit_memory(CheckpointMemory& visit) {
-      for (double* number : {&least, &sum, &count, &last, &change}) visit(*number);
+      for (double* number : {&least, &sum, &steps, &last, &change}) visit(*number);
     }
   };
   const auto seen = std::make_shared<Seen>();
@@ -104,8 +104,7 @@ inline Measurement<Eigen::Dynamic> trapping(const Choice& c) {
   return {[=](double, const In<double, Eigen::Dynamic>& q, const In<double, Eigen::Dynamic>& p) {
             const double share = (q[middle] * q[middle] + p[middle] * p[middle]) / mass;
             seen->least = std::min(seen->least, share);
-            seen->sum += share;
-            ++seen->count;
+            if (++seen->steps > 0) seen->sum += (seen->last + share) / 2;
             seen->change = std::max(seen->change, std::abs(share - seen->last));
             seen->last = share;
           },
@@ -114,7 +113,7 @@ inline Measurement<Eigen::Dynamic> trapping(const Choice& c) {
               return print_none(out, "left on the site of the start",
                                 "it changes by more than a tenth in a step; give a smaller --dt");
             out << "left on the site of the start: " << formatted("%.6f at least, ", seen->least)
-                << formatted("%.6f in the mean", seen->sum / seen->count);
+                << formatted("%.6f in the mean", seen->sum / seen->steps);
             if (std::isfinite(strength)) {
               out << "; g|ψ|²/J = " << strength;
               // Nearer to the separatrix than the energy is kept, a run may be on either side of it.

@@ -25,6 +25,18 @@ TEST_CASE("No solver takes a distant solution of the projection for that of the 
   CHECK(Semiexplicit(h).step(z, 1.0).status == Status::no_convergence);
   CHECK(z.vector() == before.vector());
 
+  // Some that creep there, by corrections that hardly grow.
+  const auto pendulum = from_energy<2>([](const auto& q, const auto& p) {
+    using std::cos;
+    const auto c = cos(q[0] - q[1]);
+    return (p[0] * p[0] + 2.0 * p[1] * p[1] - 2.0 * p[0] * p[1] * c) / (2.0 * (2.0 - c * c)) -
+           2.0 * cos(q[0]) - cos(q[1]);
+  });
+  z = PhasePoint<double, 2>({0.559684803075, 0.139013434778}, {-0.0653690382194, 1.92854961961});
+  CHECK(Semiexplicit(pendulum).step(z, 0.940993).status == Status::no_convergence);
+  z = PhasePoint<double, 2>({-0.345490979631, -0.690546170824}, {-1.48843466865, 0.501279126427});
+  CHECK(Semiexplicit(pendulum).step(z, 1.40802).status == Status::no_convergence);
+
   const auto thrown = [&](auto solver) {
     std::mt19937_64 random(11);
     std::uniform_real_distribution<double> entry(-2, 2);

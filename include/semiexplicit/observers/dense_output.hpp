@@ -589,7 +589,8 @@ class AtTimes {
 /// were handed to it.
 ///
 /// Where a step is long the states between are far worse than those at the steps: interpolation_error()
-/// tells. If it is too large, shorten the steps, or end a run at each time by t_end.
+/// tells. If it is too large, shorten the steps, or end a run at each time by t_end. A time is met to its own
+/// rounding, in which the state moves, too: 1e-4 at t = 1e12, and half a unit in float at 1e7.
 template <class H, class Observer>
 AtTimes<H, Observer> at_times(
     H hamiltonian, std::vector<std::type_identity_t<typename detail::HamiltonianDoor<H>::Scalar>> times,

@@ -39,7 +39,7 @@ struct SimplifiedNewton {
   template <class Residual, class Vec>
   SolverReport<typename Vec::Scalar> solve(Residual& residual, Vec& m, Workspace<Vec>& work) const {
     using Scalar = typename Vec::Scalar;
-    detail::Convergence<Scalar> convergence(stop, max_iterations);
+    detail::Convergence<Scalar> convergence(stop, max_iterations, 8);
     residual(work.f);
     Scalar size_m(0);
     while (!convergence.done(norm_over_ranks(residual, work.f) / 4, size_m, residual)) {

@@ -156,7 +156,10 @@ struct ResidualSizes {
 template <class Scalar>
 class Convergence {
  public:
-  Convergence(const StoppingRule& rule, int max_iterations) : rule_(rule), max_iterations_(max_iterations) {}
+  /// With `creeps` an m of so many first corrections is suspected to be another solution's.
+  Convergence(const StoppingRule& rule, int max_iterations,
+              double creeps = std::numeric_limits<double>::infinity())
+      : rule_(rule), max_iterations_(max_iterations), creeps_(creeps) {}
 
   /// Takes the next correction's size; true: stop, report() says why. `residual` knows the sizes of state and
   /// rounding. Inlined, so that the bookkeeping of a single evaluation is in registers: in memory it is
@@ -200,7 +203,8 @@ class Convergence {
       return exhausted();
     }
     // An iteration that went astray may end at another solution, far from the step's.
-    if (report_.status != Status::not_finite && largest_ > 2 * first_ && !(size_m <= farthest_)) {
+    const bool astray = largest_ > 2 * first_ || size_m > Scalar(creeps_) * first_;
+    if (report_.status != Status::not_finite && astray && !(size_m <= farthest_)) {
       distant_ = report_.status;
       report_.status = Status::no_convergence;
     }
@@ -221,6 +225,7 @@ class Convergence {
  private:
   StoppingRule rule_;
   int max_iterations_, judged_ = 0;
+  double creeps_;
   static constexpr int patience = 8;  ///< corrections in which one that diverges shows
   int stalled_ = 0;                   ///< corrections since the smallest was halved
   Scalar first_ = 0, largest_ = 0, best_ = 0;

@@ -181,7 +181,7 @@ class SemiexplicitPack {
   Mask iterate(const State& state, double dt, const Mask& in_play, const Many& size_z, Many e, Many distance,
                PackReport& report) {
     std::array<std::optional<detail::Convergence<double>>, Many::size()> lanes;
-    for (auto& lane : lanes) lane.emplace(solver_.stop, solver_.max_iterations);
+    for (auto& lane : lanes) lane = solver_.template convergence<double>();
     Mask going = in_play;
     Many size_m = 0.0;
     std::fill(m_.begin(), m_.end(), Many(0.0));

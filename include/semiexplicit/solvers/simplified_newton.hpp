@@ -34,12 +34,19 @@ struct SimplifiedNewton {
     Vec f;
   };
 
+  /// The bookkeeping of such an iteration. One whose m becomes eight times the first correction creeps, and
+  /// may be on its way to another solution.
+  template <class Scalar>
+  detail::Convergence<Scalar> convergence() const {
+    return {stop, max_iterations, 8};
+  }
+
   /// Solves f(m) = 0, where residual(f) writes f(0) and residual(m, f) writes f(m). On return the residual
   /// was last evaluated at the accepted m; `m` itself is only set where more than one evaluation was needed.
   template <class Residual, class Vec>
   SolverReport<typename Vec::Scalar> solve(Residual& residual, Vec& m, Workspace<Vec>& work) const {
     using Scalar = typename Vec::Scalar;
-    detail::Convergence<Scalar> convergence(stop, max_iterations, 8);
+    auto convergence = this->template convergence<Scalar>();
     residual(work.f);
     Scalar size_m(0);
     while (!convergence.done(norm_over_ranks(residual, work.f) / 4, size_m, residual)) {

@@ -295,7 +295,7 @@ class TangentStep<Semiexplicit<H, Solver>> {
   }
 
   void solve_together(const State& z, const Vectors& v, const Scalar& dt, StepReport& report) {
-    Convergence<Scalar> orbit(solver_.stop, solver_.max_iterations), tangent = orbit;
+    auto orbit = solver_.template convergence<Scalar>(), tangent = orbit;
     copies_.m.setZero();
     copies_.w.setZero();
     Scalar size_m(0), size_w(0);

@@ -14,8 +14,8 @@
 
 #include "common/arguments.hpp"
 #include "common/cost.hpp"
-#include "common/results.hpp"
 #include "common/prepare_outputs.hpp"
+#include "common/results.hpp"
 #include "common/run.hpp"
 #include "nls/picture.hpp"
 

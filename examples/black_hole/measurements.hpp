@@ -34,8 +34,8 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
     std::int64_t rows = 0, apoapsides = 0;
     bool over_a_pole = false;
     void visit_memory(CheckpointMemory& visit) {
-      for (double* number : {&energy, &momentum, &carter, &last_r, &last_r_momentum, &last_phi, &first,
-                             &latest, &turn})
+      for (double* number :
+           {&energy, &momentum, &carter, &last_r, &last_r_momentum, &last_phi, &first, &latest, &turn})
         visit(*number);
       highest.visit_memory(visit);
       closeness.visit_memory(visit);
@@ -122,9 +122,10 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
       if (!(k * k > (r * r - 2 * hole.mass * r + a * a) * (r * r + rest))) return "";
     }
     if (!(s.last_r_momentum < 0)) return "";
-    return formatted("the body falls into the hole, from r = %.4g on nothing turns it back before the horizon, r = %.4g; "
-                     "give another --r or --l, or a --time that ends before",
-                     s.last_r, horizon);
+    return formatted(
+        "the body falls into the hole, from r = %.4g on nothing turns it back before the horizon, r = %.4g; "
+        "give another --r or --l, or a --time that ends before",
+        s.last_r, horizon);
   };
   return {observe, report, memory_of(seen), {}, ending};
 }

@@ -18,8 +18,8 @@
 
 #include "arguments.hpp"
 #include "cost.hpp"
-#include "results.hpp"
 #include "prepare_outputs.hpp"
+#include "results.hpp"
 #include "run.hpp"
 #include "scene_choice.hpp"
 #include "scene_picture.hpp"

@@ -47,7 +47,8 @@ inline std::vector<EffectEntry<Eigen::Dynamic>> vortex_effects(const Vortices& v
                throw std::invalid_argument("--effects: half_plane and disk are two flows; take one");
              if (c.on("rotation") || (c.on("strain") && std::abs(std::sin(2 * c["strain_angle"])) > 1e-12))
                throw std::invalid_argument(
-                   "--effects: only strain with --strain_angle 0 or \"90 deg\" flows along half_plane, not through it");
+                   "--effects: only strain with --strain_angle 0 or \"90 deg\" flows along half_plane, not "
+                   "through it");
              refuse_dry(v, "half_plane", [](double, double y) { return y > 0; });
              return vortices::HalfPlane<>(gamma());
            }},

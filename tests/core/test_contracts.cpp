@@ -174,7 +174,9 @@ TEST_CASE("Exponents, alignment and scenes that were moved from refuse by name, 
   };
   check_kept(RuntimeScene(dynamic), of_any_size);
   check_kept(RuntimeScene(fixed), z);
-  check_kept(SeparableRuntimeScene<double, 2>({effects::orbits::Kinetic<double, 2>{}, effects::orbits::Attraction<double, 2>{}}), z);
+  check_kept(SeparableRuntimeScene<double, 2>(
+                 {effects::orbits::Kinetic<double, 2>{}, effects::orbits::Attraction<double, 2>{}}),
+             z);
   const effects::nbody::Bodies<> bodies({1, 0.1});
   auto two = bodies.jacobi({{1, 0, 0}, {0, 0, 0}}, {{0, 1, 0}, {0, 0, 0}});
   check_scene(Scene(effects::nbody::Kinetic<>{bodies}, effects::nbody::Attraction<>{bodies}), two);

@@ -290,7 +290,8 @@ TEST_CASE("A kick of a small coupled rest takes two gradient calls", "[flow_spli
 }
 
 TEST_CASE("A kick that was limited by rounding is told of, whatever comes after it", "[flow_splitting]") {
-  auto stepper = stepper_for(relativistic<double>(1e-8), kepler<double>(), schemes::aba84<double>(), Limited{});
+  auto stepper =
+      stepper_for(relativistic<double>(1e-8), kepler<double>(), schemes::aba84<double>(), Limited{});
   PhasePoint<double, 2> z = start<double>();
   CHECK(stepper.step(z, 0.8).status == Status::rounding_limited);
   CHECK(stepper.step(z, 0.8).status == Status::success);

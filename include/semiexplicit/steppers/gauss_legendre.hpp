@@ -15,9 +15,9 @@ namespace semiexplicit {
 /// coefficients are symplectic as they are rounded: errors by rounding are a random walk, without a drift.
 ///
 /// Newton's method takes the Hessian of H where it has one (HasHessian), else central differences of the
-/// gradient (4d calls a stage). Memory: (3s + 10) vectors of length 2d; Newton's method 2 (2ds)² numbers more,
-/// and its factorisation may use the heap. Its step ends with the gradients from before the last correction,
-/// so it wants a tight tolerance. step(), the accessors and what a checkpoint asks for are in
+/// gradient (4d calls a stage). Memory: (3s + 10) vectors of length 2d; Newton's method 2 (2ds)² numbers
+/// more, and its factorisation may use the heap. Its step ends with the gradients from before the last
+/// correction, so it wants a tight tolerance. step(), the accessors and what a checkpoint asks for are in
 /// detail::GaussShell.
 ///
 /// Sources: Hairer, Lubich, Wanner, Geometric Numerical Integration, II.1.3 and VIII.6; Antoñana, Makazaga,

@@ -112,13 +112,12 @@ inline void add_output(CLI::App& app, Settings& settings, bool rows = true) {
     add_value(app, "--samples", settings.samples, "rows of the CSV file at most",
               whole_number(1, 1'000'000'000), "N");
   // gnuplot takes <name for a command, and ~ for the home folder.
-  const CLI::Validator plain(
-      [](std::string& folder) {
-        if (folder.starts_with('<') || folder.starts_with('~')) folder.insert(0, "./");
-        return std::string();
-      },
-      "");
-  add_value(app, "--output", settings.output, "folder for the CSV files and the picture", plain, "DIR");
+  const auto plain = [](std::string folder) {
+    return folder.starts_with('<') || folder.starts_with('~') ? "./" + folder : folder;
+  };
+  add_value(app, "--output", settings.output, "folder for the CSV files and the picture", CLI::Validator(),
+            "DIR")
+      ->transform(plain);
   app.add_flag("--no-plot", settings.no_plot, "leave the picture out");
 }
 

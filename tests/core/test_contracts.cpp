@@ -165,12 +165,12 @@ TEST_CASE("Exponents, alignment and scenes that were moved from refuse by name, 
   // Scenes of run time share their effects, and lose none.
   const auto check_kept = [](auto from, const auto& z0) {
     const auto to = std::move(from);
-    auto z = z0, expected = z0;
+    auto at = z0, expected = z0;
     CHECK(from.dof() == 2);  // NOLINT: that is what is tested
-    CHECK(stepper_for(from).step(z, 0.01).ok());
+    CHECK(stepper_for(from).step(at, 0.01).ok());
     CHECK(stepper_for(to).step(expected, 0.01).ok());
-    CHECK(z.vector() != z0.vector());
-    CHECK(z.vector() == expected.vector());
+    CHECK(at.vector() != z0.vector());
+    CHECK(at.vector() == expected.vector());
   };
   check_kept(RuntimeScene(dynamic), of_any_size);
   check_kept(RuntimeScene(fixed), z);

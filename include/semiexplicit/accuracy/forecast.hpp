@@ -81,7 +81,13 @@ class Forecast {
     const double harder = candidate.setting.reversible
                               ? 1
                               : std::pow(std::min(harder_behind(probe.seen_to()), 1e3), candidate.order);
-    return error * growth * harder +
+    // What rounding hides in the trial may be seen where it is harder: as a larger step tells.
+    double hidden = 0;
+    if (harder > 1 && error <= 2 * known)
+      for (const auto& [step, seen] : candidate.trials)
+        if (step > dt && seen.works() && seen.asked == probe.asked && seen.error > 4 * known)
+          hidden = error_of(candidate, seen, step) * std::pow(dt / step, candidate.order);
+    return std::max(error * growth * harder, hidden) +
            (table_.invariant ? problem_.rounding_of_invariant(dt) : table_.rounding);
   }
   /// Whether the error of such a run goes on to grow.

@@ -8,6 +8,7 @@
 
 #include <semiexplicit/accuracy/scout.hpp>
 #include <semiexplicit/core/cold.hpp>
+#include <semiexplicit/core/two_sum.hpp>
 
 namespace semiexplicit::detail {
 
@@ -83,7 +84,7 @@ class Reference {
 
   SEMIEXPLICIT_COLD void restart() {
     coarse_ = fine_ = problem_.z0;
-    time_ = 0;
+    time_ = beyond_ = 0;
     size_ = static_cast<double>(norm(problem_.first));
     samples_.clear();
   }
@@ -138,7 +139,7 @@ class Reference {
 
   /// Two steps of one run, three of the other, of `most` together and not beyond `end`.
   SEMIEXPLICIT_COLD bool step(double end, double most) {
-    const double left = end - time_;
+    const double left = end - time_ - beyond_;
     double dt = 2 * share_ * hardest_;
     if (varies_) {
       auto ahead = fine_;
@@ -157,7 +158,11 @@ class Reference {
           by_three_.step(fine, dt / 3, probe) && by_two_.step(coarse, dt / 2, probe) &&
           by_two_.step(coarse, dt / 2, probe)) {
         coarse_ = coarse, fine_ = fine;
-        time_ = dt == left ? end : time_ + dt;
+        // A plain sum of equal steps is rounded to one side for long, and off by more than both runs are
+        // apart.
+        const auto [sum, lost] = two_sum(time_, beyond_ + dt);
+        time_ = dt == left ? end : sum;
+        beyond_ = dt == left ? 0 : lost;
         return true;
       }
       cut = probe.cut;
@@ -177,6 +182,7 @@ class Reference {
   typename Any::State coarse_{}, fine_{};
   std::vector<Sample<Value>> samples_{};
   double time_ = 0, rate_ = 0, size_ = 0;
+  double beyond_ = 0;                 ///< what rounding has left out of time_
   double share_ = 0.4, hardest_ = 0;  ///< of the scout's steps, and the shortest of them
   bool varies_ = false;               ///< there are far longer ones
   bool halving_failed_ = false;

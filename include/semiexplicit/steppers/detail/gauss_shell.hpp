@@ -183,6 +183,10 @@ class GaussShell {
         }
         if (entries_left && !improves(z)) return at_rounding;
         previous = change;
+        if (report.evaluations >= options_.max_iterations) {  // it may have come near enough by then
+          if (feels == 0) feel_rounding(z, feels++, report);
+          if (is_within_felt(100)) return at_rounding;
+        }
       }
       if (report.evaluations >= options_.max_iterations) return Status::no_convergence;
     }

@@ -34,11 +34,6 @@ Kerr<> hole(const Choice& c) {
   return hole;
 }
 
-double outer_horizon(const Choice& c) {
-  const Kerr<> kerr = hole(c);
-  return kerr.mass + std::sqrt(kerr.mass * kerr.mass - kerr.spin * kerr.spin);
-}
-
 /// A body at a turning point of r on the equator: the apoapsis, where no more is said.
 State at_turning_point(const Choice& c) {
   const double r = c["r"], carter = c["carter"];
@@ -114,7 +109,7 @@ int main(int argc, char** argv) {
   };
   program.view = [](const Choice& c) {
     const double spin2 = std::pow(hole(c).spin, 2);
-    const double horizon = std::sqrt(2 * hole(c).mass * outer_horizon(c));
+    const double horizon = std::sqrt(2 * hole(c).mass * outer_horizon(hole(c)));
     View<4> view;
     view.columns = {"t",   "coordinate_t", "r",     "theta", "phi", "p_t",
                     "p_r", "p_theta",      "p_phi", "x",     "y",   "z"};

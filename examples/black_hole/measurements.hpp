@@ -24,6 +24,10 @@ struct Ellipse {
   double p, e;
 };
 
+inline double outer_horizon(const black_hole::Kerr<>& hole) {
+  return hole.mass + std::sqrt(hole.mass * hole.mass - hole.spin * hole.spin);
+}
+
 /// Counts the orbits from apoapsis to apoapsis, and says what they are like. For an `ellipse` about a hole
 /// without spin the turns between two apoapsides are known.
 inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::optional<Ellipse>& ellipse) {
@@ -89,7 +93,7 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
         << formatted("innermost stable circular orbit%s: r = %.5f\n",
                      s.momentum * hole.spin < 0 ? " against the spin" : "", turned.innermost_stable_orbit());
     const std::string what = "turns from apoapsis to apoapsis";
-    if (nearest <= hole.mass + std::sqrt(hole.mass * hole.mass - hole.spin * hole.spin))
+    if (nearest <= outer_horizon(hole))
       return print_none(out, what, "the body has fallen through the horizon");
     if (s.over_a_pole)
       return print_none(
@@ -114,7 +118,7 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
   // Inwards, and no turning point ahead, where the radial potential of Carter (1968), eq. (62), is zero.
   const auto ending = [=]() -> std::string {
     const Seen& s = *seen;
-    const double a = hole.spin, horizon = hole.mass + std::sqrt(hole.mass * hole.mass - a * a);
+    const double a = hole.spin, horizon = outer_horizon(hole);
     const double rest = s.carter + std::pow(s.momentum - a * s.energy, 2);
     for (int i = 1; i <= 1000; ++i) {
       const double r = horizon + (s.last_r - horizon) * i / 1000;

@@ -94,7 +94,7 @@ struct CostRequest {
           "--accuracy: no angle is measured here; give a relative energy error, as 1e-9");
     }
     if (!curve) options.targets = {target};
-    prepare_outputs(settings, curve ? outputs(settings, file) : std::vector<std::filesystem::path>());
+    prepare(settings, file);
     const CostTable cost = cost_of_accuracy(hamiltonian, z0, settings.time, options);
     if (curve) {
       std::cout << cost;
@@ -186,6 +186,10 @@ struct CostRequest {
     return "";
   }
 
+  /// prepare_outputs() for what write() writes, if it is to.
+  void prepare(const Settings& settings, const std::string& file) const {
+    prepare_outputs(settings, curve ? outputs(settings, file) : std::vector<std::filesystem::path>());
+  }
   /// What write() writes.
   static std::vector<std::filesystem::path> outputs(const Settings& settings, const std::string& file) {
     return {settings.output / (file + ".csv"), settings.output / (file + ".png")};

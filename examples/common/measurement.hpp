@@ -50,24 +50,25 @@ struct Measurement {
   /// Nothing is said of a run that is no result.
   void print(std::ostream& out, const Run& run) const {
     if (!report) return;
-    if (run.is_result()) {
-      std::ostringstream said;
-      report(said, run);
-      const double energy = run.quantities.front().worst;
-      if (!figures && !(energy <= 1e-2)) {
-        out << formatted("nothing else is measured, as the energy is off by %.1g of itself; ", energy)
-            << "give a smaller --dt, or another method\n";
-        return;
-      }
-      out << said.str();
-      if (!figures && said.str().find("±") != std::string::npos)
-        out << formatted("± is what the steps leave open; that the energy is off by %.1g is not in it\n",
-                         energy);
+    if (!run.is_result()) {
+      const std::string why = ending ? ending() : "";
+      out << "nothing else is measured, as the run is no result; "
+          << (why.empty() ? "see the end of it" : why) << '\n';
       return;
     }
-    const std::string why = ending ? ending() : "";
-    out << "nothing else is measured, as the run is no result; " << (why.empty() ? "see the end of it" : why)
-        << '\n';
+    if (figures) return report(out, run);
+    const double energy = run.quantities.front().worst;
+    if (!(energy <= 1e-2)) {
+      out << formatted("nothing else is measured, as the energy is off by %.1g of itself; ", energy)
+          << "give a smaller --dt, or another method\n";
+      return;
+    }
+    std::ostringstream said;
+    report(said, run);
+    out << said.str();
+    if (said.str().find("±") != std::string::npos)
+      out << formatted("± is what the steps leave open; that the energy is off by %.1g is not in it\n",
+                       energy);
   }
 };
 

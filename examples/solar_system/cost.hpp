@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <ctime>
-#include <filesystem>
 #include <iostream>
 #include <limits>
 #include <ostream>
@@ -15,7 +14,6 @@
 
 #include "../common/cost.hpp"
 #include "../common/output.hpp"
-#include "../common/prepare_outputs.hpp"
 #include "measurements.hpp"
 #include "motion.hpp"
 
@@ -135,8 +133,7 @@ inline bool answer(CostRequest& request, const System& system, Judge judge, std:
         formatted("--time is shorter than a step; the shortest for --cost and --accuracy has %.3g days",
                   shortest * days_a_year));
   const std::string file = "solar_system_cost";
-  prepare_outputs(
-      settings, request.curve ? CostRequest::outputs(settings, file) : std::vector<std::filesystem::path>());
+  request.prepare(settings, file);
   const CostTable cost = cost_of_lists(system, settings.time, judge, target, request.cost_by());
   print_costs(std::cout, cost, judge);
   if (request.curve) {

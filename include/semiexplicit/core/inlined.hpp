@@ -19,6 +19,8 @@
 #define SEMIEXPLICIT_CALL_OF_TERM __attribute__((always_inline, flatten))
 #define SEMIEXPLICIT_INTO_TERM __attribute__((always_inline)) inline
 #define SEMIEXPLICIT_INLINE_LAMBDA __attribute__((always_inline))
+// A kick within a sweep, which clang++ makes a function; by g++ it is slower inlined by force.
+#define SEMIEXPLICIT_INLINE_KICK __attribute__((always_inline))
 #elif defined(__GNUC__) && defined(__OPTIMIZE__)
 #define SEMIEXPLICIT_FLATTEN __attribute__((flatten))
 #define SEMIEXPLICIT_NOINLINE __attribute__((noinline))
@@ -28,6 +30,7 @@
 #define SEMIEXPLICIT_CALL_OF_TERM __attribute__((noclone, flatten))
 #define SEMIEXPLICIT_INTO_TERM __attribute__((always_inline)) inline
 #define SEMIEXPLICIT_INLINE_LAMBDA __attribute__((always_inline))
+#define SEMIEXPLICIT_INLINE_KICK
 #else
 #define SEMIEXPLICIT_FLATTEN
 #define SEMIEXPLICIT_NOINLINE
@@ -37,6 +40,7 @@
 #define SEMIEXPLICIT_CALL_OF_TERM
 #define SEMIEXPLICIT_INTO_TERM inline
 #define SEMIEXPLICIT_INLINE_LAMBDA
+#define SEMIEXPLICIT_INLINE_KICK
 #endif
 
 namespace semiexplicit::detail {

@@ -153,8 +153,9 @@ template <class H, class Scalar, class Number, class Size, class... Sum>
 SEMIEXPLICIT_INLINE void kicks(const H& hamiltonian, const Scheme<Scalar>& scheme, const Scalar& dt,
                                Number* a, Number* b, Number* gradient, Size d, Sum*... sum) {
   sweep(
-      scheme, dt, [&](const Scalar& t) { kick(hamiltonian, t, a, b, gradient, d, sum...); },
-      [&](const Scalar& t) { kick(hamiltonian, t, b, a, gradient, d, sum...); });
+      scheme, dt,
+      [&](const Scalar& t) SEMIEXPLICIT_INLINE_KICK { kick(hamiltonian, t, a, b, gradient, d, sum...); },
+      [&](const Scalar& t) SEMIEXPLICIT_INLINE_KICK { kick(hamiltonian, t, b, a, gradient, d, sum...); });
 }
 
 /// What a step does before and after all kicks, on the numbers from `begin` to `end`: a = z + m and b = z -

@@ -712,6 +712,17 @@ TEST_CASE("a step that fails behind its trial takes no other setting's advice aw
   }
 }
 
+TEST_CASE("a target is not lost in rounding where a pericentre is far harder: a planet") {
+  const auto place = [](const auto& q, const auto&) -> Eigen::Vector2d { return q; };
+  const double e = 0.7, target = 1e-10;
+  const auto cost =
+      cost_of_accuracy(Kepler(), at_periapsis(e), 1500.0, {.observable = place, .targets = {target}});
+  const auto advice = cost.cheapest(target);
+  REQUIRE(advice);
+  CHECK(reached(cost, *advice, at_periapsis(e), place,
+                [&](double t) -> Eigen::Vector2d { return kepler_orbit(e, t).q(); }) < 3 * target);
+}
+
 TEST_CASE("what rounding makes of an energy is seen in a run of the whole time: Arenstorf's orbit") {
   static constexpr double moon = 0.012277471;
   const auto h = from_energy<2>([](const auto& q, const auto& p) {

@@ -84,7 +84,7 @@ class Reference {
 
   SEMIEXPLICIT_COLD void restart() {
     coarse_ = fine_ = problem_.z0;
-    time_ = beyond_ = 0;
+    time_ = carry_ = 0;
     size_ = static_cast<double>(norm(problem_.first));
     samples_.clear();
   }
@@ -112,7 +112,7 @@ class Reference {
     for (std::size_t i = keep - 1; i < samples_.size(); i += keep) kept.push_back(samples_[i]);
     samples_ = kept;
     const auto [hardest, varies] = scout_.paces();
-    hardest_ = hardest, varies_ = varies > much_easier;
+    hardest_ = hardest, varies_ = varies > far_easier;
     Value coarse, fine;
     // At times in step with no period, and where the motion is hard after so many steps, too.
     const double usual = (length - from) / (count * scout_.mean_step());
@@ -139,7 +139,7 @@ class Reference {
 
   /// Two steps of one run, three of the other, of `most` together and not beyond `end`.
   SEMIEXPLICIT_COLD bool step(double end, double most) {
-    const double left = end - time_ - beyond_;
+    const double left = end - time_ - carry_;
     double dt = 2 * share_ * hardest_;
     if (varies_) {
       auto ahead = fine_;
@@ -160,9 +160,9 @@ class Reference {
         coarse_ = coarse, fine_ = fine;
         // A plain sum of equal steps is rounded to one side for long, and off by more than both runs are
         // apart.
-        const auto [sum, lost] = two_sum(time_, beyond_ + dt);
+        const auto [sum, lost] = two_sum(time_, carry_ + dt);
         time_ = dt == left ? end : sum;
-        beyond_ = dt == left ? 0 : lost;
+        carry_ = dt == left ? 0 : lost;
         return true;
       }
       cut = probe.cut;
@@ -173,7 +173,7 @@ class Reference {
 
   inline static const Setting method{.method = Setting::Method::gauss, .stages = 8};
   static constexpr int count = 80, least_count = 32;  ///< samples of a stretch, if steps are short; at least
-  static constexpr double much_easier = 4;
+  static constexpr double far_easier = 20, much_easier = 4;
 
   Problem<Any>& problem_;
   const Scout<Any>& scout_;
@@ -182,7 +182,7 @@ class Reference {
   typename Any::State coarse_{}, fine_{};
   std::vector<Sample<Value>> samples_{};
   double time_ = 0, rate_ = 0, size_ = 0;
-  double beyond_ = 0;                 ///< what rounding has left out of time_
+  double carry_ = 0;                  ///< what rounding has left out of time_
   double share_ = 0.4, hardest_ = 0;  ///< of the scout's steps, and the shortest of them
   bool varies_ = false;               ///< there are far longer ones
   bool halving_failed_ = false;

@@ -162,7 +162,8 @@ class GaussShell {
       ++report.evaluations;
       // The first fixed-point sweep only evaluates the gradients at the starting values: a change is yet to
       // be seen.
-      if (report.evaluations > 1 || options_.solver == StageSolver::newton) {
+      const bool seen = report.evaluations > 1 || options_.solver == StageSolver::newton;
+      if (seen) {
         report.correction = static_cast<double>(change);
         if (previous > Scalar(0)) report.rate = static_cast<double>(change / previous);
         if (!isfinite(change)) return Status::not_finite;
@@ -183,12 +184,10 @@ class GaussShell {
         }
         if (entries_left && !improves(z)) return at_rounding;
         previous = change;
-        if (report.evaluations >= options_.max_iterations) {  // it may have come near enough by then
-          if (feels == 0) feel_rounding(z, feels++, report);
-          if (is_within_felt(100)) return at_rounding;
-        }
       }
-      if (report.evaluations >= options_.max_iterations) return Status::no_convergence;
+      if (report.evaluations < options_.max_iterations) continue;
+      if (seen && feels == 0) feel_rounding(z, feels++, report);
+      return seen && is_within_felt(100) ? at_rounding : Status::no_convergence;
     }
   }
 

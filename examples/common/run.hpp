@@ -54,7 +54,7 @@ struct CheckpointRequest {
   bool wanted() const { return !file.empty(); }
   /// The run is done and its files are there.
   void finish() const {
-    if (wanted()) DurableFile::remove(file);
+    if (wanted()) remove_checkpoint(file);
   }
 };
 

@@ -397,6 +397,30 @@ TEST_CASE("What is saved at the start shows the start once, and at an event with
   CHECK_FALSE(fs::exists(folder.path / "other.checkpoint"));
 }
 
+TEST_CASE("A CSV file goes on although another run has written one of that name since", "[checkpoint]") {
+  const Folder folder;
+  const fs::path csv = folder.path / "run.csv", file = folder.path / "run.checkpoint";
+  GaussLegendre stepper(systems::Product<double>{}, {.stages = 1});
+  const auto run = [&](const fs::path& rows, const fs::path& saved, std::int64_t steps, bool ends) {
+    IntegrationOptions<double> options{.dt = 0.1, .steps = steps};
+    PhasePoint<double, 1> z(-3, 0);
+    CsvTrajectory table(rows, 1);
+    Checkpoints checkpoints(saved, {.every = 10}, stepper, options, table);
+    options.done = checkpoints.resume(z);
+    integrate(stepper, z, options, table, checkpoints);
+    if (ends) table.commit();
+  };
+  run(folder.path / "whole.csv", folder.path / "whole.checkpoint", 30, true);
+  run(csv, file, 15, false);
+  for (const bool ends : {true, false}) {
+    CsvTrajectory another(csv, 1);
+    another(0.0, PhasePoint<double, 1>(1, 2));
+    if (ends) another.commit();
+  }
+  run(csv, file, 30, true);
+  CHECK(contents(csv) == contents(folder.path / "whole.csv"));
+}
+
 TEST_CASE("A CSV file goes on where the checkpoint has it, byte for byte", "[checkpoint]") {
   const Folder folder;
   const fs::path file = folder.path / "run.checkpoint", csv = folder.path / "run.csv",

@@ -78,6 +78,34 @@ TEST_CASE("A second process on a checkpoint is refused while the first lives", "
   CHECK(files_in(folder.path) == 0);
 }
 
+TEST_CASE("A checkpoint is locked before it is saved for the first time", "[checkpoint]") {
+  const Folder folder;
+  const fs::path file = folder.path / "run.checkpoint";
+  Signal ready;
+  const pid_t child = start_child([&] {
+    Run run(file);
+    run.resume();
+    ready.give();
+    pause();
+    return 0;
+  });
+  REQUIRE(ready.wait());
+  Run second(file);
+  CHECK(complaint([&] { second.resume(); }) == file.string() + refusal_of_second);
+  CHECK(complaint([&] { second.go(); }) == file.string() + refusal_of_second);
+  kill(child, SIGKILL);
+  exit_code(child);
+  {
+    Run third(file);
+    CHECK(third.resume() == 0);
+  }
+  CHECK(files_in(folder.path) == 0);
+  // Nor does the end of a run take away what has come to that place since.
+  { std::ofstream(file) << "results\n"; }
+  CHECK(says(complaint([&] { remove_checkpoint(file); }), "a file of another kind is there"));
+  CHECK(contents(file) == "results\n");
+}
+
 TEST_CASE("A process may resume a run whose first object it still holds", "[checkpoint]") {
   const Folder folder;
   const fs::path file = folder.path / "run.checkpoint";

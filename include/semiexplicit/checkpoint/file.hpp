@@ -6,6 +6,9 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -91,7 +94,7 @@ inline std::optional<std::string> read_if_there(const std::filesystem::path& pat
 }
 
 /// The file of a run, which is locked from the first time that it is read or written on, as long as this
-/// object lives.
+/// object lives: before there is one, by the .part of the first that is to come.
 class CheckpointFile {
  public:
   explicit CheckpointFile(const std::filesystem::path& path) : path_(fixed(path)) {}
@@ -105,13 +108,17 @@ class CheckpointFile {
     if (std::filesystem::is_other(path_, failure))  // opening a pipe would wait for its other end
       throw std::invalid_argument("checkpoint " + path_.string() +
                                   ": is a pipe or a device; give the name of a file");
-    DurableFile{path_};  // what cannot be written is to be said before the run
+    // What cannot be written is to be said before the run.
+    const auto first = first_file(path_);
     Descriptor lock;
     const bool mine = lock_.is(path_);
     if (!mine) lock = lock_existing(path_, true);
     try {
       const auto file = read_if_there(path_);
-      if (!file) return false;
+      if (!file) {
+        first_ = first;
+        return false;
+      }
       restore(CheckpointFrame::unpack(*file));
     } catch (const std::invalid_argument& reason) {
       throw std::invalid_argument("checkpoint " + path_.string() + ": " + reason.what());
@@ -124,12 +131,14 @@ class CheckpointFile {
   /// Takes the place of what is there, whole. Throws std::runtime_error where that is a file of another kind,
   /// or cannot be read.
   void write(std::string_view contents) {
-    DurableFile file(path_);
+    const auto file = first_file(path_);
+    first_.reset();
     take();
     refuse_other_kind();
-    file.write(CheckpointFrame::pack(contents));
-    file.commit();
-    lock_ = file.release();
+    file->go_on_after(0);
+    file->write(CheckpointFrame::pack(contents));
+    file->commit();
+    lock_ = file->release();
     takes_over_ = false;
   }
 
@@ -140,9 +149,23 @@ class CheckpointFile {
     take();
     DurableFile::remove(path_);
     lock_ = {};
+    first_.reset();
   }
 
  private:
+  /// What is to have that name: all objects of this process share what has not got it yet.
+  static std::shared_ptr<DurableFile> first_file(const std::filesystem::path& path) {
+    static std::mutex mutex;
+    static std::map<std::filesystem::path, std::weak_ptr<DurableFile>> files;
+    const std::lock_guard guard(mutex);
+    std::erase_if(files, [](const auto& one) { return one.second.expired(); });
+    const auto there = files[path].lock();
+    if (there && !there->committed()) return there;
+    const auto made = std::make_shared<DurableFile>(path);
+    files[path] = made;
+    return made;
+  }
+
   /// Of another object in this process only what was read from it: that one is then refused.
   void take() {
     if (!lock_.is(path_)) lock_ = lock_existing(path_, takes_over_);
@@ -166,8 +189,17 @@ class CheckpointFile {
   }
 
   std::filesystem::path path_;
+  std::shared_ptr<DurableFile> first_{};  ///< that will have the name
   Descriptor lock_{};
   bool takes_over_ = false;  ///< the file was read while another object of this process had it
 };
 
 }  // namespace semiexplicit::detail
+
+namespace semiexplicit {
+
+/// Takes away the checkpoint of a run that is done, as Checkpoints::remove() does, where that object is no
+/// longer there.
+inline void remove_checkpoint(const std::filesystem::path& file) { detail::CheckpointFile(file).remove(); }
+
+}  // namespace semiexplicit

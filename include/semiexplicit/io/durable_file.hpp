@@ -96,9 +96,11 @@ class DurableFile {
   /// Throws where the folder is missing or not writable, the name is a folder, a file that is write-protected
   /// or ends in
   /// ".part", or another run is writing it. What an earlier run left in the .part stays up to the first
-  /// write().
+  /// write(), which moves it to earlier(1), or the next free one, and says so on stderr, where what is not
+  /// committed is kept.
   explicit DurableFile(std::filesystem::path name, Uncommitted uncommitted = Uncommitted::removed)
       : name_(std::move(name)), to_(name_), part_(to_.path), uncommitted_(uncommitted) {
+    part_ += to_.direct ? "" : ".part";
     if (to_.direct)
       open_direct();
     else
@@ -186,11 +188,14 @@ class DurableFile {
   std::uint64_t length() const { return length_; }
   /// Where they are until commit().
   const std::filesystem::path& part() const { return part_; }
+  /// Where the n-th earlier run that did not end has its rows, n = 1, 2, ...
+  std::filesystem::path earlier(int n) const { return part_.string() + "." + std::to_string(n); }
   /// And behind it.
   const std::filesystem::path& destination() const { return to_.path; }
   /// Whether this is no regular file, so that nothing can be read back.
   bool direct() const { return to_.direct; }
 
+  bool committed() const { return committed_; }
   /// The file itself, open and locked; only after commit().
   detail::Descriptor release() { return std::move(file_); }
 
@@ -219,7 +224,6 @@ class DurableFile {
 
   void open_part() {
     namespace fs = std::filesystem;
-    part_ += ".part";
     unsigned mode = 0666;
     std::error_code failure;
     if (const fs::file_status there = fs::status(to_.path, failure); fs::exists(there)) {
@@ -250,8 +254,21 @@ class DurableFile {
 
   void begin() {
     if (begun_) return;
+    if (!to_.direct && length_ == 0 && uncommitted_ == Uncommitted::kept) keep_earlier();
     if (!to_.direct && !file_.cut(length_)) fail("cannot be written", errno);
     begun_ = true;
+  }
+  void keep_earlier() {
+    std::error_code failure;
+    if (!(std::filesystem::file_size(part_, failure) > 0) || failure || !file_.is(part_)) return;
+    int n = 1;
+    while (std::filesystem::exists(std::filesystem::symlink_status(earlier(n)))) ++n;
+    std::filesystem::rename(part_, earlier(n), failure);
+    if (failure) fail("holds the rows of an earlier run, and cannot be moved", failure.value());
+    std::fprintf(stderr, "semiexplicit: %s: an earlier run did not end; its rows are in %s\n",
+                 name_.string().c_str(), earlier(n).string().c_str());
+    file_.close();
+    open_part();
   }
 
   void sync_folder() {

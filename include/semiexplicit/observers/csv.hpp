@@ -24,7 +24,8 @@ namespace semiexplicit {
 /// it back exactly, with a decimal point in any locale. The rows go to `path` + ".part", each as row()
 /// returns; commit() gives the file its name, so that a file of that name is always whole. Without commit(),
 /// forgotten or not reached, the rows stay in the .part, and a line on stderr says so; the next run's first
-/// row replaces them. Links, devices, locks and what is thrown: DurableFile.
+/// row moves them to `path` + ".part.1", or the next free number. Links, devices, locks and what is thrown:
+/// DurableFile.
 class CsvWriter {
  public:
   static constexpr const char* name = "CsvWriter";
@@ -112,30 +113,35 @@ class CsvWriter {
   }
 
   void go_on_from(const Beginning& wanted) {
-    if (beginning(wanted.length, {}) == wanted) {
-      file_.go_on_after(wanted.length);
-    } else if (const std::string rows = committed(wanted.length);
-               semiexplicit::checksum(rows) == wanted.sum) {
-      // A run that was killed between commit() and the end of its checkpoints.
+    const auto take = [&](const std::filesystem::path& from) {
+      const std::string rows = beginning_of(from, wanted.length);
+      if (semiexplicit::checksum(rows) != wanted.sum) return false;
       file_.go_on_after(0);
       file_.write(rows);
-    } else {
+      return true;
+    };
+    // Committed by a run that was killed before the end of its checkpoints, or moved away by another run.
+    bool found = beginning(wanted.length, {}) == wanted;
+    if (found)
+      file_.go_on_after(wanted.length);
+    else
+      found = take(file_.destination());
+    for (int n = 1; !found && std::filesystem::exists(file_.earlier(n)); ++n) found = take(file_.earlier(n));
+    if (!found)
       throw std::invalid_argument(file_.part().string() +
                                   " is not what it was when the checkpoint was written; give the output of "
                                   "then, or start anew without the checkpoint");
-    }
     saved_ = wanted;
   }
 
-  /// The first bytes of the file that has its name already; nothing where it is shorter.
-  std::string committed(std::uint64_t length) const {
+  /// The first bytes of a file; nothing where it is shorter.
+  static std::string beginning_of(const std::filesystem::path& file, std::uint64_t length) {
     std::error_code failure;
-    const std::uintmax_t size = std::filesystem::file_size(file_.destination(), failure);
+    const std::uintmax_t size = std::filesystem::file_size(file, failure);
     if (failure || size < length) return {};
     std::string bytes;
     bytes.resize(length);
-    std::ifstream(file_.destination(), std::ios::binary)
-        .read(bytes.data(), static_cast<std::streamsize>(length));
+    std::ifstream(file, std::ios::binary).read(bytes.data(), static_cast<std::streamsize>(length));
     return bytes;
   }
 

@@ -8,6 +8,7 @@
 #include <ctime>
 #include <filesystem>
 #include <iostream>
+#include <stdexcept>
 #include <string>
 
 #ifdef _OPENMP
@@ -103,9 +104,12 @@ int run_job(int argc, char** argv) {
   add_value(app, "--threads", job.threads, "of each process, where the program is built with OpenMP",
             whole_number(1, 4096), "N");
   add_value(app, "--output", job.settings.output, "folder for the checkpoints", CLI::Validator(), "DIR");
-  const auto refuse_long_step = [&] { steps_in(job.settings.time, job.settings.dt); };
-  return run_mpi_program(app, "nls_mpi", ranks.rank(), argc, argv, refuse_long_step,
-                         [&] { return run(ranks, job); });
+  const auto check = [&] {
+    steps_in(job.settings.time, job.settings.dt);
+    if (job.sites < ranks.size())
+      throw std::invalid_argument("--sites: fewer than processes; give each one at least");
+  };
+  return run_mpi_program(app, "nls_mpi", ranks.rank(), argc, argv, check, [&] { return run(ranks, job); });
 }
 
 }  // namespace

@@ -90,7 +90,7 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
                 ? formatted("%.2f", s.over_a_pole ? 90 : s.highest.value())
                 : with_uncertainty(s.highest.value(), s.highest.uncertain()))
         << " degrees off the equator\n"
-        << formatted("innermost stable circular orbit%s: r = %.5f\n",
+        << formatted("innermost stable circular orbit%s: r = %.6g\n",
                      s.momentum * hole.spin < 0 ? " against the spin" : "", turned.innermost_stable_orbit());
     const std::string what = "turns from apoapsis to apoapsis";
     if (nearest <= outer_horizon(hole))

@@ -54,6 +54,7 @@ struct Settings {
   double time = 100;
   std::int64_t samples = 2000;
   std::filesystem::path output = "out";
+  std::vector<std::filesystem::path> inputs{};  ///< files that the user gave
   bool no_plot = false;
 
   /// Takes dt so much smaller that whole steps end at `time`, and gives their number.
@@ -111,14 +112,18 @@ inline void add_output(CLI::App& app, Settings& settings, bool rows = true) {
   if (rows)
     add_value(app, "--samples", settings.samples, "rows of the CSV file at most",
               whole_number(1, 1'000'000'000), "N");
-  // gnuplot takes <name for a command, and ~ for the home folder.
+  // gnuplot takes <name for a command, ~ for the home folder, and $name for data of its own.
   const auto plain = [](std::string folder) {
-    return folder.starts_with('<') || folder.starts_with('~') ? "./" + folder : folder;
+    return folder.find_first_of("<~$") == 0 ? "./" + folder : folder;
   };
   add_value(app, "--output", settings.output, "folder for the CSV files and the picture", CLI::Validator(),
             "DIR")
       ->transform(plain);
   app.add_flag("--no-plot", settings.no_plot, "leave the picture out");
+  app.parse_complete_callback([&app, &settings] {
+    for (const CLI::Option* file : {app.get_config_ptr(), app.get_option_no_throw("--input")})
+      if (file != nullptr && file->count() > 0) settings.inputs.push_back(file->as<std::string>());
+  });
 }
 
 /// Whether the user gave an option; not, where the program has none of that name.

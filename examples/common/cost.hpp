@@ -136,10 +136,14 @@ struct CostRequest {
     else if (best->error > target)  // else it has another reason, which comes next
       why += ": the best found is " + as_asked(best->error) + " by " + best->setting.name() +
              " with dt = " + formatted("%.3g", best->setting.dt);
-    throw std::runtime_error(why + "; " +
-                             (safely > 1 && cost.reach(target) == Reach::rounding
-                                  ? "errors below " + as_asked(cost.rounding) + " are lost in rounding"
-                                  : cost.why(target)));
+    const Reach reach = cost.reach(target);
+    throw std::runtime_error(
+        why + "; " +
+        (safely > 1 && reach == Reach::rounding
+             ? "errors below " + as_asked(cost.rounding) + " are lost in rounding"
+         : reach == Reach::budget
+             ? "the motion is too long and uneven for the search; give a shorter --time, or --dt instead"
+             : cost.why(target)));
   }
   /// In what the cheapest is the cheapest, and of how many.
   std::string among(const CostTable& cost) const {

@@ -24,7 +24,7 @@ inline std::filesystem::path behind_links(std::filesystem::path path) {
 
 /// Makes the folder of the outputs of a run, a picture with its script. Throws std::runtime_error where one
 /// of them cannot be written, which would be told behind the run only, and std::invalid_argument where one is
-/// the file of the checkpoint: it would be lost when that is removed.
+/// the file of the checkpoint, which would be lost when that is removed, or one that the user gave.
 inline void prepare_outputs(const Settings& settings, const std::vector<std::filesystem::path>& outputs,
                             const std::filesystem::path& checkpoint = {}) {
   std::vector<std::filesystem::path> all;
@@ -40,6 +40,10 @@ inline void prepare_outputs(const Settings& settings, const std::vector<std::fil
            (std::filesystem::equivalent(a, b, none) && std::filesystem::is_regular_file(a, none));
   };
   for (std::size_t i = 0; i < all.size(); ++i) {
+    for (const auto& input : settings.inputs)
+      if (one_file(input, all[i]))
+        throw std::invalid_argument("--output: " + all[i].string() +
+                                    " is a file that the run reads; give another folder");
     if (!checkpoint.empty() && one_file(checkpoint, all[i]))
       throw std::invalid_argument("--checkpoint: '" + checkpoint.string() + "' is where " + all[i].string() +
                                   " goes, a result of the run; give another name");

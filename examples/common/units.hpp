@@ -145,7 +145,9 @@ inline double read_quantity(const std::string& text, const std::string& wanted, 
                             bool positive = false) {
   const auto refuse = [&](const std::string& why) { throw std::invalid_argument("'" + text + "' " + why); };
   double value = 0;
-  const char *const begin = text.data(), *const end = begin + text.size();
+  const std::size_t digits = std::min(text.find_first_not_of(" \t"), text.size());
+  const char *begin = text.data() + digits, *const end = text.data() + text.size();
+  if (end - begin > 1 && *begin == '+' && begin[1] != '-') ++begin;
   const auto [rest, failure] = std::from_chars(begin, end, value);
   if (failure != std::errc() || !std::isfinite(value) || (positive && !(value > 0)))
     refuse(std::string("is not a ") + (positive ? "positive" : "finite") + " number");

@@ -1,9 +1,7 @@
 #pragma once
 
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <stdexcept>
 
 #include <semiexplicit/core/ranks.hpp>
 #include <semiexplicit/core/threads.hpp>
@@ -24,14 +22,11 @@ class BlockLattice {
   using Column = In<double, Dof>;
   using State = PhasePoint<double, Dof>;
 
-  /// Throws std::invalid_argument where a rank would be left without a site.
+  /// There are no fewer sites than ranks.
   BlockLattice(const Ranks& ranks, std::int64_t sites)
       : ranks_(&ranks),
         begin_(sites * ranks.rank() / ranks.size()),
-        lattice_(std::max<Eigen::Index>(sites * (ranks.rank() + 1) / ranks.size() - begin_, 1)) {
-    if (sites < ranks.size())
-      throw std::invalid_argument("--sites: fewer than processes; give each one at least");
-  }
+        lattice_(sites * (ranks.rank() + 1) / ranks.size() - begin_) {}
 
   Eigen::Index dof() const { return lattice_.dof(); }
   double sum_over_ranks(const double& x) const { return ranks_->sum(x); }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <span>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -20,6 +21,7 @@ inline std::string plane(const std::filesystem::path& csv, const std::vector<Pat
                          const std::string& wall) {
   // gnuplot reads the file anew for every path.
   const Eigen::Index drawn = std::min<Eigen::Index>(v.x.size(), 100);
+  const std::span<const Path> shown(paths.data(), static_cast<std::size_t>(drawn));
   const double strongest = v.circulation.cwiseAbs().maxCoeff();
   std::ostringstream out;
   out << "$start << END\n";
@@ -30,13 +32,13 @@ inline std::string plane(const std::filesystem::path& csv, const std::vector<Pat
       << "'\nset ylabel 'y'\n"
       << "set palette defined (-1 '#08519c', -0.1 '#6baed6', 0 '#999999', 0.1 '#fc9272', 1 '#a50f15')\n"
       << "set cbrange [" << -strongest << ':' << strongest << "]\nset cblabel 'circulation Γ'\n"
-      << square_around(paths) << wall;
-  const auto dotted =
-      std::find_if(paths.begin(), paths.end(), [](const Path& path) { return path.sparse(); });
-  out << (dotted != paths.end() ? *dotted : paths.front()).label() << "plot ";
+      << square_around(shown) << wall;
+  const auto end = shown.end(),
+             dotted = std::find_if(shown.begin(), end, [](const Path&path) { return path.sparse(); });
+  out << (dotted != end ? *dotted : shown.front()).label() << "plot ";
   for (Eigen::Index i = 0; i < drawn; ++i)
     out << quoted(csv.string()) << " skip 1 using " << 2 + 2 * i << ':' << 3 + 2 * i
-        << paths[static_cast<std::size_t>(i)].style("palette cb " + formatted("%g", v.circulation[i]), 0.9)
+        << shown[static_cast<std::size_t>(i)].style("palette cb " + formatted("%g", v.circulation[i]), 0.9)
         << ", \\\n  ";
   out << "$start using 1:2 with points pointtype 7 pointsize 1.8 linecolor rgb 'black', \\\n"
       << "  $start using 1:2:3 with points pointtype 7 pointsize 1.2 linecolor palette\n";

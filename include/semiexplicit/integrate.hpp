@@ -379,9 +379,12 @@ Status cut_at_events(S& stepper, typename S::State& start, Known& known, typenam
     bool go_on = x == Scalar(0) || tell();
     go_on = observer.act(found, t, state, report) && go_on;
     keep();
-    if (observer.changes(found)) ++report.changes;
+    const bool changed = observer.changes(found);
+    report.changes += changed ? 1 : 0;
     report.part = 0;
-    if (h != Scalar(0) || !go_on) go_on = tell() && go_on;
+    // What nothing has changed where the step begins was shown before.
+    const bool shown = x == Scalar(0) && !changed;
+    if (!shown && (h != Scalar(0) || !go_on)) go_on = tell() && go_on;
     if (!go_on) return Status::stopped;
     if (h == Scalar(0)) continue;
     report.last = stepper.step(state, h);

@@ -39,6 +39,12 @@ prints(orbits "says how uncertain relativity of second order alone is" "--effect
 # What means nothing is not printed.
 prints(orbits "does not measure what the step hides" "--dt \"4 day\""
   "perihelion advance: not measured, (the energy error|a companion run) leaves [^0-9]+ [0-9.e+]+ arcseconds a century open; give a smaller --dt")
+# Nearly a circle, whose periapsis swings by J2/e: 8.33693 by an integration of fourth order with 2 s steps in long double.
+prints(orbits "tells how far off the periapsis of nearly a circle is" "--preset gps --e 0.001"
+  "perihelion advance: 8.33[0-9]* ± 0.0[0-2][0-9]* degrees a year from")
+prints(orbits "takes a sign and a blank before a number" "--time ' +1 year'" "perihelion advance: 42.9")
+prints(black_hole "says where the innermost orbit of a small hole is" "--preset schwarzschild --mass 1e-6 --dt 2.5e-7 --time 4e-3"
+  "innermost stable circular orbit: r = 6e-06\n")
 prints(orbits "does not measure a perihelion in less than two orbits" "--time \"100 days\"" "not measured, the run has no two whole orbits; give more --time")
 prints(orbits "does not measure the perihelion of a circle" "--e 0 --time \"1 year\"" "too near to a circle")
 prints(orbits "does not measure by a formula for something else" "--effects kinetic,attraction,rotating_frame --frame-rate 1 --time \"1 year\""

@@ -41,6 +41,53 @@ struct Free {
 
 }  // namespace
 
+TEST_CASE("A run goes on behind a bounce that ended it, though another kind is still to be told",
+          "[events]") {
+  const int nodes = GENERATE(2, 4);
+  const Ball ball;
+  auto stepper = semiexplicit_of(ball);
+  Point z(0.5, 0);
+  int told = 0, on_floor = 0, above = 0;
+  double worst = 0;
+  auto watch = events(ball,
+                      on_event(
+                          height,
+                          [](double, Point& at) {
+                            at.p()[0] = -at.p()[0];
+                            return false;
+                          },
+                          CrossingDirection::falling),
+                      on_event(
+                          height, [&](double, const Point&) { ++told; }, CrossingDirection::falling));
+  const auto both = [&](int& count, double level) {
+    return poincare_section(
+        ball, [=](const auto& q, const auto&) { return q[0] - level; },
+        [&count](double, const Point&) { ++count; }, {.direction = CrossingDirection::both, .nodes = nodes});
+  };
+  auto floor = both(on_floor, 0), middle = both(above, 0.3);
+  auto at = at_times(
+      ball, {0.5, 0.9, 1.02, 1.5, 2.5, 3.03, 5.5},
+      [&](double t, const Point& now) { worst = std::max(worst, std::abs(now.q()[0] - elastic(t))); }, nodes);
+  DenseOutput dense(ball, nodes);
+  const auto look = [&](double, const Point&) {
+    if (dense.size() < 2) return;
+    Point between;
+    const double t = 0.7 * dense.end() + 0.3 * dense.time(dense.size() - 2);
+    dense.at(t, between);
+    const double off = std::abs(between.q()[0] - elastic(t));
+    worst = off <= worst ? worst : off;  // NaN is the worst
+  };
+  for (double t = 0; t < 6;)
+    t = integrate(stepper, z, {.dt = 0.1, .t0 = t, .t_end = 6}, floor, middle, at, dense, look, watch).t;
+  for (auto* section : {&floor, &middle}) section->finish();
+  at.finish();
+  CHECK(told == 3);
+  CHECK(on_floor == 0);
+  CHECK(above == 6);
+  CHECK(at.served() == 7);
+  CHECK(worst < 1e-12);
+}
+
 TEST_CASE("A ball that bounces without loss keeps to its closed form", "[events]") {
   for (const double dt : {0.01, 0.3, 0.77}) {
     CAPTURE(dt);

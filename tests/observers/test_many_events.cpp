@@ -105,6 +105,32 @@ TEST_CASE("A section in float counts the kicks on its surface, however little of
   }
 }
 
+TEMPLATE_TEST_CASE("A section on the floor counts no bounce, whatever rounding leaves of the height",
+                   "[events]", float, double) {
+  using T = TestType;
+  using P = PhasePoint<T, 1>;
+  const auto free = make_hamiltonian<T, 1>(
+      [](const auto&, const auto& p) { return T(p[0] * p[0] / 2); },
+      [](const auto&, const auto& p, auto& dHdq, auto& dHdp) { dHdq[0] = T(0), dHdp[0] = p[0]; });
+  const auto bounce = [](const T&, P& z) { z.p()[0] = -z.p()[0]; };
+  for (int i = 0; i < 60; ++i) {
+    CAPTURE(i);
+    P z;
+    z.q()[0] = T(0.05) + T(i % 10) * T(0.09), z.p()[0] = -1;
+    Semiexplicit stepper(free, schemes::strang<T>());
+    auto walls = events(
+        free, on_event(height, bounce, CrossingDirection::falling),
+        on_event([](const auto& q, const auto&) { return 1 - q[0]; }, bounce, CrossingDirection::falling));
+    int crossings = 0;
+    auto floor = poincare_section(free, height, [&](const T&, const P&) { ++crossings; },
+                                  {.direction = CrossingDirection::both});
+    integrate(stepper, z, {.dt = T(0.1) + T(i / 10) * T(0.07), .steps = 100}, floor, walls);
+    floor.finish();
+    CHECK(walls.count() > 8);
+    CHECK(crossings == 0);
+  }
+}
+
 TEST_CASE("Steps from the surface to the surface miss no crossing: a kicked rotor whose step is its period",
           "[long]") {
   const Autonomous free(from_energy<1>(

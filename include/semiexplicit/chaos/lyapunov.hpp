@@ -11,8 +11,8 @@
 namespace semiexplicit {
 
 /// An observer that measures how fast neighbouring orbits part: the Lyapunov exponents of the run it
-/// observes, the largest first, in units of 1/time, as growth in the direction of the run, forward or
-/// backward. It carries a few tangent vectors along (TangentVectors: which steppers, where the second
+/// observes, the largest first as t grows, in units of 1/time, as growth in the direction of the run, forward
+/// or backward. It carries a few tangent vectors along (TangentVectors: which steppers, where the second
 /// derivatives come from) and makes them orthonormal again after each step; an exponent is the mean growth of
 /// the logarithm of their lengths.
 ///

@@ -262,7 +262,7 @@ class Events {
         go_on = told(kind, t, z, run);
       }
       level_[k] = value(kind, z);
-      fired_[k] = abs(level_[k]) <= 2 * abs(before) || abs(level_[k]) <= rounding(kind, z);
+      fired_[k] = abs(level_[k]) <= 2 * abs(before) || abs(level_[k]) <= rounding(k, kind, z);
       rests_[k] = fired_[k];
       if (rests_[k]) return;
       open_[k] = false;  // the action has moved it off the surface
@@ -330,12 +330,13 @@ class Events {
     return {};
   }
 
-  /// By how much the rounding of the coordinates, several units each, moves s.
+  /// By how much the rounding of the coordinates, several units each, moves s: now, or where s was largest,
+  /// from where a coordinate that is small by now has its rounding.
   template <class Kind>
-  Scalar rounding(const Kind& kind, const State& z) {
+  Scalar rounding(std::size_t k, const Kind& kind, const State& z) {
     using std::abs;
     const Scalar s = value(kind, z);
-    Scalar sum(0);
+    Scalar sum = 16 * Eigen::NumTraits<Scalar>::epsilon() * scale_[k];
     at_event_ = z;
     for (Eigen::Index i = 0; i < z.vector().size(); ++i) {
       Scalar& x = at_event_.vector()[i];
@@ -375,7 +376,7 @@ class Events {
   bool settle(std::size_t k, const Kind& kind, const State& start, const State& end, const Scalar& near,
               const Scalar& most, const At& at) {
     using std::abs;
-    const Scalar from = value(kind, start), noise = rounding(kind, start);
+    const Scalar from = value(kind, start), noise = rounding(k, kind, start);
     enlarge(k, from);
     if constexpr (changes_state)
       enlarge(k, value(kind, end));
@@ -424,13 +425,13 @@ class Events {
     if (stays) {
       // From the surface to the surface: the signs at the ends are rounding.
       if (abs(from) > small || !is_near(k, from, near, at)) return {};
-      const int side = leaving(from, rounding(kind, start), near, h, at).side;
+      const int side = leaving(from, rounding(k, kind, start), near, h, at).side;
       return side == -sides_[k] ? Crossing{side, Scalar(0)} : Crossing{};
     }
     if (at_once && from == Scalar(0)) return {after, Scalar(0)};
     const bool beyond = detail::side_of(from) != sides_[k];
     if (beyond || (!at_once && is_near(k, from, near, at))) {
-      const Leaving gone = leaving(from, rounding(kind, start), near, h, at);
+      const Leaving gone = leaving(from, rounding(k, kind, start), near, h, at);
       const Scalar level = beyond ? from : Scalar(0);
       if (gone.side == 0 || (gone.side != after && detail::side_of(Scalar(to - level)) != after)) return {};
       if (gone.side != after)  // away from the surface, and back to it
@@ -499,7 +500,7 @@ class Events {
       open_[k] = false;
       // On the surface of an event that changed the state it is the way on that decides.
       if (!crossing.to || (cut && (abs(Scalar(h - crossing.x)) <= abs(same_time(near)) ||
-                                   abs(value(kind, end)) <= rounding(kind, end))))
+                                   abs(value(kind, end)) <= rounding(k, kind, end))))
         return;
       sides_[k] = crossing.to;
       found[k] = kind.counts(crossing.to);

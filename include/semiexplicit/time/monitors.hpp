@@ -176,7 +176,8 @@ struct TimeScaleOptions {
 
 /// g = 1/(‖Ẋ‖/‖X‖ + 1/longest), X being the vector field and Ẋ its change along the motion: the time in which
 /// the motion becomes another one, of any Hamiltonian. r^{3/2} of a circular Kepler orbit. A value is two
-/// gradient calls, and there is no gradient: for ReversibleSteps. One of dynamic size works in memory of its
+/// gradient calls, and there is no gradient: for ReversibleSteps, which go back along their way to some 1e-10
+/// by it, as Ẋ is a difference. One of dynamic size works in memory of its
 /// own. Of a driven system the time and its momentum do not count.
 template <class H>
 class TimeScale {

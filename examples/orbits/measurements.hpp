@@ -58,6 +58,8 @@ class Passages {
   double per_time() const { return turned_ / passed_; }
   /// What straight lines would leave open of that: what the parabola changed, at both ends.
   double by_lines() const { return 2 * (open_ + std::abs(per_time()) * open_time_) / passed_; }
+  /// And the rounding of directions.
+  double by_rounding() const { return 4e-15 / passed_; }
   /// Is it plain which way round the direction went in an orbit?
   bool plain() const { return largest_ < std::numbers::pi / 2; }
 
@@ -177,7 +179,7 @@ inline Measurement<3> turning_orbit(const Choice& c, const std::string& unit, do
   const double motion = std::sqrt(gm / std::pow(c["a"], 3)) * factor;  // per radian of the mean motion
   // A parabola leaves about the angle of a step of that, where what swings does so once or twice an orbit.
   const auto by_steps = [=](const Passages& passages) {
-    return std::min(1.0, 2 * seen->step) * passages.by_lines() * factor;
+    return (std::min(1.0, 2 * seen->step) * passages.by_lines() + passages.by_rounding()) * factor;
   };
   const auto figures = [=] {
     std::vector<Figure> list;

@@ -18,7 +18,7 @@ prints(orbits "turns by J2 in the equator" "${j2}" "perihelion advance: 254.01[0
 prints(orbits "turns by J2 at the critical inclination" "${j2} --inclination 63.4349488deg"
   "perihelion advance: -?0.0[0-9]* [^\n]*arc[^\n]*; J2 to first order: 0.0000[^\n]*\n.*node: -113.[56][0-9]* [^\n]*arc[^\n]*: -113.[56]")
 prints(orbits "turns by J2 over the poles" "${j2} --inclination 90deg"
-  "perihelion advance: -127.0[0-9]* [^\n]*arc[^\n]*; J2 to first order: -127.00[0-9]*[^\n]*\n.*node: 0.0000 [^\n]*arc[^\n]*: 0.0000[^\n]*\n")
+  "perihelion advance: -127.0[0-9]* [^\n]*arc[^\n]*; J2 to first order: -127.00[0-9]*[^\n]*\n.*node: 0.0000+ [^\n]*arc[^\n]*: 0.0000+[^\n]*\n")
 prints(orbits "turns by J2 against the rotation" "${j2} --inclination 150deg"
   "perihelion advance: 349.2[0-9]* [^\n]*arc[^\n]*: 349.27[0-9]*[^\n]*\n.*node: 2(19|20).[0-9]* [^\n]*arc[^\n]*: 219.98")
 # The centre's spin, a million times the Sun's: Lense and Thirring.
@@ -149,7 +149,7 @@ foreach(dt IN ITEMS 2500 3500 5000)
     LACKS "period derivative: -" PRINTS "period derivative: not measured, it turns by up to [0-9]+ degrees in a step; give a --dt [0-9]+ times smaller")
 endforeach()
 prints(orbits "does not take the work of radiation for an error" "--preset hulse_taylor --time 60day --c \"20000 km/s\""
-  "perihelion advance: [0-9.]+ ± 0?[.]?[0-9]+ degrees a year from [0-9]+ orbits; .*period derivative: -[0-9.e-]+ ± ")
+  "perihelion advance: [0-9.]+ ± [0-9.e-]+ degrees a year from [0-9]+ orbits; .*period derivative: -[0-9.e-]+ ± ")
 prints(orbits "keeps books of a satellite in air" "--preset gps --a \"6700 km\" --e 0.001 --effects kinetic,attraction,drag --drag \"1e-13 1/m\" --air-height \"50 km\" --dt 1min --time 1day"
   "work of drag +-[0-9.]+e-06.*node: not measured, drag turns it, too")
 refuses(orbits "air of no height" "--preset gps --effects kinetic,attraction,drag --air-height 0" "--air-height: '0' is not a positive number")

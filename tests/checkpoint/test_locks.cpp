@@ -42,6 +42,21 @@ struct Run {
   void go() { integrate(stepper, z, options, checkpoints); }
 };
 
+/// A process that has resumed a run, has saved it or not, and lives.
+pid_t start_run(const fs::path& file, bool saves) {
+  Signal ready;
+  const pid_t child = start_child([&] {
+    Run run(file);
+    run.resume();
+    if (saves) run.go();
+    ready.give();
+    pause();
+    return 0;
+  });
+  REQUIRE(ready.wait());
+  return child;
+}
+
 std::ptrdiff_t files_in(const fs::path& folder) {
   return std::distance(fs::directory_iterator(folder), fs::directory_iterator());
 }
@@ -51,16 +66,7 @@ std::ptrdiff_t files_in(const fs::path& folder) {
 TEST_CASE("A second process on a checkpoint is refused while the first lives", "[checkpoint]") {
   const Folder folder;
   const fs::path file = folder.path / "run.checkpoint";
-  Signal ready;
-  const pid_t child = start_child([&] {
-    Run run(file);
-    run.resume();
-    run.go();
-    ready.give();
-    pause();
-    return 0;
-  });
-  REQUIRE(ready.wait());
+  const pid_t child = start_run(file, true);
   const std::string saved = contents(file);
   Run second(file);
   CHECK(complaint([&] { second.resume(); }) == file.string() + refusal_of_second);
@@ -81,15 +87,7 @@ TEST_CASE("A second process on a checkpoint is refused while the first lives", "
 TEST_CASE("A checkpoint is locked before it is saved for the first time", "[checkpoint]") {
   const Folder folder;
   const fs::path file = folder.path / "run.checkpoint";
-  Signal ready;
-  const pid_t child = start_child([&] {
-    Run run(file);
-    run.resume();
-    ready.give();
-    pause();
-    return 0;
-  });
-  REQUIRE(ready.wait());
+  const pid_t child = start_run(file, false);
   Run second(file);
   CHECK(complaint([&] { second.resume(); }) == file.string() + refusal_of_second);
   CHECK(complaint([&] { second.go(); }) == file.string() + refusal_of_second);

@@ -342,6 +342,19 @@ TEST_CASE("a tight target takes nothing away from a loose one", "[long]") {
     CHECK(cost.reach(1e-1) == Reach::met);
     CHECK(cost.parting_rate == 0);
   }
+  // Where only runs of the whole time are advice, and the calls suffice for the loosest.
+  const auto h = from_energy<2>([](const auto& q, const auto& p) {
+    using std::sqrt;
+    return (p[0] * p[0] + p[1] * p[1]) / 2 - 1 / sqrt(q[0] * q[0] + q[1] * q[1]);
+  });
+  const auto cost =
+      cost_of_accuracy(h, at_periapsis(0.9), 1908.0,
+                       {.observable = observables::Coordinate{0}, .targets = {1e-6, 1e-8, 1e-10}});
+  const auto advice = cost.cheapest(1e-6);
+  REQUIRE(advice);
+  const auto place = [](const auto& q, const auto&) { return Eigen::Vector2d(q[0], 0); };
+  CHECK(reached(cost, *advice, at_periapsis(0.9), place,
+                [&](double t) { return Eigen::Vector2d(kepler_orbit(0.9, t).q()[0], 0); }) < 3e-6);
 }
 
 TEST_CASE("a regular orbit in floats is not taken for a chaotic one", "[long]") {

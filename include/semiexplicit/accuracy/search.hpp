@@ -145,6 +145,10 @@ class Search {
           goals_[i].racers.resize(std::min(goals_[i].racers.size(), racers));
         return table_.time;
       }
+      // Nor is a part of T worth anything where only runs of the whole are advice, which come to more.
+      if (racing_ > 1 && only_whole_runs() &&
+          overrun * affordable(1, std::max(left, table_.budget / overrun)) < table_.time)
+        continue;
       for (std::size_t racers = racing_rate(1) > 0 ? most_racers : 0; racers > 0; --racers) {
         const double length = std::min({affordable(racers, left), stretch * table_.tried, scout_.time()});
         if (!(length > 1.5 * table_.tried)) continue;
@@ -153,6 +157,15 @@ class Search {
       }
     }
     return 0;
+  }
+  /// Whether some target in the race has no racer whose steps are advice before T.
+  SEMIEXPLICIT_COLD bool only_whole_runs() const {
+    return std::any_of(
+        goals_.begin(), goals_.begin() + static_cast<std::ptrdiff_t>(racing_), [this](const Goal& goal) {
+          return !goal.racers.empty() &&
+                 std::none_of(goal.racers.begin(), goal.racers.end(),
+                              [this](const auto& one) { return forecast_.goes_on(*one.second); });
+        });
   }
   /// Gradient calls a unit of time of so many racers for each target in the race.
   SEMIEXPLICIT_COLD double racing_rate(std::size_t racers) const {

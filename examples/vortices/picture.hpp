@@ -33,9 +33,9 @@ inline std::string plane(const std::filesystem::path& csv, const std::vector<Pat
       << "set palette defined (-1 '#08519c', -0.1 '#6baed6', 0 '#999999', 0.1 '#fc9272', 1 '#a50f15')\n"
       << "set cbrange [" << -strongest << ':' << strongest << "]\nset cblabel 'circulation Γ'\n"
       << square_around(shown) << wall;
-  const auto end = shown.end(),
-             dotted = std::find_if(shown.begin(), end, [](const Path&path) { return path.sparse(); });
-  out << (dotted != end ? *dotted : shown.front()).label() << "plot ";
+  const auto sparse = [](const Path& path) { return path.sparse(); };
+  const auto dotted = std::find_if(shown.begin(), shown.end(), sparse);
+  out << (dotted != shown.end() ? *dotted : shown.front()).label() << "plot ";
   for (Eigen::Index i = 0; i < drawn; ++i)
     out << quoted(csv.string()) << " skip 1 using " << 2 + 2 * i << ':' << 3 + 2 * i
         << shown[static_cast<std::size_t>(i)].style("palette cb " + formatted("%g", v.circulation[i]), 0.9)

@@ -123,8 +123,8 @@ class DurableFile {
   DurableFile(const DurableFile&) = delete;
   DurableFile& operator=(const DurableFile&) = delete;
 
-  /// Appends all of these bytes, or none of them where it throws. The first call replaces what an earlier run
-  /// left.
+  /// Appends all of these bytes, or none of them where it throws. The first call moves away, or drops, what
+  /// an earlier run left; see the constructor.
   void write(std::string_view bytes) {
     if (committed_) throw std::logic_error(name_.string() + ": is committed, and nothing can be added");
     begin();
@@ -263,6 +263,9 @@ class DurableFile {
     if (!(std::filesystem::file_size(part_, failure) > 0) || failure || !file_.is(part_)) return;
     int n = 1;
     while (std::filesystem::exists(std::filesystem::symlink_status(earlier(n)))) ++n;
+#if defined(_WIN32)
+    file_.close();
+#endif
     std::filesystem::rename(part_, earlier(n), failure);
     if (failure) fail("holds the rows of an earlier run, and cannot be moved", failure.value());
     std::fprintf(stderr, "semiexplicit: %s: an earlier run did not end; its rows are in %s\n",

@@ -417,8 +417,15 @@ TEST_CASE("A CSV file goes on although another run has written one of that name 
     another(0.0, PhasePoint<double, 1>(1, 2));
     if (ends) another.commit();
   }
+  {  // it begins with the same rows, and has more
+    PhasePoint<double, 1> z(-3, 0);
+    CsvTrajectory another(csv, 1);
+    integrate(stepper, z, {.dt = 0.1, .steps = 40}, another);
+  }
+  const std::string longer = contents(csv.string() + ".part");
   run(csv, file, 30, true);
   CHECK(contents(csv) == contents(folder.path / "whole.csv"));
+  CHECK(contents(csv.string() + ".part.3") == longer);
 }
 
 TEST_CASE("A CSV file goes on where the checkpoint has it, byte for byte", "[checkpoint]") {

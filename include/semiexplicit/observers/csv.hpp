@@ -120,14 +120,16 @@ class CsvWriter {
       file_.write(rows);
       return true;
     };
-    // Committed by a run that was killed before the end of its checkpoints, or moved away by another run.
-    bool found = beginning(wanted.length, {}) == wanted;
-    if (found)
+    // Moved away by another run, which may have begun with the same rows, or committed by one that was killed
+    // before the end of its checkpoints.
+    bool found = false;
+    for (int n = 1; wanted.length > 0 && !found && std::filesystem::exists(file_.earlier(n)); ++n)
+      found = take(file_.earlier(n));
+    if (!found && beginning(wanted.length, {}) == wanted) {
+      found = true;
       file_.go_on_after(wanted.length);
-    else
-      found = take(file_.destination());
-    for (int n = 1; !found && std::filesystem::exists(file_.earlier(n)); ++n) found = take(file_.earlier(n));
-    if (!found)
+    }
+    if (!found && !take(file_.destination()))
       throw std::invalid_argument(file_.part().string() +
                                   " is not what it was when the checkpoint was written; give the output of "
                                   "then, or start anew without the checkpoint");

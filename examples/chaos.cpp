@@ -106,11 +106,12 @@ void write(const std::filesystem::path& csv, const std::vector<Measured>& all) {
 
 std::string picture(const std::filesystem::path& png, const std::filesystem::path& csv,
                     const std::vector<Measured>& all) {
-  std::string script = gnuplot_prologue(png, 1000, 700) +
-                       "set logscale xy\nset format xy '10^{%T}'\nset xlabel 'time'\n"
-                       "set ylabel 'largest Lyapunov exponent up to the time'\nset key bottom left\n"
-                       "set yrange [*:1]\n" +
-                       formatted("set xrange [%g:*]\nplot ", picture_begin);
+  std::string script =
+      gnuplot_prologue(png, 1000, 700) +
+      "set logscale xy\nset format xy '10^{%T}'\nset xlabel 'time'\n"
+      "set ylabel 'largest Lyapunov exponent up to the time'\nset key below maxrows 3 samplen 2\n"
+      "set yrange [*:1]\n" +
+      formatted("set xrange [%g:*]\nplot ", picture_begin);
   for (std::size_t i = 0; i < all.size(); ++i) {
     const auto& [name, beta, published, color] = all[i].regime;
     const Series& series = all[i].series;

@@ -98,13 +98,13 @@ int run(Request& request, const System& system) {
     std::cout << "FAILED, errors mean nothing\n";
   if (report.ok()) request.cost.compare_with_energy(kept["energy"].worst);
   writer.commit();
-  request.checkpoint.finish();
   std::cout << "data: " << request.file(".csv").string() << '\n';
   if (!settings.no_plot)
     draw(request.file(".png"), curves(request.file(".png"), request.file(".csv"),
                                       "Eccentricities about the Sun: " + joined(request.effects) +
                                           (report.ok() ? "" : "; NO RESULT"),
                                       "eccentricity", system.names.size(), 2));
+  request.checkpoint.finish();
   if (!report.ok())
     std::cerr << formatted("solar_system: at t = %g: ", report.t) << why(report.status) << '\n';
   return report.ok() ? 0 : 1;

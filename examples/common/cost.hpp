@@ -140,7 +140,7 @@ struct CostRequest {
     throw std::runtime_error(
         why + "; " +
         (safely > 1 && reach == Reach::rounding
-             ? "errors below " + as_asked(cost.rounding) + " are lost in rounding"
+             ? "errors below " + as_asked(cost.rounding) + " cannot be told from rounding"
          : reach == Reach::budget
              ? "the motion is too long and uneven for the search; give a shorter --time, or --dt instead"
              : cost.why(target)));

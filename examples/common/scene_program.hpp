@@ -303,7 +303,6 @@ int run_scene_program(const SceneProgram<Dof>& program, int argc, char** argv, c
     const std::string complaint = cost.compare_with(run);
     path.commit();
     write_series(csv, {run});
-    checkpoint.finish();
     std::cout << "data: " << csv.string() << ", " << path_csv.string() << '\n';
     const std::string headline = program.name + ", " + preset.name + ": " + joined(scene.names()) + "\n" +
                                  method.name + " (" + method.coefficients() +
@@ -313,6 +312,7 @@ int run_scene_program(const SceneProgram<Dof>& program, int argc, char** argv, c
       draw(png,
            scene_script(png, view.plot(path_csv, path.paths()), csv, run, headline, settings.time,
                         preset.units.name(1), scene.is_symplectic() ? "relative error" : "relative change"));
+    checkpoint.finish();
     if (!complaint.empty()) throw std::runtime_error(complaint);
     return run.tell_failure() ? 1 : 0;
   });

@@ -23,7 +23,7 @@ inline std::string beam_plot(const std::filesystem::path& csv, const std::string
 }
 
 /// The way of a cosmic ray by its distance from the axis and height, with the region that is forbidden to it
-/// where there is a lemma for it.
+/// where there is a lemma for it; about the dipole, or where it does not come there, all of it.
 inline std::string stoermer_plot(const std::filesystem::path& csv, const std::string& unit,
                                  const std::optional<Stoermer>& region, const std::string& style) {
   std::string forbidden;
@@ -31,15 +31,20 @@ inline std::string stoermer_plot(const std::filesystem::path& csv, const std::st
     for (double z = -4; z <= 4; z += 0.05)
       if (region->forbidden(rho, z)) forbidden += formatted("%g,%g\n", rho, z);
   const bool grey = !forbidden.empty();
+  const std::string rho = "sqrt($2**2 + $3**2)";
   return (grey ? "$forbidden << END\n" + forbidden + "END\n" : "") +
          "set object 1 circle at 0,0 size 1 front linewidth 2 fillstyle empty border linecolor "
          "rgb 'black'\n" +
-         "set key off\nset size ratio -1\nset xrange [0:8]\nset yrange [-4:4]\nset xlabel " +
+         "set key off\nset size ratio -1\nset xlabel " +
          quoted(in(std::string("distance from the axis") + (grey ? " (grey: forbidden)" : ""), unit)) +
-         "\nset ylabel " + quoted(in("z", unit)) + "\nplot " +
+         "\nset ylabel " + quoted(in("z", unit)) + "\npath = " + quoted(csv.string()) +
+         "\nstats path skip 1 using (" + rho + " < 8 && abs($4) < 4) name 'near' nooutput\n" +
+         "stats path skip 1 using (" + rho + " > 2 * abs($4) ? " + rho +
+         " : 2 * abs($4)) name 'far' nooutput\n" +
+         "wide = near_max == 0 ? far_max : 8\nset xrange [0:wide]\nset yrange [-wide/2:wide/2]\nplot " +
          (grey ? "$forbidden using 1:2 with points pointtype 5 pointsize 0.6 linecolor rgb '#d0d0d0', "
                : "") +
-         quoted(csv.string()) + " skip 1 using (sqrt($2**2 + $3**2)):4" + style + "\n";
+         "path skip 1 using (" + rho + "):4" + style + "\n";
 }
 
 inline View<3> fast_view(const Choice& c) {

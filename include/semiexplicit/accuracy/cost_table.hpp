@@ -125,9 +125,9 @@ struct CostTable {
         return "";
       case Reach::rounding:
         return "errors below " + in_words(rounding, 2) +
-               (invariant ? " are lost in the rounding or noise of the observable, which may be small beside "
-                            "its terms"
-                          : " are lost in rounding, which adds up over the time");
+               (invariant ? " cannot be told from the rounding or noise of the observable, which may be small "
+                            "beside its terms"
+                          : " cannot be told from rounding, which adds up over the time");
       case Reach::budget:
         return (harder_ahead() ? "the gradient calls of a trial ended before the motion came to, or back to, "
                                  "where it is hard; raise "

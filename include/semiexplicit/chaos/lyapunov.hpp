@@ -51,7 +51,7 @@ class LyapunovExponents {
 
   /// Starts with these vectors, 2d rows and a column each, made orthonormal, in place of those that have a
   /// part in every direction: in the excited sites of a large lattice, say. Throws std::invalid_argument
-  /// where they do not fit, or the run has begun.
+  /// where they do not fit, or the run has begun. A run that is resumed goes on with those of its checkpoint.
   template <class Derived>
   void start_with(const Eigen::MatrixBase<Derived>& vectors) {
     run_.start_with(vectors);

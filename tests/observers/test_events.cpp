@@ -856,4 +856,48 @@ TEST_CASE("An exception in the search for an event loses none", "[events]") {
   CHECK(z.q()[0] == Approx(elastic(3.9)));
 }
 
+TEMPLATE_TEST_CASE("Events are found however small s has become", "[events]", float, double) {
+  // A spring at rest on a wall: it hits it every half turn, whatever is left of its speed, and turns between.
+  using State = PhasePoint<TestType, 1>;
+  const auto spring =
+      from_energy<1, TestType>([](const auto& q, const auto& p) { return (p[0] * p[0] + q[0] * q[0]) / 2; });
+  GaussLegendre stepper(spring, {.stages = 6});
+  const auto position = [](const auto& q, const auto&) { return q[0]; };
+  int hits = 0, turns = 0;
+  double worst = 0;
+  auto bounces = events(spring, on_event(
+                                    position,
+                                    [&](TestType t, State& at) {
+                                      worst = std::max(worst, std::abs(double(t) - (hits++ + 0.5) * pi));
+                                      at.p()[0] *= TestType(-0.5);
+                                      return hits < 90;
+                                    },
+                                    CrossingDirection::falling));
+  auto tops = poincare_section(
+      spring, [](const auto&, const auto& p) { return p[0]; },
+      [&](TestType t, const State&) { worst = std::max(worst, std::abs(double(t) - ++turns * pi)); },
+      {.direction = CrossingDirection::falling});
+  State z(1, 0);
+  integrate(stepper, z, {.dt = TestType(0.1), .t_end = 300}, bounces, tops);
+  tops.finish();
+  CHECK(hits == 90);
+  CHECK(turns == 89);
+  CHECK(worst < 400 * std::numeric_limits<TestType>::epsilon() * 300);
+}
+
+TEST_CASE("A ball that is braked as it falls through a surface goes on, in float", "[events]") {
+  using State = PhasePoint<float, 1>;
+  const auto ball =
+      from_energy<1, float>([](const auto& q, const auto& p) { return p[0] * p[0] / 2 + 0.7F * q[0]; });
+  const float left = GENERATE(0.1F, 0.005F, 0.002F, 0.001F);
+  auto watch = events(ball, on_event([](const auto& q, const auto&) { return q[0]; },
+                                     [&](float, State& at) { at.p()[0] = -left; }));
+  State z(2, 0);
+  Semiexplicit stepper(ball, schemes::strang<float>());
+  integrate(stepper, z, {.dt = 0.05F, .t_end = 4}, watch);
+  const double after = 4 - std::sqrt(4 / 0.7);
+  CHECK(watch.count() == 1);
+  CHECK(double(z.q()[0]) == Approx(-left * after - 0.35 * after * after).epsilon(1e-5));
+}
+
 }  // namespace test_events

@@ -157,6 +157,7 @@ class Events {
     for (bool& one : rests_) visit(one);
     for (Scalar& level : level_) visit(level);
     for (Scalar& scale : scale_) visit(scale);
+    for (Scalar& scale : scale_before_) visit(scale);
     visit(since_);
     each([&](std::size_t, auto& kind) { detail::visit_inner(visit, kind.action); });
   }
@@ -164,11 +165,12 @@ class Events {
   /// What it knows of the orbit, and back to that, at the state z: for integrate(), which takes back what
   /// fails or throws on the way to an event, or at it.
   auto known() const {
-    return std::tuple(sides_, counts_, open_, pending_, fired_, rests_, level_, since_, scale_);
+    return std::tuple(sides_, counts_, open_, pending_, fired_, rests_, level_, since_, scale_,
+                      scale_before_);
   }
   template <class Known>
   void back_to(const Known& known, const State& z) {
-    std::tie(sides_, counts_, open_, pending_, fired_, rests_, level_, since_, scale_) = known;
+    std::tie(sides_, counts_, open_, pending_, fired_, rests_, level_, since_, scale_, scale_before_) = known;
     last_ = z;
   }
 
@@ -214,11 +216,11 @@ class Events {
       if (!first || abs(crossing.x) < abs(first.x)) first = {k, crossing.x};
     });
     if (!first) {
-      sides_ = after;
+      for (std::size_t k = 0; k < number; ++k) cross(k, after[k]);
       if (abs(since_) < steps_at_rest * abs(longest_)) since_ += h;
       return first;
     }
-    sides_[first.kind] = after[first.kind];
+    cross(first.kind, after[first.kind]);
     crossed[first.kind] = false;
     // Rounding decides on which side of a surface that is crossed at the same time the state at the event is,
     // and the action may turn it back: these events are noted before it.
@@ -230,7 +232,7 @@ class Events {
       each([&](std::size_t k, auto& kind) {
         pending_[k] = crossed[k] && (abs(Scalar(when[k] - first.x)) <= same ||
                                      detail::side_of(value(kind, at_event_)) == after[k]);
-        if (pending_[k]) sides_[k] = after[k];
+        if (pending_[k]) cross(k, after[k]);
       });
     }
     pending_[first.kind] = true;
@@ -317,9 +319,20 @@ class Events {
     using std::abs;
     if (abs(s) > scale_[k]) scale_[k] = abs(s);
   }
+  /// The largest |s| since the last crossing but one: what s is small beside.
+  const Scalar& scale(std::size_t k) const {
+    return scale_before_[k] > scale_[k] ? scale_before_[k] : scale_[k];
+  }
+  void cross(std::size_t k, int to) {
+    if (to == sides_[k]) return;
+    sides_[k] = to;
+    // Where steps go from surface to surface no state shows how large it was.
+    if (scale_[k] > scale_before_[k] / 1000) scale_before_[k] = std::exchange(scale_[k], Scalar(0));
+  }
   void forget_sides() {
     sides_.fill(0);
     scale_.fill(Scalar(0));
+    scale_before_.fill(Scalar(0));
     rests_.fill(false);
     open_.fill(true);
   }
@@ -330,13 +343,13 @@ class Events {
     return {};
   }
 
-  /// By how much the rounding of the coordinates, several units each, moves s: now, or where s was largest,
-  /// from where a coordinate that is small by now has its rounding.
+  /// By how much the rounding of the coordinates, several units each, moves s: now, or where s was largest on
+  /// its way here, from where a coordinate that is small by now has its rounding.
   template <class Kind>
   Scalar rounding(std::size_t k, const Kind& kind, const State& z) {
     using std::abs;
     const Scalar s = value(kind, z);
-    Scalar sum = 16 * Eigen::NumTraits<Scalar>::epsilon() * scale_[k];
+    Scalar sum = 16 * Eigen::NumTraits<Scalar>::epsilon() * scale(k);
     at_event_ = z;
     for (Eigen::Index i = 0; i < z.vector().size(); ++i) {
       Scalar& x = at_event_.vector()[i];
@@ -352,7 +365,7 @@ class Events {
   template <class At>
   bool is_near(std::size_t k, const Scalar& from, const Scalar& near, const At& at) const {
     using std::abs;
-    return !(abs(from) > scale_[k] / 10) && abs(from) <= abs(Scalar(at(near) - from));
+    return !(abs(from) > scale(k) / 10) && abs(from) <= abs(Scalar(at(near) - from));
   }
 
   /// To which side of s = from it goes, at(x) being s at the time x: seen at `near` or, where s does not move
@@ -393,17 +406,25 @@ class Events {
     // On its way through the surface s doubles in twice the time since the event; it grows fourfold where the
     // action has left it no speed, and more where it comes back.
     if constexpr (acts<Kind>)
-      if (fired_[k] && gone.side == sides_[k] &&
-          (abs(since_) >= steps_at_rest * abs(longest_) ||
-           !(abs(Scalar(at(since_ + 2 * gone.x) - level)) <= 3 * abs(Scalar(gone.s - level)))))
-        throw std::runtime_error(
-            "events: behind an event the state has no speed off the surface, or comes back to it within " +
-            detail::in_words(static_cast<double>(near / longest_), 2) +
-            " of a step: bounces pile up there; let the action end the run before, or hold the state");
+      if (fired_[k] && gone.side == sides_[k]) {
+        const auto moved = [&](const Scalar& x) { return abs(Scalar(at(x) - level)); };
+        Scalar x = gone.x;
+        while (abs(x) > 2 * abs(near) && moved(x / 2) > noise) x /= 2;
+        if (abs(since_) >= steps_at_rest * abs(longest_) || !(moved(since_ + 2 * x) <= 3 * moved(x)))
+          throw std::runtime_error(
+              "events: behind an event the state has no speed off the surface, or comes back to it within " +
+              detail::in_words(static_cast<double>(near / longest_), 2) +
+              " of a step, or before s has moved by more than its rounding: bounces pile up there; let the "
+              "action end the run before, or hold the state");
+      }
     open_[k] = false;
-    const int before = std::exchange(sides_[k], gone.side);
-    return !std::exchange(fired_[k], false) && on && before != 0 && before != gone.side &&
-           kind.counts(gone.side);
+    const int before = sides_[k];
+    const bool crossed = !std::exchange(fired_[k], false) && on && before != 0 && before != gone.side;
+    if (crossed)
+      cross(k, gone.side);
+    else
+      sides_[k] = gone.side;
+    return crossed && kind.counts(gone.side);
   }
 
   /// Where in the interval from `start` to `end` the orbit leaves the side that it is on; the time only of
@@ -418,7 +439,7 @@ class Events {
     // On the surface it is not decided yet: an orbit that only touches it comes back to the side where it
     // was.
     using std::abs;
-    const Scalar small = scale_[k] / 1000;
+    const Scalar small = scale(k) / 1000;
     const bool stays = after == 0 || after == sides_[k];
     if (stays && abs(to) > small) return {};
     const Scalar from = value(kind, start);
@@ -502,7 +523,7 @@ class Events {
       if (!crossing.to || (cut && (abs(Scalar(h - crossing.x)) <= abs(same_time(near)) ||
                                    abs(value(kind, end)) <= rounding(k, kind, end))))
         return;
-      sides_[k] = crossing.to;
+      cross(k, crossing.to);
       found[k] = kind.counts(crossing.to);
       when[k] = crossing.x;
     };
@@ -552,8 +573,9 @@ class Events {
   std::array<bool, number> fired_{};    ///< open since its own event, which left it on its surface
   std::array<bool, number> rests_{};    ///< open, and s has not moved off level_ yet
   std::array<Scalar, number> level_{};
-  Scalar since_ = Scalar(0);            ///< the time since the last event, up to steps_at_rest
-  std::array<Scalar, number> scale_{};  ///< the largest |s| seen
+  Scalar since_ = Scalar(0);                   ///< the time since the last event, up to steps_at_rest
+  std::array<Scalar, number> scale_{};         ///< the largest |s| since the last crossing
+  std::array<Scalar, number> scale_before_{};  ///< and between that and the one before
   std::int64_t orbit_ = 0, arc_ = 0;
   State last_;
   bool started_ = false;
@@ -600,11 +622,12 @@ class Events {
 /// at the changed state. A jump over a surface crosses it for none of them.
 ///
 /// An action on a ball whose bounces pile up is to end the run: an orbit that an action leaves no speed off
-/// the surface, or that is back on it within 1e-6 of a step (in float 3e-4), throws std::runtime_error, and
-/// so do a thousand events in one step. Only one observer of a run may change the state. Refused are: by the
-/// compiler a stepper that ChoosesSteps (ReversibleSteps), and such events within another observer or an
-/// Ensemble; IntegrationOptions::subdivide; and to go on by `done` with a run that ended at an event: start a
-/// new one with t0 = report.t.
+/// the surface, or that is back on it within 1e-6 of a step (in float 3e-4), or before s has moved by more
+/// than its rounding (16 ε of its largest value since the last crossing but one, and what 16 ε of each
+/// coordinate make), throws std::runtime_error, and so do a thousand events in one step. Only one observer of
+/// a run may change the state. Refused are: by the compiler a stepper that ChoosesSteps (ReversibleSteps),
+/// and such events within another observer or an Ensemble; IntegrationOptions::subdivide; and to go on by
+/// `done` with a run that ended at an event: start a new one with t0 = report.t.
 template <class H, class... Kinds>
 Events<H, Kinds...> events(H hamiltonian, Kinds... kinds) {
   return {std::move(hamiltonian), 4, std::forward<Kinds>(kinds)...};

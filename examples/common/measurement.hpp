@@ -114,8 +114,7 @@ auto memory_of(const std::shared_ptr<Seen>& seen) {
 
 /// Why nothing is measured of a motion that is sampled too coarsely; empty where it is not. `angle`: the
 /// largest from one step to the next.
-inline std::string too_coarse(double angle) {
-  const double limit = std::acos(-1.0) / 4;
+inline std::string too_coarse(double angle, double limit = std::acos(-1.0) / 4) {
   if (angle < limit) return "";
   return formatted("it turns by up to %.0f degrees in a step; ", angle * 180 / std::acos(-1.0)) +
          formatted("give a --dt %.0f times smaller", std::ceil(angle / limit) + 1);

@@ -150,6 +150,11 @@ int main(int argc, char** argv) {
     const std::filesystem::path csv = settings.output / "chaos.csv", png = settings.output / "chaos.png";
     prepare_outputs(settings, {csv, png});
     std::vector<Measured> all;
+    const auto write_and_tell = [&] {  // in this order, as whoever reads the words may go
+      write(csv, all);
+      for (const auto& [regime, series] : all)
+        std::cout << regime.name << " chaos: " << series.in_words(regime.published_slope) << '\n';
+    };
     for (const Regime& regime : request.regimes()) {
       all.push_back({regime, {}});
       try {
@@ -157,15 +162,13 @@ int main(int argc, char** argv) {
       } catch (const IntegrationError&) {
         if (all.back().series.t.empty()) all.pop_back();
         if (!all.empty()) {
-          write(csv, all);
+          write_and_tell();
           std::cout << "data so far: " << csv.string() << std::endl;
         }
         throw;
       }
-      std::cout << regime.name << " chaos: " << all.back().series.in_words(regime.published_slope)
-                << std::endl;
     }
-    write(csv, all);
+    write_and_tell();
     std::cout << "data: " << csv.string() << '\n';
     if (settings.no_plot) return 0;
     if (all.front().series.t.back() <= picture_begin)

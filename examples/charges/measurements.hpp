@@ -22,18 +22,17 @@ class Bouncing {
  public:
   void see(double t, double z) {
     ++samples_;
-    if (seen_ && last_ < 0 && z >= 0) {
-      const double at = last_t_ - last_ * (t - last_t_) / (z - last_);
+    if (crossing_.see(t, Crossing<1>::Values(z))) {
+      latest_ = crossing_.place().t;
       if (passages_++ == 0)
-        first_ = at;
+        first_ = latest_;
       else
         fewest_ = std::min(fewest_, samples_);
-      latest_ = at;
+      open_ = std::max(open_, crossing_.uncertain([](const auto& a, const auto& b) { return a.t - b.t; }));
       samples_ = 0;
     }
     if (seen_) longest_ = std::max(longest_, t - last_t_);
     seen_ = true;
-    last_ = z;
     last_t_ = t;
     highest_.see(std::abs(z));
   }
@@ -45,12 +44,8 @@ class Bouncing {
     return "";
   }
   double period() const { return (latest_ - first_) / static_cast<double>(passages_ - 1); }
-  /// A straight line through a wave misses its zero by up to 0.016 of the cube of the step in radians,
-  /// here at both ends; three times that, as it is not quite a wave.
-  double period_uncertain() const {
-    const double step = 2 * std::numbers::pi / period() * longest_;
-    return 0.1 * step * step * longest_ / static_cast<double>(passages_ - 1);
-  }
+  /// What the steps leave open of that, at both ends.
+  double period_uncertain() const { return 2 * open_ / static_cast<double>(passages_ - 1); }
   const Largest& highest() const { return highest_; }
 
   void visit_memory(CheckpointMemory& visit) {
@@ -58,13 +53,15 @@ class Bouncing {
     visit(passages_);
     visit(samples_);
     visit(fewest_);
-    for (double* number : {&last_, &last_t_, &first_, &latest_, &longest_}) visit(*number);
+    crossing_.visit_memory(visit);
+    for (double* number : {&last_t_, &first_, &latest_, &longest_, &open_}) visit(*number);
     highest_.visit_memory(visit);
   }
 
  private:
   bool seen_ = false;
-  double last_ = 0, last_t_ = 0, first_ = 0, latest_ = 0, longest_ = 0;
+  Crossing<1> crossing_;
+  double last_t_ = 0, first_ = 0, latest_ = 0, longest_ = 0, open_ = 0;
   Largest highest_;
   std::int64_t passages_ = 0, samples_ = 0, fewest_ = std::int64_t{1} << 62;
 };

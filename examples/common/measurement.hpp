@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <functional>
@@ -11,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include <Eigen/Geometry>
 #include <semiexplicit/checkpoint.hpp>
 
 #include "output.hpp"
@@ -112,8 +114,7 @@ auto memory_of(const std::shared_ptr<Seen>& seen) {
 
 /// Why nothing is measured of a motion that is sampled too coarsely; empty where it is not. `angle`: the
 /// largest from one step to the next.
-inline std::string too_coarse(double angle) {
-  const double limit = std::acos(-1.0) / 4;
+inline std::string too_coarse(double angle, double limit = std::acos(-1.0) / 4) {
   if (angle < limit) return "";
   return formatted("it turns by up to %.0f degrees in a step; ", angle * 180 / std::acos(-1.0)) +
          formatted("give a --dt %.0f times smaller", std::ceil(angle / limit) + 1);
@@ -128,6 +129,70 @@ inline void print_none(std::ostream& out, const std::string& what, const std::st
 inline double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b));
 }
+
+/// Where the first of some values goes up through zero: by the cubic through the two steps before it and the
+/// two after it, at the start the three after it.
+template <int N>
+class Crossing {
+ public:
+  using Values = Eigen::Matrix<double, N, 1>;
+  struct Place {
+    double t = 0;
+    Values values = Values::Zero();
+  };
+
+  /// Takes the next step; is a crossing known by it?
+  bool see(double t, const Values& values) {
+    std::shift_left(steps_.begin(), steps_.end(), 1);
+    steps_.back() = {t, values};
+    if (++seen_ < 4) return false;
+    for (const int i : {0, 1})
+      if ((i == 1 || seen_ == 4) && steps_[i].values[0] < 0 && steps_[i + 1].values[0] >= 0) {
+        place_ = crossing(i, 0, 4);
+        by_parabolas_ = {crossing(i, 0, 3), crossing(i, 1, 3)};
+        return true;
+      }
+    return false;
+  }
+  /// The last one.
+  const Place& place() const { return place_; }
+  /// The largest distance of that from where the parabolas through three of the steps have it, which are
+  /// worse by an order.
+  template <class Distance>
+  double uncertain(const Distance& distance) const {
+    return std::max(std::abs(distance(place_, by_parabolas_[0])),
+                    std::abs(distance(place_, by_parabolas_[1])));
+  }
+
+  void visit_memory(CheckpointMemory& visit) {
+    visit(seen_);
+    for (Place& step : steps_) visit(step.t), visit(step.values);
+  }
+
+ private:
+  /// By the polynomial through `count` of the steps, between the steps i and i + 1.
+  Place crossing(int i, int first, int count) const {
+    double low = steps_[i].t, high = steps_[i + 1].t, t = low;
+    Values values = steps_[i].values;
+    for (int n = 0; n < 60; ++n) {
+      t = (low + high) / 2;
+      values.setZero();
+      for (int j = first; j < first + count; ++j) {
+        double weight = 1;
+        for (int k = first; k < first + count; ++k)
+          if (k != j) weight *= (t - steps_[k].t) / (steps_[j].t - steps_[k].t);
+        values += weight * steps_[j].values;
+      }
+      (values[0] < 0 ? low : high) = t;
+    }
+    return {t, values};
+  }
+
+  std::int64_t seen_ = 0;
+  std::array<Place, 4> steps_{};
+  Place place_{};
+  std::array<Place, 2> by_parabolas_{};
+};
 
 /// Follows how a point turns about the origin of a plane.
 class Turning {

@@ -212,13 +212,14 @@ struct Stoermer {
 inline Measurement<3> stoermer(const Choice& c) {
   struct Seen {
     bool begun = false;
-    double l = 0, turn = 0;  ///< turn: the largest from step to step
+    double l = 0, turn = 0, azimuth = 0;  ///< the last two: the largest turn from step to step
     Eigen::Vector3d last = Eigen::Vector3d::Zero(), way = last;
     Largest closeness, sine;
     void visit_memory(CheckpointMemory& visit) {
       visit(begun);
       visit(l);
       visit(turn);
+      visit(azimuth);
       visit(last);
       visit(way);
       closeness.visit_memory(visit);
@@ -233,6 +234,9 @@ inline Measurement<3> stoermer(const Choice& c) {
             }
             const Eigen::Vector3d way = q - seen->last;
             seen->turn = std::max(seen->turn, angle_between(seen->way, way));
+            const Eigen::Vector3d across(1, 1, 0);
+            seen->azimuth = std::max(seen->azimuth,
+                                     angle_between(seen->last.cwiseProduct(across), q.cwiseProduct(across)));
             seen->last = q;
             seen->way = way;
             const Stoermer region(c, {1, 0, 0}, {0, seen->l, 0});
@@ -251,9 +255,13 @@ inline Measurement<3> stoermer(const Choice& c) {
                              region.per_momentum / std::sqrt(std::abs(region.square)));
             if (const std::string coarse = too_coarse(seen->turn); !coarse.empty())
               return print_none(out, "largest |sin χ|, and the place nearest to the dipole", coarse);
-            out << "largest |sin χ| on the way: "
-                << with_uncertainty(seen->sine.value(), seen->sine.uncertain())
-                << "; forbidden: above 1\nnearest to the dipole" << unit
+            // About the axis it peaks as sharply as the path is near to it.
+            if (const std::string coarse = too_coarse(seen->azimuth, std::numbers::pi / 6); !coarse.empty())
+              print_none(out, "largest |sin χ| on the way", "about the axis " + coarse);
+            else
+              out << "largest |sin χ| on the way: "
+                  << with_uncertainty(seen->sine.value(), seen->sine.uncertain()) << "; forbidden: above 1\n";
+            out << "nearest to the dipole" << unit
                 << with_uncertainty(-seen->closeness.value(), seen->closeness.uncertain()) << '\n';
           },
           memory_of(seen)};

@@ -21,45 +21,35 @@
 namespace examples {
 
 /// Follows a direction, in the plane across `axis`, from one upward passage of a function through zero to the
-/// next: at a passage by a parabola through the last three steps, of one size.
+/// next.
 class Passages {
  public:
   using Direction = Eigen::Vector3d;
 
   void see(double t, double function, const Direction& direction, const Direction& axis) {
-    if (seen_ > 0 && last_function_ < 0 && function >= 0) {
-      // In steps from the last one on; the parabola bends the straight line by x (x - 1)/2 times these.
-      const double bend = seen_ > 1 ? function - 2 * last_function_ + before_function_ : 0;
-      const double line = last_function_ / (last_function_ - function);
-      double x = line;
-      for (int i = 0; i < 30; ++i)
-        x = std::clamp((last_function_ + x * (x - 1) / 2 * bend) / (last_function_ - function), 0.0, 1.0);
-      const Direction straight = last_ + line * (direction - last_);
-      Direction now = last_ + x * (direction - last_);
-      if (seen_ > 1) now += x * (x - 1) / 2 * (direction - 2 * last_ + before_);
-      const double at = last_t_ + x * (t - last_t_);
-      if (passages_++ > 0) {
-        const double angle = angle_about(axis, at_passage_, now);
-        turned_ += angle;
-        largest_ = std::max(largest_, std::abs(angle));
-        passed_ += at - passage_;
-      }
-      open_ = std::max(open_, std::abs(angle_about(axis, straight, now)));
-      open_time_ = std::max(open_time_, std::abs(x - line) * (t - last_t_));
-      at_passage_ = now;
-      passage_ = at;
+    if (!crossing_.see(t, {function, direction[0], direction[1], direction[2]})) return;
+    const auto angle = [&](const Crossing<4>::Place& a, const Crossing<4>::Place& b) {
+      return angle_about(axis, a.values.tail<3>(), b.values.tail<3>());
+    };
+    const Crossing<4>::Place now = crossing_.place();
+    if (passages_++ > 0) {
+      const double turn = angle(last_, now);
+      turned_ += turn;
+      largest_ = std::max(largest_, std::abs(turn));
+      passed_ += now.t - last_.t;
     }
-    ++seen_;
-    last_t_ = t;
-    before_function_ = last_function_, last_function_ = function;
-    before_ = last_, last_ = direction;
+    open_ = std::max(open_, crossing_.uncertain(angle));
+    open_time_ =
+        std::max(open_time_, crossing_.uncertain([](const auto& a, const auto& b) { return a.t - b.t; }));
+    last_ = now;
   }
   int orbits() const { return std::max(passages_ - 1, 0); }
   double per_time() const { return turned_ / passed_; }
-  /// What straight lines would leave open of that: what the parabola changed, at both ends.
-  double by_lines() const { return 2 * (open_ + std::abs(per_time()) * open_time_) / passed_; }
-  /// And the rounding of directions.
-  double by_rounding() const { return 4e-15 / passed_; }
+  /// What steps of such an angle leave open of that at both ends, about this part of what an order more
+  /// changed, and the rounding of directions.
+  double uncertain(double step) const {
+    return (2 * std::min(1.0, 2 * step) * (open_ + std::abs(per_time()) * open_time_) + 4e-15) / passed_;
+  }
   /// Is it plain which way round the direction went in an orbit?
   bool plain() const { return largest_ < std::numbers::pi / 2; }
 
@@ -69,19 +59,16 @@ class Passages {
   }
 
   void visit_memory(CheckpointMemory& visit) {
-    visit(seen_);
+    crossing_.visit_memory(visit);
     visit(passages_);
-    for (double* number : {&last_t_, &last_function_, &before_function_, &passage_, &turned_, &passed_,
-                           &largest_, &open_, &open_time_})
-      visit(*number);
-    for (Direction* direction : {&before_, &last_, &at_passage_}) visit(*direction);
+    for (double* number : {&last_.t, &turned_, &passed_, &largest_, &open_, &open_time_}) visit(*number);
+    visit(last_.values);
   }
 
  private:
-  std::int64_t seen_ = 0;
-  double last_t_ = 0, last_function_ = 0, before_function_ = 0, passage_ = 0, turned_ = 0, passed_ = 0;
-  double largest_ = 0, open_ = 0, open_time_ = 0;
-  Direction before_ = Direction::Zero(), last_ = before_, at_passage_ = before_;
+  Crossing<4> crossing_;
+  Crossing<4>::Place last_{};
+  double turned_ = 0, passed_ = 0, largest_ = 0, open_ = 0, open_time_ = 0;
   int passages_ = 0;
 };
 
@@ -177,15 +164,12 @@ inline Measurement<3> turning_orbit(const Choice& c, const std::string& unit, do
   };
   const bool with_node = c.on("j2") || c.on("spin_orbit");
   const double motion = std::sqrt(gm / std::pow(c["a"], 3)) * factor;  // per radian of the mean motion
-  // A parabola leaves about the angle of a step of that, where what swings does so once or twice an orbit.
-  const auto by_steps = [=](const Passages& passages) {
-    return (std::min(1.0, 2 * seen->step) * passages.by_lines() + passages.by_rounding()) * factor;
-  };
   const auto figures = [=] {
     std::vector<Figure> list;
     const bool has_node = seen->upright > 1e-3;
     const auto add = [&](const char* what, const Passages& passages) {
-      if (passages.orbits() >= 2) list.push_back({what, passages.per_time() * factor, by_steps(passages)});
+      if (passages.orbits() >= 2)
+        list.push_back({what, passages.per_time() * factor, passages.uncertain(seen->step) * factor});
     };
     add("perihelion advance", with_node && has_node ? seen->from_node : seen->along);
     add("perihelion and node, along the orbit", seen->along);
@@ -208,8 +192,8 @@ inline Measurement<3> turning_orbit(const Choice& c, const std::string& unit, do
     const auto figure = [&](const std::string& what, const Passages& passages, double TurnRates::*rate) {
       const auto by_companion = run.figure_errors.find(what);
       const bool measured = by_companion != run.figure_errors.end();
-      const double uncertain =
-          (measured ? by_companion->second.by_trajectory : by_energy) + by_steps(passages);
+      const double uncertain = (measured ? by_companion->second.by_trajectory : by_energy) +
+                               passages.uncertain(seen->step) * factor;
       if (passages.orbits() < 2)
         return print_none(out, what, "the run has no two whole orbits; give more --time");
       if (!passages.plain())

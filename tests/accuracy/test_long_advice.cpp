@@ -8,6 +8,7 @@
 
 #include <semiexplicit/accuracy.hpp>
 #include <semiexplicit/derivatives.hpp>
+#include <semiexplicit/systems.hpp>
 #include <semiexplicit/time.hpp>
 
 #include "catch.hpp"
@@ -587,6 +588,22 @@ TEST_CASE("chaos that a trial does not show is seen in a neighbouring orbit", "[
     CAPTURE(target, cost.why(target));
     CHECK(cost.reach(target) == Reach::orbits_part);
   }
+}
+
+TEST_CASE("chaos is no advice where the calls end before a neighbouring orbit was followed") {
+  const double target = 1e-8;
+  for (const double shift : {0.0, 0.1})
+    for (const double T : {60.0, 100.0})
+      for (const double bound : {3e4, 7e4, 3e5}) {
+        CAPTURE(shift, T, bound);
+        const PhasePoint<double, 3> z0({1.2, 0.2 + shift, -0.1}, {0.1, 0.25, 0.2 - shift});
+        const auto cost = cost_of_accuracy(
+            systems::NlsLattice<double, 3>(), z0, T,
+            {.observable = observables::Trajectory{}, .targets = {target}, .max_gradients = bound});
+        const auto advice = cost.cheapest(target);
+        CHECK((!advice || advice->tried >= T));
+        if (bound == 3e4) CHECK(cost.reach(target) == Reach::budget);
+      }
 }
 
 TEST_CASE("an orbit that comes close to a body is tried to the end before it is advised", "[long]") {

@@ -43,7 +43,8 @@ struct CostRow {
   double tried = 0;                 ///< how far, in time: less than the whole where calls did not suffice,
                                     ///< 0 where interpolated
   double harder = 1;                ///< how much finer steps must be in what comes after that
-  bool lasts = true;                ///< false: it has to be tried to the end to be advised, and was not
+  bool lasts = true;                ///< false: it has to be tried to the end to be advised, as where calls
+                                    ///< did not suffice to look at neighbouring orbits, and was not
   bool interpolated = false;        ///< between two trials of the same scheme, instead of tried itself
 
   bool works() const { return status == Status::success; }
@@ -125,9 +126,10 @@ struct CostTable {
         return "";
       case Reach::rounding:
         return "errors below " + in_words(rounding, 2) +
-               (invariant ? " cannot be told from the rounding or noise of the observable, which may be small "
-                            "beside its terms"
-                          : " cannot be told from rounding, which adds up over the time");
+               (invariant
+                    ? " cannot be told from the rounding or noise of the observable, which may be small "
+                      "beside its terms"
+                    : " cannot be told from rounding, which adds up over the time");
       case Reach::budget:
         return (harder_ahead() ? "the gradient calls of a trial ended before the motion came to, or back to, "
                                  "where it is hard; raise "

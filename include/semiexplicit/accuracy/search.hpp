@@ -54,7 +54,7 @@ class Search {
     for (double length = first_length(); length > 0; length = next_length()) {
       if (!scout()) return;
       problem_.limit =
-          std::min(options().max_gradients,
+          std::min((table_.invariant || length >= table_.time ? 1 : races_share) * options().max_gradients,
                    std::max(overrun * table_.budget + scout_.spent(),
                             table_.spent_gradients + (length < table_.time ? 0 : table_.budget)));
       table_.tried = length;
@@ -540,6 +540,7 @@ class Search {
       120;  ///< that it takes for a target, each in so many of the scout's calls
   static constexpr double to_the_end = 0.5;      ///< budgets that a coarse run to T is worth
   static constexpr double overrun = 1.5;         ///< of the budget, at most
+  static constexpr double races_share = 0.75;    ///< of max_gradients: a neighbouring orbit may need the rest
   static constexpr double beside_share = 1.5;    ///< of the budget, for a neighbouring orbit
   static constexpr double stretch = 8;           ///< from one race to the next
   static constexpr double trials_a_racer = 2.5;  ///< usually

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <numbers>
 #include <optional>
@@ -34,13 +35,15 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
   struct Seen {
     double energy = 0, momentum = 0, carter = 0;  // at first
     Largest closeness, distance, highest;
-    double last_r = 0, last_r_momentum = 0, last_phi = 0, first = 0, latest = 0, turn = 0;
+    Crossing<2> crossing;  // of -p_r, and phi
+    double last_r = 0, last_r_momentum = 0, last_phi = 0, first = 0, latest = 0, open = 0, turn = 0;
     std::int64_t rows = 0, apoapsides = 0;
     bool over_a_pole = false;
     void visit_memory(CheckpointMemory& visit) {
       for (double* number :
-           {&energy, &momentum, &carter, &last_r, &last_r_momentum, &last_phi, &first, &latest, &turn})
+           {&energy, &momentum, &carter, &last_r, &last_r_momentum, &last_phi, &first, &latest, &open, &turn})
         visit(*number);
+      crossing.visit_memory(visit);
       highest.visit_memory(visit);
       closeness.visit_memory(visit);
       distance.visit_memory(visit);
@@ -51,22 +54,22 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
   };
   using std::numbers::pi;
   const auto seen = std::make_shared<Seen>();
-  const auto observe = [=](double, const In<double, 4>& q, const In<double, 4>& p) {
+  const auto observe = [=](double t, const In<double, 4>& q, const In<double, 4>& p) {
     Seen& s = *seen;
-    const auto apoapsis = [&](double phi) {
-      if (s.apoapsides++ == 0) s.first = phi;
-      s.latest = phi;
-    };
+    // The start may be one.
+    const double outwards = s.rows == 0 && p[1] == 0 ? std::numeric_limits<double>::min() : p[1];
+    if (s.crossing.see(t, {-outwards, q[3]})) {
+      s.latest = s.crossing.place().values[1];
+      if (s.apoapsides++ == 0) s.first = s.latest;
+      s.open = std::max(s.open, s.crossing.uncertain(
+                                    [](const auto& a, const auto& b) { return a.values[1] - b.values[1]; }));
+    }
     if (s.rows == 0) {
       s.energy = -p[0];
       s.momentum = p[3];
       s.carter = hole.carter(q, p);
     } else {
       s.turn = std::max(s.turn, std::abs(q[3] - s.last_phi));
-      // The start may be one.
-      if (s.rows == 1 && s.last_r_momentum == 0 && p[1] < 0) apoapsis(s.last_phi);
-      if (s.last_r_momentum > 0 && p[1] <= 0)
-        apoapsis(s.last_phi + s.last_r_momentum / (s.last_r_momentum - p[1]) * (q[3] - s.last_phi));
     }
     ++s.rows;
     s.last_r = q[1];
@@ -106,8 +109,9 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
     if (!coarse.empty()) return print_none(out, what, coarse);
     const std::int64_t orbits = s.apoapsides - 1;
     if (orbits < 1) return print_none(out, what, "the run has no whole orbit; give more --time");
-    out << what << formatted(": %.6f", (s.latest - s.first) / static_cast<double>(orbits) / (2 * pi))
-        << ", mean of " << orbits << (orbits == 1 ? " orbit" : " orbits");
+    const double angle = 2 * pi * static_cast<double>(orbits);
+    out << what << ": " << with_uncertainty((s.latest - s.first) / angle, 2 * s.open / angle) << ", mean of "
+        << orbits << (orbits == 1 ? " orbit" : " orbits");
     if (ellipse) {  // Cutler, Kennefick, Poisson, Phys. Rev. D 50 (1994) 3816, section II
       const double width = ellipse->p - 6 + 2 * ellipse->e;
       out << formatted("; closed form: %.6f", 2 / pi * std::sqrt(ellipse->p / width) *

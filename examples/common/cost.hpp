@@ -143,7 +143,10 @@ struct CostRequest {
              ? "errors below " + as_asked(cost.rounding) + " cannot be told from rounding"
          : reach == Reach::budget
              ? "the motion is too long and uneven for the search; give a shorter --time, or --dt instead"
-             : cost.why(target)));
+         : reach == Reach::orbit_ends ? formatted("no step goes beyond t = %.3g, where the orbit ends, or is "
+                                                  "too hard; give a shorter --time",
+                                                  cost.orbit_end)
+                                      : cost.why(target)));
   }
   /// In what the cheapest is the cheapest, and of how many.
   std::string among(const CostTable& cost) const {

@@ -45,11 +45,14 @@ inline Measurement<3> fast_gyration(const Choice& c) {
           [=](std::ostream& out, const Run&) {
             const double across = std::abs(std::sin(c["pitch"]));
             const double rate = c["charge"] * c["b"] / (gamma_of(c) * c["mass"]);
-            const std::string coarse =
-                across < 1e-12 ? "it moves along the field" : too_coarse(turning->largest(rate));
-            if (!alone || !coarse.empty())
-              return print_none(out, "gyrofrequency",
-                                alone ? coarse : "the formula holds for uniform_field alone");
+            const std::string coarse = too_coarse(turning->largest(rate));
+            const std::string why = !alone            ? "the formula holds for uniform_field alone"
+                                    : across < 1e-12  ? "it moves along the field"
+                                    : !coarse.empty() ? coarse
+                                    : std::abs(turning->turned()) < 2 * std::numbers::pi
+                                        ? "the run has no whole turn; give more --time"
+                                        : "";
+            if (!why.empty()) return print_none(out, "gyrofrequency", why);
             print_comparison(out, "gyrofrequency, rad/s", -turning->rate(), "eB/(γm)", rate);
             print_comparison(out, "gyroradius, m", turning->mean_radius(), "p/(eB)",
                              momentum_of(c) * across / std::abs(c["charge"] * c["b"]));
@@ -94,15 +97,20 @@ struct Way {
     visit(last);
   }
 };
+/// `figures(way)`: those whose error a companion run is to tell; optional.
 template <class Report>
-Measurement<3> of_way(const Choice& c, const std::string& field, const Report& report) {
+Measurement<3> of_way(const Choice& c, const std::string& field, const Report& report,
+                      const std::function<std::vector<Figure>(const Way&)>& figures = {}) {
   const auto way = std::make_shared<Way>();
-  return {[=](double t, const In<double, 3>& q, const In<double, 3>& p) { way->see(t, q, p); },
-          [=](std::ostream& out, const Run&) {
-            if (only_field(c, field)) return report(out, *way);
-            print_none(out, field, "the formulas hold for this field alone");
-          },
-          memory_of(way)};
+  Measurement<3> measurement{
+      [=](double t, const In<double, 3>& q, const In<double, 3>& p) { way->see(t, q, p); },
+      [=](std::ostream& out, const Run& run) {
+        if (only_field(c, field)) return report(out, *way, run);
+        print_none(out, field, "the formulas hold for this field alone");
+      },
+      memory_of(way)};
+  if (figures) measurement.figures = [=] { return figures(*way); };
+  return measurement;
 }
 
 /// print_comparison() where a formula holds to a per cent or so, which is as long as nothing is in `off`,
@@ -123,7 +131,7 @@ inline std::string too_large(const std::string& what, double value, double limit
 
 /// Source: Wille (2000), chapter 9.
 inline Measurement<3> wiggle(const Choice& c) {
-  return of_way(c, "undulator", [=](std::ostream& out, const Way& way) {
+  return of_way(c, "undulator", [=](std::ostream& out, const Way& way, const Run&) {
     const double period = c["period"], k = 2 * std::numbers::pi / period;
     const double strength = std::abs(c["charge"] * c["b0"]) / (c["mass"] * c["c"] * k), gamma = gamma_of(c);
     const double passed = (way.last - way.first)[2] / period;
@@ -154,29 +162,42 @@ inline Measurement<3> wiggle(const Choice& c) {
 }
 
 inline Measurement<3> rotation(const Choice& c) {
-  return of_way(c, "solenoid", [=](std::ostream& out, const Way& way) {
-    const charges::SolenoidField field(c["b0"], c["length"], c["radius"]);
-    if (way.first.head<2>().isZero(0)) return print_none(out, "turn of the plane", "it starts on the axis");
-    if (const std::string coarse = way.too_coarse("the solenoid", c["length"], 4); !coarse.empty())
-      return print_none(out, "turn of the plane", coarse);
+  const std::string what = "turn of the plane, rad, but for half turns";
+  const charges::SolenoidField field(c["b0"], c["length"], c["radius"]);
+  const auto larmor = [=](const Way& way) {
+    return -c["charge"] * field.integral(way.first[2], way.last[2]) / (2 * momentum_of(c));
+  };
+  // A plane is the same after half a turn.
+  const auto turn = [=](const Way& way) {
     const double pi = std::numbers::pi,
                  angle = std::atan2(way.first[0] * way.last[1] - way.first[1] * way.last[0],
                                     way.first.head<2>().dot(way.last.head<2>()));
-    const double larmor = -c["charge"] * field.integral(way.first[2], way.last[2]) / (2 * momentum_of(c));
+    return angle + pi * std::round((larmor(way) - angle) / pi);
+  };
+  const auto report = [=](std::ostream& out, const Way& way, const Run& run) {
+    if (way.first.head<2>().isZero(0)) return print_none(out, "turn of the plane", "it starts on the axis");
+    if (const std::string coarse = way.too_coarse("the solenoid", c["length"], 4); !coarse.empty())
+      return print_none(out, "turn of the plane", coarse);
+    const auto error = run.figure_errors.find(what);
+    if (error == run.figure_errors.end())
+      return print_none(out, "turn of the plane",
+                        "no companion run tells its error; give a smaller --dt, or another --method");
     const double from_axis = way.first.head<2>().norm();
     std::string off =
         too_large("the distance from the axis, in radii of the solenoid,", from_axis / c["radius"], 1);
     if (off.empty())
       off = too_large("the slope eBρ/(2p)",
                       std::abs(c["charge"] * c["b0"]) * from_axis / (2 * momentum_of(c)), 0.1);
-    // A plane is the same after half a turn.
-    print_where_it_holds(out, "turn of the plane, rad, but for half turns",
-                         angle + pi * std::round((larmor - angle) / pi), "Larmor, -e∫B dz/(2p)", larmor, off);
+    print_where_it_holds(out, what, turn(way), "Larmor, -e∫B dz/(2p)", larmor(way), off,
+                         error->second.by_trajectory);
+  };
+  return of_way(c, "solenoid", report, [=](const Way& way) {
+    return std::vector<Figure>{{what, turn(way)}};
   });
 }
 
 inline Measurement<3> focusing(const Choice& c) {
-  return of_way(c, "quadrupole", [=](std::ostream& out, const Way& way) {
+  return of_way(c, "quadrupole", [=](std::ostream& out, const Way& way, const Run&) {
     const double kappa = c["charge"] * c["slope"] / momentum_of(c), z = (way.last - way.first)[2];
     const auto grown = [&](double k) {
       return k > 0 ? std::cos(std::sqrt(k) * z) : std::cosh(std::sqrt(-k) * z);

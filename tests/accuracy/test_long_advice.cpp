@@ -396,6 +396,29 @@ TEST_CASE("a reference that gets worse by jumps is no chaos where neighbouring o
   CHECK(cost.rounding < 1e-4);
 }
 
+TEST_CASE("the unit of errors is the largest value on the orbit, not on a coarse run whose energy drifts",
+          "[long]") {
+  const auto unit = [](const auto& h, const PhasePoint<double, 1>& z0, double T, int power) {
+    const auto f = [power](const auto& q, const auto&) { return std::pow(q[0], power); };
+    return cost_of_accuracy(h, z0, T, {.observable = f, .targets = {1e-3}}).unit;
+  };
+  for (const int power : {1, 4})
+    CHECK(unit(VaryingMass{}, {2, 0}, 2e4, power) == Approx(std::pow(2, power)).epsilon(0.03));
+  const auto stiffening = from_energy<1>([](const auto& q, const auto& p) {
+    const auto square = q[0] * q[0];
+    return p[0] * p[0] / (2 * (1 + 0.62 * square)) + square / 2 + 0.2486 * square * square / 4;
+  });
+  CHECK(unit(stiffening, {0.965, 1.0}, 24e3, 2) == Approx(1.4215).epsilon(0.03));
+  // A beat that grows where the coarse run ends.
+  const auto weakly_coupled = from_energy<2>([](const auto& q, const auto& p) {
+    return (p[0] * p[0] + p[1] * p[1] + q[0] * q[0] + q[1] * q[1]) / 2 + 1e-5 * q[0] * q[1];
+  });
+  const auto beat =
+      cost_of_accuracy(weakly_coupled, PhasePoint<double, 2>({1, 0}, {0, 0}), 3e5,
+                       {.observable = observables::Coordinate{1}, .targets = {1e-4}, .min_gradients = 2e6});
+  CHECK(beat.unit < 1.03);
+}
+
 TEST_CASE("an energy at a late time has no noise by the time's size", "[long]") {
   const Autonomous driven{DrivenPendulum()};
   for (const double t0 : {0.0, 1e4, 2e4, 3e4}) {

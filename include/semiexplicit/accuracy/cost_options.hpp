@@ -27,7 +27,7 @@ struct CostOptionsOf {
   double min_gradients = 5e6;
   /// Bound on the gradient calls that the search takes, which is kept whatever the Hamiltonian. What it
   /// leaves unfinished counts as out of reach, and CostTable::why() says so: also where a neighbouring orbit
-  /// could not be followed well beyond the trials.
+  /// could not be followed for long.
   double max_gradients = 1e7;
   CostBy by = CostBy::gradients;  ///< what is to be cheap
   /// Schemes of the semiexplicit method and of the midpoint projection, from loose to tight targets.

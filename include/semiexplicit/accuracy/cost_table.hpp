@@ -65,7 +65,7 @@ enum class Reach {
 /// The curve of accuracy against cost for one problem; made by cost_of_accuracy(). An error is the largest
 /// over [0, T] of ‖f(z(t)) - f(exact z(t))‖, f being the observable (Euclidean norm), divided by `unit`. For
 /// an invariant (the energy, or what a tight run finds constant) that unit is |f(z0)|, for others the largest
-/// ‖f‖ along the orbit.
+/// ‖f‖ along the orbit: behind the trials as far as a coarse run keeps its energy.
 struct CostTable {
   std::vector<CostRow> rows{};  ///< every setting that was tried: method by method, the largest step first
   std::vector<double> targets{};

@@ -103,9 +103,9 @@ class Forecast {
     const double most = timed ? 4 : problem_.options.observable.is_energy() ? 1000 : 100;
     return candidate.is_symplectic() && varies_ <= most;
   }
-  /// Whether what a trial saw holds to T, as far as a neighbouring orbit was followed beyond it.
+  /// Whether what a trial saw holds to T, as far as a neighbouring orbit tells.
   bool lasts(const Candidate& candidate, const Probe& probe) const {
-    return (goes_on(candidate) && looked_behind(probe.length)) || !(probe.length < table_.time * (1 - 1e-12));
+    return (goes_on(candidate) && looked_beside()) || !(probe.length < table_.time * (1 - 1e-12));
   }
 
   /// How much harder it gets behind a trial. Where the race may go on to that, it need not be counted in
@@ -160,10 +160,10 @@ class Forecast {
     table_.reference_time = length;
   }
 
-  /// Whether it is known what neighbouring orbits do behind a trial of that length.
-  bool looked_behind(double length) const {
-    const double enough = std::max(far_behind * length, least_scales * table_.time_scale);
-    return table_.invariant || table_.parting_rate > 0 || neighbour_.time() >= std::min(table_.time, enough);
+  /// Whether neighbouring orbits were followed for long enough to tell chaos from a power of the time.
+  bool looked_beside() const {
+    return table_.invariant || table_.parting_rate > 0 ||
+           neighbour_.time() >= std::min(table_.time, enough_scales * table_.time_scale);
   }
 
   /// Neighbouring orbits part at that rate.
@@ -180,11 +180,10 @@ class Forecast {
     return std::max(by_power, std::exp(std::min(500.0, table_.parting_rate * (table_.time - length))));
   }
 
-  static constexpr double much = 20;            ///< for a power of the time, from third to third
-  static constexpr double hidden_growth = 0.4;  ///< in a trial, of the error that it saw
-  static constexpr double more_rounding = 2;    ///< than the reference's, whose steps are few
-  static constexpr double far_behind = 1.5;     ///< of a trial, that neighbouring orbits are to be followed
-  static constexpr double least_scales = 500;   ///< likewise, to tell chaos from a power of the time
+  static constexpr double much = 20;             ///< for a power of the time, from third to third
+  static constexpr double hidden_growth = 0.4;   ///< in a trial, of the error that it saw
+  static constexpr double more_rounding = 2;     ///< than the reference's, whose steps are few
+  static constexpr double enough_scales = 1000;  ///< that neighbouring orbits are to be followed
 
   Problem<Any>& problem_;
   CostTable& table_;

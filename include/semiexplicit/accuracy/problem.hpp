@@ -61,12 +61,12 @@ class Problem {
   /// About the size of the terms that the observable at z is a sum of.
   SEMIEXPLICIT_COLD double terms_at(const State& z) const { return static_cast<double>(size_at(z).terms); }
 
-  /// Whether the energy at z is anything like that at z0: where a fast motion that the observable does not
-  /// show has become unstable it is not.
-  SEMIEXPLICIT_COLD bool keeps_energy(const State& z) const {
+  /// Whether the energy at z is that at z0, up to that part of its terms: where a fast motion that the
+  /// observable does not show has become unstable it is nothing like it.
+  SEMIEXPLICIT_COLD bool keeps_energy(const State& z, double part = 0.1) const {
     const Scalar now = hamiltonian.energy(z.q(), z.p());
     const double off = std::abs(static_cast<double>(now - first_energy_));
-    return off <= 0.1 * first_energy_size_ || off <= 0.1 * size_of_energy(now, z);
+    return off <= part * first_energy_size_ || off <= part * size_of_energy(now, z);
   }
 
   /// What rounding adds to the error of an invariant over the whole time by steps of dt: that of the states,

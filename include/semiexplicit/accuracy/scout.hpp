@@ -101,10 +101,13 @@ class Scout {
   /// Gradient calls a unit of time.
   double rate() const { return spent_ / time_; }
 
-  /// The largest ‖f‖ up to T: what grows goes on to grow.
-  double largest_at_end() const {
-    const double T = problem_.table.time;
-    return largest_ * (time_ < T && largest_ > 1.3 * largest_before_ ? T / time_ : 1);
+  /// The largest ‖f‖ up to T, by what was seen as long as the energy was kept: what grew with the time all
+  /// along goes on to, as where a coordinate winds.
+  SEMIEXPLICIT_COLD double largest_at_end() const {
+    bool grows = largest_.size() > 4;
+    for (std::size_t i = largest_.size(); grows && i > largest_.size() - 3; --i)
+      grows = largest_[i - 2] > 1.9 * largest_[i - 3];
+    return largest_.back() * (grows ? problem_.table.time / kept_ : 1);
   }
 
   /// The size of the terms at T: what grows goes on to grow, as where a coordinate winds.
@@ -123,9 +126,9 @@ class Scout {
   SEMIEXPLICIT_COLD void restart() {
     pacer_.emplace(problem_, tolerance_);
     z_ = problem_.z0;
-    places_.clear(), terms_.clear();
+    places_.clear(), terms_.clear(), largest_.assign(1, 0);
     steps_ = known_ = 0, stride_ = 1;
-    time_ = last_look_ = largest_ = largest_before_ = 0;
+    time_ = last_look_ = kept_ = 0, keeps_energy_ = true;
   }
 
   SEMIEXPLICIT_COLD bool follow(double calls, double most) {
@@ -144,12 +147,17 @@ class Scout {
         if (places_.size() == most_places) thin();
       }
       if (!problem_.options.observable.is_energy()) {  // whose size is known
-        problem_.measure(z_, value);
-        if (const double size = static_cast<double>(norm(value)); std::isfinite(size))
-          largest_ = std::max(largest_, size);
+        keeps_energy_ = keeps_energy_ && problem_.keeps_energy(z_, 0.01);
+        if (keeps_energy_) {
+          kept_ = time_;
+          problem_.measure(z_, value);
+          if (const double size = static_cast<double>(norm(value)); std::isfinite(size))
+            largest_.back() = std::max(largest_.back(), size);
+        }
       }
       if (time_ < 2 * last_look_) continue;
-      last_look_ = time_, largest_before_ = largest_;
+      last_look_ = time_;
+      if (keeps_energy_) largest_.push_back(largest_.back());
       terms_.push_back(problem_.terms_at(z_));
     }
     problem_.limit = limit;
@@ -174,7 +182,9 @@ class Scout {
   std::vector<double> terms_{};
   std::size_t steps_ = 0, known_ = 0, stride_ = 1;
   double time_ = 0, last_look_ = 0, spent_ = 0, tolerance_ = 1e-2, ended_ = -1;
-  double largest_ = 0, largest_before_ = 0;  ///< ‖f‖, and until the last look
+  std::vector<double> largest_{};  ///< ‖f‖ until each look, and until now
+  bool keeps_energy_ = true;       ///< has, all along
+  double kept_ = 0;                ///< the time up to which it did
 };
 
 }  // namespace semiexplicit::detail

@@ -54,7 +54,7 @@ class Search {
     for (double length = first_length(); length > 0; length = next_length()) {
       if (!scout()) return;
       problem_.limit =
-          std::min((table_.invariant || length >= table_.time ? 1 : races_share) * options().max_gradients,
+          std::min(share_of_races(length) * options().max_gradients,
                    std::max(overrun * table_.budget + scout_.spent(),
                             table_.spent_gradients + (length < table_.time ? 0 : table_.budget)));
       table_.tried = length;
@@ -176,6 +176,10 @@ class Search {
     return sum;
   }
 
+  /// Of all calls, in a race over that length: a neighbouring orbit may need the rest.
+  double share_of_races(double length) const {
+    return table_.invariant ? 1 : length < table_.time ? 0.75 : 0.9;
+  }
   /// Where the calls end before T: what becomes of a neighbouring orbit, as far as a budget goes. False: the
   /// orbit cannot be followed by steps that met a target.
   SEMIEXPLICIT_COLD bool look_beside() {
@@ -185,17 +189,21 @@ class Search {
       if (goal.tried == 0 || goal.tried >= table_.time) continue;
       table_.tried = goal.tried;
       for (int attempt = 0; attempt < most_besides; ++attempt) {
-        const auto racer = std::find_if(goal.racers.begin(), goal.racers.end(), [&](const auto& one) {
-          return forecast_.goes_on(*one.second) && bracket(*one.second, goal.aim, true).has_low();
-        });
-        if (racer == goal.racers.end()) break;
-        const double dt = bracket(*racer->second, goal.aim, true).low;
+        Candidate* cheapest = nullptr;  // not only of the racers: to T also those remain that do not go on
+        double dt = 0;
+        for (Family& family : families_)
+          for (Candidate& candidate : family) {
+            const double step = forecast_.goes_on(candidate) ? bracket(candidate, goal.aim, true).low : 0;
+            if (step > 0 && (cheapest == nullptr || candidate.trials[step].rate < cheapest->trials[dt].rate))
+              cheapest = &candidate, dt = step;
+          }
+        if (cheapest == nullptr) break;
         problem_.limit =
-            std::min(0.9 * options().max_gradients, table_.spent_gradients + beside_share * table_.budget);
-        if (forecast_.look_beside(racer->second->with_step(dt))) return true;
+            std::min(0.95 * options().max_gradients, table_.spent_gradients + beside_share * table_.budget);
+        if (forecast_.look_beside(cheapest->with_step(dt))) return true;
         followed = false;
         // Behind its trial, where its iteration hardly converges, or one that is hard itself: others tell.
-        racer->second->trials[dt].status = Status::no_convergence;
+        cheapest->trials[dt].status = Status::no_convergence;
       }
     }
     return followed;
@@ -540,7 +548,6 @@ class Search {
       120;  ///< that it takes for a target, each in so many of the scout's calls
   static constexpr double to_the_end = 0.5;      ///< budgets that a coarse run to T is worth
   static constexpr double overrun = 1.5;         ///< of the budget, at most
-  static constexpr double races_share = 0.75;    ///< of max_gradients: a neighbouring orbit may need the rest
   static constexpr double beside_share = 1.5;    ///< of the budget, for a neighbouring orbit
   static constexpr double stretch = 8;           ///< from one race to the next
   static constexpr double trials_a_racer = 2.5;  ///< usually

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -146,7 +147,7 @@ class Crossing {
     std::shift_left(steps_.begin(), steps_.end(), 1);
     steps_.back() = {t, values};
     if (++seen_ < 4) return false;
-    for (const int i : {0, 1})
+    for (const std::size_t i : {0U, 1U})
       if ((i == 1 || seen_ == 4) && steps_[i].values[0] < 0 && steps_[i + 1].values[0] >= 0) {
         place_ = crossing(i, 0, 4);
         by_parabolas_ = {crossing(i, 0, 3), crossing(i, 1, 3)};
@@ -171,15 +172,15 @@ class Crossing {
 
  private:
   /// By the polynomial through `count` of the steps, between the steps i and i + 1.
-  Place crossing(int i, int first, int count) const {
+  Place crossing(std::size_t i, std::size_t first, std::size_t count) const {
     double low = steps_[i].t, high = steps_[i + 1].t, t = low;
     Values values = steps_[i].values;
     for (int n = 0; n < 60; ++n) {
       t = (low + high) / 2;
       values.setZero();
-      for (int j = first; j < first + count; ++j) {
+      for (std::size_t j = first; j < first + count; ++j) {
         double weight = 1;
-        for (int k = first; k < first + count; ++k)
+        for (std::size_t k = first; k < first + count; ++k)
           if (k != j) weight *= (t - steps_[k].t) / (steps_[j].t - steps_[k].t);
         values += weight * steps_[j].values;
       }

@@ -629,6 +629,21 @@ TEST_CASE("chaos is no advice where the calls end before a neighbouring orbit wa
       }
 }
 
+TEST_CASE("what errors are relative to is not enlarged by the drift of a coarse run") {
+  const double c = 0.62, k = 0.2486, T = 12000;
+  const auto H = from_energy<1>([=](const auto& q, const auto& p) {
+    const auto square = q[0] * q[0];
+    return p[0] * p[0] / (2 * (1 + c * square)) + square / 2 + k * square * square / 4;
+  });
+  const PhasePoint<double, 1> z0(0.965, 1);
+  const double largest = (std::sqrt(0.25 + k * H.energy(z0.q(), z0.p())) - 0.5) / (k / 2);  // where p = 0
+  const auto cost = cost_of_accuracy(
+      H, z0, T,
+      CostOptionsOf<double, 1>{.observable = [](const auto& q, const auto&) { return q[0] * q[0]; },
+                               .targets = {1e-4}});
+  CHECK(cost.unit == Approx(largest).epsilon(0.05));
+}
+
 TEST_CASE("an orbit that comes close to a body is tried to the end before it is advised", "[long]") {
   const PhasePoint<double, 2> z0({0.8369, 0}, {0, 0.8369});
   const double T = 100;

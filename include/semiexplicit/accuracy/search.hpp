@@ -178,7 +178,7 @@ class Search {
 
   /// Of all calls, in a race over that length: a neighbouring orbit may need the rest.
   double share_of_races(double length) const {
-    return table_.invariant ? 1 : length < table_.time ? 0.75 : 0.9;
+    return table_.invariant ? 1 : length < table_.time ? 0.75 : 0.85;
   }
   /// Where the calls end before T: what becomes of a neighbouring orbit, as far as a budget goes. False: the
   /// orbit cannot be followed by steps that met a target.
@@ -199,7 +199,7 @@ class Search {
           }
         if (cheapest == nullptr) break;
         problem_.limit =
-            std::min(0.95 * options().max_gradients, table_.spent_gradients + beside_share * table_.budget);
+            std::min(0.9 * options().max_gradients, table_.spent_gradients + beside_share * table_.budget);
         if (forecast_.look_beside(cheapest->with_step(dt))) return true;
         followed = false;
         // Behind its trial, where its iteration hardly converges, or one that is hard itself: others tell.

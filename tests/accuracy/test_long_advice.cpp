@@ -404,11 +404,6 @@ TEST_CASE("the unit of errors is the largest value on the orbit, not on a coarse
   };
   for (const int power : {1, 4})
     CHECK(unit(VaryingMass{}, {2, 0}, 2e4, power) == Approx(std::pow(2, power)).epsilon(0.03));
-  const auto stiffening = from_energy<1>([](const auto& q, const auto& p) {
-    const auto square = q[0] * q[0];
-    return p[0] * p[0] / (2 * (1 + 0.62 * square)) + square / 2 + 0.2486 * square * square / 4;
-  });
-  CHECK(unit(stiffening, {0.965, 1.0}, 24e3, 2) == Approx(1.4215).epsilon(0.03));
   // A beat that grows where the coarse run ends.
   const auto weakly_coupled = from_energy<2>([](const auto& q, const auto& p) {
     return (p[0] * p[0] + p[1] * p[1] + q[0] * q[0] + q[1] * q[1]) / 2 + 1e-5 * q[0] * q[1];
@@ -630,18 +625,17 @@ TEST_CASE("chaos is no advice where the calls end before a neighbouring orbit wa
 }
 
 TEST_CASE("what errors are relative to is not enlarged by the drift of a coarse run") {
-  const double c = 0.62, k = 0.2486, T = 12000;
+  const double c = 0.62, k = 0.2486;
   const auto H = from_energy<1>([=](const auto& q, const auto& p) {
     const auto square = q[0] * q[0];
     return p[0] * p[0] / (2 * (1 + c * square)) + square / 2 + k * square * square / 4;
   });
   const PhasePoint<double, 1> z0(0.965, 1);
   const double largest = (std::sqrt(0.25 + k * H.energy(z0.q(), z0.p())) - 0.5) / (k / 2);  // where p = 0
-  const auto cost = cost_of_accuracy(
-      H, z0, T,
-      CostOptionsOf<double, 1>{.observable = [](const auto& q, const auto&) { return q[0] * q[0]; },
-                               .targets = {1e-4}});
-  CHECK(cost.unit == Approx(largest).epsilon(0.05));
+  const CostOptionsOf<double, 1> options{.observable = [](const auto& q, const auto&) { return q[0] * q[0]; },
+                                         .targets = {1e-3, 1e-4}};
+  for (const double T : {12e3, 24e3})
+    CHECK(cost_of_accuracy(H, z0, T, options).unit == Approx(largest).epsilon(0.03));
 }
 
 TEST_CASE("an orbit that comes close to a body is tried to the end before it is advised", "[long]") {

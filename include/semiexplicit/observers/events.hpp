@@ -83,9 +83,7 @@ class Events {
       : intervals_(std::move(hamiltonian), nodes),
         kinds_(std::forward<Kinds>(kinds)...),
         at_event_(dof_of(dense().hamiltonian())),
-        last_(at_event_) {
-    forget_sides();
-  }
+        last_(at_event_) {}
 
   /// Takes in the next state; false where an action asked to stop.
   bool operator()(const Scalar& t, const State& z,
@@ -99,11 +97,7 @@ class Events {
   void see(const Scalar&, const State& z, const IntegrationReport& run) requires(changes_state) {
     if (run.steps == 0 && !run.at_event) {
       longest_ = Scalar(0);
-      if (!started_ || z.vector() != last_.vector()) {
-        forget_sides();
-        pending_.fill(false);
-        fired_.fill(false);
-      }
+      if (!started_ || z.vector() != last_.vector()) known_.fill({});
     }
     started_ = true;
     last_ = z;
@@ -144,33 +138,23 @@ class Events {
   template <class Visitor>
   void visit_memory(Visitor&& visit) {
     intervals_.visit_memory(visit);
-    for (int& side : sides_) visit(side);
     for (std::int64_t& count : counts_) visit(count);
     visit(orbit_);
     visit(arc_);
     visit(started_);
     visit(last_.vector());
     visit(longest_);
-    for (bool& one : open_) visit(one);
-    for (bool& one : pending_) visit(one);
-    for (bool& one : fired_) visit(one);
-    for (bool& one : rests_) visit(one);
-    for (Scalar& level : level_) visit(level);
-    for (Scalar& scale : scale_) visit(scale);
-    for (Scalar& scale : scale_before_) visit(scale);
+    for (Known& one : known_) one.visit(visit);
     visit(since_);
     each([&](std::size_t, auto& kind) { detail::visit_inner(visit, kind.action); });
   }
 
   /// What it knows of the orbit, and back to that, at the state z: for integrate(), which takes back what
   /// fails or throws on the way to an event, or at it.
-  auto known() const {
-    return std::tuple(sides_, counts_, open_, pending_, fired_, rests_, level_, since_, scale_,
-                      scale_before_);
-  }
-  template <class Known>
-  void back_to(const Known& known, const State& z) {
-    std::tie(sides_, counts_, open_, pending_, fired_, rests_, level_, since_, scale_, scale_before_) = known;
+  auto known() const { return std::tuple(known_, counts_, since_); }
+  template <class Before>
+  void back_to(const Before& before, const State& z) {
+    std::tie(known_, counts_, since_) = before;
     last_ = z;
   }
 
@@ -197,16 +181,17 @@ class Events {
       };
     };
     each([&](std::size_t k, auto& kind) {
-      if (open_[k]) pending_[k] = settle(k, kind, start, end, near, longest_, along(kind));
+      if (known_[k].open) known_[k].pending = settle(k, kind, start, end, near, longest_, along(kind));
     });
     if (const Found found = next_pending()) return found;
     if (h == Scalar(0)) return {};
     Found first;
-    std::array<int, number> after = sides_;
+    std::array<int, number> after{};
     std::array<bool, number> crossed{};
     std::array<Scalar, number> when{};
     each([&](std::size_t k, auto& kind) {
-      if (open_[k]) return;
+      after[k] = known_[k].side;
+      if (known_[k].open) return;
       const auto crossing = leaves_side(k, kind, start, end, h, near, along(kind));
       if (!crossing.to) return;
       after[k] = crossing.to;
@@ -216,11 +201,11 @@ class Events {
       if (!first || abs(crossing.x) < abs(first.x)) first = {k, crossing.x};
     });
     if (!first) {
-      for (std::size_t k = 0; k < number; ++k) cross(k, after[k]);
+      for (std::size_t k = 0; k < number; ++k) known_[k].cross(after[k]);
       if (abs(since_) < steps_at_rest * abs(longest_)) since_ += h;
       return first;
     }
-    cross(first.kind, after[first.kind]);
+    known_[first.kind].cross(after[first.kind]);
     crossed[first.kind] = false;
     // Rounding decides on which side of a surface that is crossed at the same time the state at the event is,
     // and the action may turn it back: these events are noted before it.
@@ -230,12 +215,12 @@ class Events {
       move(first.x, at_event_);
       const Scalar same = 16 * Eigen::NumTraits<Scalar>::epsilon() * abs(longest_);
       each([&](std::size_t k, auto& kind) {
-        pending_[k] = crossed[k] && (abs(Scalar(when[k] - first.x)) <= same ||
-                                     detail::side_of(value(kind, at_event_)) == after[k]);
-        if (pending_[k]) cross(k, after[k]);
+        known_[k].pending = crossed[k] && (abs(Scalar(when[k] - first.x)) <= same ||
+                                           detail::side_of(value(kind, at_event_)) == after[k]);
+        if (known_[k].pending) known_[k].cross(after[k]);
       });
     }
-    pending_[first.kind] = true;
+    known_[first.kind].pending = true;
     return first;
   }
 
@@ -244,12 +229,13 @@ class Events {
   /// Calls its action; false: it wants the run to stop.
   bool act(const Found& found, const Scalar& t, State& z, const IntegrationReport& run) {
     bool go_on = true;
-    pending_[found.kind] = false;
-    open_.fill(true);
+    known_[found.kind].pending = false;
+    for (Known& one : known_) one.open = true;
     since_ = Scalar(0);
     each([&](std::size_t k, auto& kind) {
       if (k != found.kind) return;
       using std::abs;
+      Known& own = known_[k];
       ++counts_[k];
       const Scalar before = value(kind, z);
       if constexpr (acts<decltype(kind)>) {
@@ -263,12 +249,12 @@ class Events {
       } else {
         go_on = told(kind, t, z, run);
       }
-      level_[k] = value(kind, z);
-      fired_[k] = abs(level_[k]) <= 2 * abs(before) || abs(level_[k]) <= rounding(k, kind, z);
-      rests_[k] = fired_[k];
-      if (rests_[k]) return;
-      open_[k] = false;  // the action has moved it off the surface
-      sides_[k] = detail::side_of(level_[k]);
+      own.level = value(kind, z);
+      own.fired = abs(own.level) <= 2 * abs(before) || abs(own.level) <= rounding(k, kind, z);
+      own.rests = own.fired;
+      if (own.rests) return;
+      own.open = false;  // the action has moved it off the surface
+      own.side = detail::side_of(own.level);
     });
     return go_on;
   }
@@ -290,6 +276,41 @@ class Events {
   struct Leaving {
     int side;
     Scalar x, s;
+  };
+  /// What it knows of the orbit beside the surface of one kind.
+  struct Known {
+    int side = 0;          ///< on which it is, also at a state on the surface: -1, 1; 0 before it is known
+    bool open = true;      ///< an orbit or what follows an event has begun: see settle()
+    bool pending = false;  ///< crossed where the orbit is, and not yet acted upon
+    bool fired = false;    ///< open since its own event, which left it on its surface
+    bool rests = false;    ///< open, and s has not moved off `level` yet
+    Scalar level = Scalar(0);
+    Scalar scale = Scalar(0);         ///< the largest |s| since the last crossing
+    Scalar scale_before = Scalar(0);  ///< and between that and the one before
+
+    void enlarge(const Scalar& s) {
+      using std::abs;
+      if (abs(s) > scale) scale = abs(s);
+    }
+    /// The largest |s| since the last crossing but one: what s is small beside.
+    const Scalar& size() const { return scale_before > scale ? scale_before : scale; }
+    void cross(int to) {
+      if (to == side) return;
+      side = to;
+      // Where steps go from surface to surface no state shows how large it was.
+      if (scale > scale_before / 1000) scale_before = std::exchange(scale, Scalar(0));
+    }
+    template <class Visitor>
+    void visit(Visitor& visit) {
+      visit(side);
+      visit(open);
+      visit(pending);
+      visit(fired);
+      visit(rests);
+      visit(level);
+      visit(scale);
+      visit(scale_before);
+    }
   };
   /// A crossing to that side (0: none) at the time x.
   struct Crossing {
@@ -315,31 +336,9 @@ class Events {
     using std::abs;
     if (abs(h) > abs(longest_)) longest_ = h;
   }
-  void enlarge(std::size_t k, const Scalar& s) {
-    using std::abs;
-    if (abs(s) > scale_[k]) scale_[k] = abs(s);
-  }
-  /// The largest |s| since the last crossing but one: what s is small beside.
-  const Scalar& scale(std::size_t k) const {
-    return scale_before_[k] > scale_[k] ? scale_before_[k] : scale_[k];
-  }
-  void cross(std::size_t k, int to) {
-    if (to == sides_[k]) return;
-    sides_[k] = to;
-    // Where steps go from surface to surface no state shows how large it was.
-    if (scale_[k] > scale_before_[k] / 1000) scale_before_[k] = std::exchange(scale_[k], Scalar(0));
-  }
-  void forget_sides() {
-    sides_.fill(0);
-    scale_.fill(Scalar(0));
-    scale_before_.fill(Scalar(0));
-    rests_.fill(false);
-    open_.fill(true);
-  }
-
   Found next_pending() {
     for (std::size_t k = 0; k < number; ++k)
-      if (pending_[k]) return {k, Scalar(0)};
+      if (known_[k].pending) return {k, Scalar(0)};
     return {};
   }
 
@@ -349,7 +348,7 @@ class Events {
   Scalar rounding(std::size_t k, const Kind& kind, const State& z) {
     using std::abs;
     const Scalar s = value(kind, z);
-    Scalar sum = 16 * Eigen::NumTraits<Scalar>::epsilon() * scale(k);
+    Scalar sum = 16 * Eigen::NumTraits<Scalar>::epsilon() * known_[k].size();
     at_event_ = z;
     for (Eigen::Index i = 0; i < z.vector().size(); ++i) {
       Scalar& x = at_event_.vector()[i];
@@ -365,7 +364,7 @@ class Events {
   template <class At>
   bool is_near(std::size_t k, const Scalar& from, const Scalar& near, const At& at) const {
     using std::abs;
-    return !(abs(from) > scale(k) / 10) && abs(from) <= abs(Scalar(at(near) - from));
+    return !(abs(from) > known_[k].size() / 10) && abs(from) <= abs(Scalar(at(near) - from));
   }
 
   /// To which side of s = from it goes, at(x) being s at the time x: seen at `near` or, where s does not move
@@ -389,24 +388,25 @@ class Events {
   bool settle(std::size_t k, const Kind& kind, const State& start, const State& end, const Scalar& near,
               const Scalar& most, const At& at) {
     using std::abs;
+    Known& own = known_[k];
     const Scalar from = value(kind, start), noise = rounding(k, kind, start);
-    enlarge(k, from);
+    own.enlarge(from);
     if constexpr (changes_state)
-      enlarge(k, value(kind, end));
+      own.enlarge(value(kind, end));
     else
-      enlarge(k, at(near));  // costs no step, and both ends may be on the surface
-    const bool on = rests_[k] || abs(from) <= noise || is_near(k, from, same_time(near), at);
-    const Scalar level = rests_[k] ? level_[k] : from;
+      own.enlarge(at(near));  // costs no step, and both ends may be on the surface
+    const bool on = own.rests || abs(from) <= noise || is_near(k, from, same_time(near), at);
+    const Scalar level = own.rests ? own.level : from;
     const Leaving gone =
         on ? leaving(level, noise, near, most, at) : Leaving{detail::side_of(from), near, from};
-    if (on) enlarge(k, gone.s);
-    rests_[k] = gone.side == 0;
-    level_[k] = level;
-    if (rests_[k]) return false;
+    if (on) own.enlarge(gone.s);
+    own.rests = gone.side == 0;
+    own.level = level;
+    if (own.rests) return false;
     // On its way through the surface s doubles in twice the time since the event; it grows fourfold where the
     // action has left it no speed, and more where it comes back.
     if constexpr (acts<Kind>)
-      if (fired_[k] && gone.side == sides_[k]) {
+      if (own.fired && gone.side == own.side) {
         const auto moved = [&](const Scalar& x) { return abs(Scalar(at(x) - level)); };
         Scalar x = gone.x;
         while (abs(x) > 2 * abs(near) && moved(x / 2) > noise) x /= 2;
@@ -417,13 +417,13 @@ class Events {
               " of a step, or before s has moved by more than its rounding: bounces pile up there; let the "
               "action end the run before, or hold the state");
       }
-    open_[k] = false;
-    const int before = sides_[k];
-    const bool crossed = !std::exchange(fired_[k], false) && on && before != 0 && before != gone.side;
+    own.open = false;
+    const int before = own.side;
+    const bool crossed = !std::exchange(own.fired, false) && on && before != 0 && before != gone.side;
     if (crossed)
-      cross(k, gone.side);
+      own.cross(gone.side);
     else
-      sides_[k] = gone.side;
+      own.side = gone.side;
     return crossed && kind.counts(gone.side);
   }
 
@@ -433,24 +433,25 @@ class Events {
   template <class Kind, class At>
   Crossing leaves_side(std::size_t k, const Kind& kind, const State& start, const State& end, const Scalar& h,
                        const Scalar& near, const At& at, bool timed = false, bool at_once = false) {
+    Known& own = known_[k];
     const Scalar to = value(kind, end);
     const int after = detail::side_of(to);
-    enlarge(k, to);
+    own.enlarge(to);
     // On the surface it is not decided yet: an orbit that only touches it comes back to the side where it
     // was.
     using std::abs;
-    const Scalar small = scale(k) / 1000;
-    const bool stays = after == 0 || after == sides_[k];
+    const Scalar small = own.size() / 1000;
+    const bool stays = after == 0 || after == own.side;
     if (stays && abs(to) > small) return {};
     const Scalar from = value(kind, start);
     if (stays) {
       // From the surface to the surface: the signs at the ends are rounding.
       if (abs(from) > small || !is_near(k, from, near, at)) return {};
       const int side = leaving(from, rounding(k, kind, start), near, h, at).side;
-      return side == -sides_[k] ? Crossing{side, Scalar(0)} : Crossing{};
+      return side == -own.side ? Crossing{side, Scalar(0)} : Crossing{};
     }
     if (at_once && from == Scalar(0)) return {after, Scalar(0)};
-    const bool beyond = detail::side_of(from) != sides_[k];
+    const bool beyond = detail::side_of(from) != own.side;
     if (beyond || (!at_once && is_near(k, from, near, at))) {
       const Leaving gone = leaving(from, rounding(k, kind, start), near, h, at);
       const Scalar level = beyond ? from : Scalar(0);
@@ -494,11 +495,13 @@ class Events {
     const Scalar h = dense().interval(i);
     if (std::exchange(orbit_, intervals_.orbits()) != intervals_.orbits()) {
       longest_ = Scalar(0);
-      forget_sides();
+      known_.fill({});
     }
     if (std::exchange(arc_, intervals_.arcs()) != intervals_.arcs()) {
-      open_.fill(true);
-      rests_.fill(false);
+      for (Known& one : known_) {
+        one.open = true;
+        one.rests = false;
+      }
     }
     lengthen(h);
     using std::abs;
@@ -508,22 +511,23 @@ class Events {
     std::array<bool, number> found{};
     std::array<Scalar, number> when{};
     const auto look_at = [&](std::size_t k, auto& kind) {
+      Known& own = known_[k];
       const auto at = [&](const Scalar& x) {
         dense().sought_after(i, x, at_event_);
         return value(kind, at_event_);
       };
-      const bool begins = open_[k];
+      const bool begins = own.open;
       if (begins && settle(k, kind, start, end, near, h, at)) go_on = tell(k, i, Scalar(0), run) && go_on;
-      if (open_[k]) return;
+      if (own.open) return;
       const bool cut = intervals_.cut(i);
-      open_[k] = true;  // where the search throws the next interval has to find the side anew
+      own.open = true;  // where the search throws the next interval has to find the side anew
       const Crossing crossing = leaves_side(k, kind, start, end, h, near, at, cut, !begins);
-      open_[k] = false;
+      own.open = false;
       // On the surface of an event that changed the state it is the way on that decides.
       if (!crossing.to || (cut && (abs(Scalar(h - crossing.x)) <= abs(same_time(near)) ||
                                    abs(value(kind, end)) <= rounding(k, kind, end))))
         return;
-      cross(k, crossing.to);
+      own.cross(crossing.to);
       found[k] = kind.counts(crossing.to);
       when[k] = crossing.x;
     };
@@ -540,9 +544,9 @@ class Events {
       thrown.of([&] { go_on = tell(next, i, when[next], run) && go_on; });
       each([&](std::size_t k, auto& kind) {
         const Scalar s = value(kind, end);
-        if (s == before[k] || !(abs(s) > Scalar(0))) return;    // NaN is refused by look_at()
-        if (detail::side_of(s) != sides_[k]) found[k] = false;  // it is no longer crossed there
-        sides_[k] = detail::side_of(s);
+        if (s == before[k] || !(abs(s) > Scalar(0))) return;         // NaN is refused by look_at()
+        if (detail::side_of(s) != known_[k].side) found[k] = false;  // it is no longer crossed there
+        known_[k].side = detail::side_of(s);
       });
     }
     thrown.pass_on();
@@ -565,17 +569,8 @@ class Events {
   std::tuple<Kinds...> kinds_;
   State at_event_;
   std::array<std::int64_t, number> counts_{};
-  /// The side of each surface on which the orbit is, also where a state is on the surface: -1, 1; 0 before it
-  /// is known.
-  std::array<int, number> sides_{};
-  std::array<bool, number> open_{};     ///< an orbit or what follows an event has begun: see settle()
-  std::array<bool, number> pending_{};  ///< crossed where the orbit is, and not yet acted upon
-  std::array<bool, number> fired_{};    ///< open since its own event, which left it on its surface
-  std::array<bool, number> rests_{};    ///< open, and s has not moved off level_ yet
-  std::array<Scalar, number> level_{};
-  Scalar since_ = Scalar(0);                   ///< the time since the last event, up to steps_at_rest
-  std::array<Scalar, number> scale_{};         ///< the largest |s| since the last crossing
-  std::array<Scalar, number> scale_before_{};  ///< and between that and the one before
+  std::array<Known, number> known_{};
+  Scalar since_ = Scalar(0);  ///< the time since the last event, up to steps_at_rest
   std::int64_t orbit_ = 0, arc_ = 0;
   State last_;
   bool started_ = false;

@@ -78,7 +78,8 @@ int run(const Ranks& ranks, Job& job) {
   if (!ranks.first()) return 0;
   std::cout << "sites: " << job.sites << ", steps: " << report.steps
             << ", evaluations: " << report.evaluations << '\n'
-            << "participation number: " << formatted("%.15g", spread) << '\n'
+            << "participation number: " << formatted("%.15g", spread)
+            << " by these steps, all digits to compare runs: in chaos dt and rounding change it\n"
             << "worst energy error: " << formatted("%.1e", invariants["energy"].worst)
             << ", worst mass error: " << formatted("%.1e", invariants["mass"].worst) << '\n'
             << ranks.size() << (ranks.size() > 1 ? " processes: " : " process: ")

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <memory>
 #include <numbers>
-#include <ostream>
 #include <string>
+#include <vector>
 
 #include <semiexplicit/checkpoint.hpp>
 #include <semiexplicit/scene.hpp>
@@ -86,7 +86,8 @@ inline Measurement<3> gyration(const Choice& c) {
   const double rate = c["charge"] * (alone ? c["b"] : 0) / c["mass"],
                radius = std::abs(Velocity(c).across / rate);
   return {[=](double t, const In<double, 3>& q, const In<double, 3>&) { turning->see(t, q[0], q[1]); },
-          [=](std::ostream& out, const Run&) {
+          memory_of(turning),
+          [=](const Run&) -> std::vector<Figure> {
             const std::string coarse = too_coarse(turning->largest(rate));
             const std::string why = !alone                   ? "the formula holds for uniform_field alone"
                                     : !Velocity(c).crosses() ? Velocity::no_crossing
@@ -94,11 +95,10 @@ inline Measurement<3> gyration(const Choice& c) {
                                     : std::abs(turning->turned()) < 2 * std::numbers::pi
                                         ? "the run has no whole turn; give more --time"
                                         : "";
-            if (!why.empty()) return print_none(out, "gyrofrequency", why);
-            print_comparison(out, "gyrofrequency, rad/s", -turning->rate(), "eB/m", rate);
-            print_comparison(out, "gyroradius, m", turning->mean_radius(), "mv/(eB)", radius);
-          },
-          memory_of(turning)};
+            if (!why.empty()) return {not_measured("gyrofrequency", why)};
+            return {compared("gyrofrequency, rad/s", -turning->rate(), 0, "eB/m", rate),
+                    compared("gyroradius, m", turning->mean_radius(), 0, "mv/(eB)", radius)};
+          }};
 }
 
 /// The adiabatic estimates are for a gyroradius much smaller than the length of the field, and for the field
@@ -112,30 +112,26 @@ inline Measurement<3> mirrors(const Choice& c) {
                                       ? "other effects than the field are on"
                                   : gyroradius > 0.05 * length ? "the gyroradius is not small beside --length"
                                                                : "";
-  return {[=](double t, const In<double, 3>& q, const In<double, 3>&) { bouncing->see(t, q[2]); },
-          [=](std::ostream& out, const Run&) {
-            std::string why = v.crosses() ? bouncing->missing(std::abs(c["charge"] * c["b0"]) / c["mass"])
-                                          : Velocity::no_crossing;
-            const bool stays = length * std::abs(v.along) / v.across < 1e-6 * gyroradius;
-            if (v.crosses() && stays && bouncing->highest().value() < 1e-6 * gyroradius)
-              why = "the charge stays in the middle; give another --pitch";
-            if (!why.empty())
-              return print_none(out, "turning point and bounce period",
-                                why + (why.find("--time") == why.npos
-                                           ? ""
-                                           : ", or a stronger field, which keeps the charge near the axis"));
-            const double highest = bouncing->highest().value(), about = bouncing->highest().uncertain(),
-                         period = bouncing->period(), or_so = bouncing->period_uncertain();
-            if (!no_estimate.empty()) {
-              print_figure(out, "turning point, m", highest, no_estimate, about);
-              return print_figure(out, "bounce period, s", period, no_estimate, or_so);
-            }
-            print_comparison(out, "turning point, m", highest, "adiabatic, L cot(pitch)",
-                             length * std::abs(v.along) / v.across, about);
-            print_comparison(out, "bounce period, s", period, "adiabatic, 2πL/(v sin(pitch))",
-                             2 * std::numbers::pi * length / v.across, or_so);
-          },
-          memory_of(bouncing)};
+  return {
+      [=](double t, const In<double, 3>& q, const In<double, 3>&) { bouncing->see(t, q[2]); },
+      memory_of(bouncing),
+      [=](const Run&) -> std::vector<Figure> {
+        std::string why = v.crosses() ? bouncing->missing(std::abs(c["charge"] * c["b0"]) / c["mass"])
+                                      : Velocity::no_crossing;
+        const bool stays = length * std::abs(v.along) / v.across < 1e-6 * gyroradius;
+        if (v.crosses() && stays && bouncing->highest().value() < 1e-6 * gyroradius)
+          why = "the charge stays in the middle; give another --pitch";
+        if (!why.empty())
+          return {not_measured("turning point and bounce period",
+                               why + (why.find("--time") == why.npos
+                                          ? ""
+                                          : ", or a stronger field, which keeps the charge near the axis"))};
+        return {
+            compared("turning point, m", bouncing->highest().value(), bouncing->highest().uncertain(),
+                     "adiabatic, L cot(pitch)", length * std::abs(v.along) / v.across, no_estimate),
+            compared("bounce period, s", bouncing->period(), bouncing->period_uncertain(),
+                     "adiabatic, 2πL/(v sin(pitch))", 2 * std::numbers::pi * length / v.across, no_estimate)};
+      }};
 }
 
 /// Source: M. Schulz and L. Lanzerotti, Particle Diffusion in the Radiation Belts (1974), section I.4, for a
@@ -156,45 +152,41 @@ inline Measurement<3> bounce_and_drift(const Choice& c) {
       : !(gyroradius < 0.1) || !(y > 0.01)
           ? "the gyroradius is not small beside --r, or --pitch is too near to the field"
           : "";
-  return {[=](double t, const In<double, 3>& q, const In<double, 3>&) {
-            bouncing->see(t, q[2]);
-            drifting->see(t, q[0], q[1]);
-          },
-          [=](std::ostream& out, const Run&) {
-            const auto figure = [&](const std::string& what, const std::string& why, double measured,
-                                    double estimate, double uncertain = 0) {
-              if (!why.empty())
-                print_none(out, what, why);
-              else if (!no_estimate.empty())
-                print_figure(out, what, measured, no_estimate, uncertain);
-              else
-                print_comparison(out, what, measured, "adiabatic", estimate, uncertain);
-            };
-            const std::string coarse = too_coarse(drifting->largest());
-            const Velocity start(c);
-            const bool stays = std::abs(start.along) < 1e-6 * start.all;
-            figure("bounce period, s",
-                   !start.crosses() ? Velocity::no_crossing
-                   : stays && bouncing->highest().value() < 1e-6 * l
-                       ? "the charge stays in the equator; give another --pitch"
-                       : bouncing->missing(v / (gyroradius * l)),
-                   bouncing->period(), bounce, bouncing->period_uncertain());
-            // At both ends the gyration is part of the angle, and the drift is faster here and slower there
-            // on a bounce, twice to and fro.
-            const double share =
-                (2 * gyroradius + std::abs(drifting->rate()) * bounce / (2 * std::numbers::pi)) /
-                std::abs(drifting->turned());
-            const double period = 2 * std::numbers::pi / drifting->rate();
-            figure("drift period, s (westward: negative)",
-                   !coarse.empty() ? coarse
-                   : share < 0.1   ? ""
-                                   : "the drift is not yet large beside the gyroradius; give more --time",
-                   period, 2 * std::numbers::pi / rate, share * std::abs(period));
-          },
-          [=](CheckpointMemory& visit) {
-            bouncing->visit_memory(visit);
-            drifting->visit_memory(visit);
-          }};
+  return {
+      [=](double t, const In<double, 3>& q, const In<double, 3>&) {
+        bouncing->see(t, q[2]);
+        drifting->see(t, q[0], q[1]);
+      },
+      [=](CheckpointMemory& visit) {
+        bouncing->visit_memory(visit);
+        drifting->visit_memory(visit);
+      },
+      [=](const Run&) -> std::vector<Figure> {
+        const auto figure = [&](const std::string& what, const std::string& why, double measured,
+                                double estimate, double uncertain) {
+          return why.empty() ? compared(what, measured, uncertain, "adiabatic", estimate, no_estimate)
+                             : not_measured(what, why);
+        };
+        const std::string coarse = too_coarse(drifting->largest());
+        const Velocity start(c);
+        const bool stays = std::abs(start.along) < 1e-6 * start.all;
+        // At both ends the gyration is part of the angle, and the drift is faster here and slower there
+        // on a bounce, twice to and fro.
+        const double share = (2 * gyroradius + std::abs(drifting->rate()) * bounce / (2 * std::numbers::pi)) /
+                             std::abs(drifting->turned());
+        const double period = 2 * std::numbers::pi / drifting->rate();
+        return {figure("bounce period, s",
+                       !start.crosses() ? Velocity::no_crossing
+                       : stays && bouncing->highest().value() < 1e-6 * l
+                           ? "the charge stays in the equator; give another --pitch"
+                           : bouncing->missing(v / (gyroradius * l)),
+                       bouncing->period(), bounce, bouncing->period_uncertain()),
+                figure("drift period, s (westward: negative)",
+                       !coarse.empty() ? coarse
+                       : share < 0.1   ? ""
+                                       : "the drift is not yet large beside the gyroradius; give more --time",
+                       period, 2 * std::numbers::pi / rate, share * std::abs(period))};
+      }};
 }
 
 }  // namespace examples

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <ostream>
 #include <sstream>
 #include <string>
@@ -25,8 +26,61 @@ namespace examples {
 struct Figure {
   std::string name;
   double value = 0;
-  double uncertain = 0;  ///< by how it is measured, whatever the trajectory
+  double uncertain = 0;              ///< by how it is measured, whatever the trajectory
+  std::string beside{};              ///< what is to be known of it; of `expected` what that is
+  std::optional<double> expected{};  ///< by a closed form or an estimate
+  std::string missing{};             ///< why there is none; empty where there is one
 };
+
+/// A figure beside what a formula gives, or alone where a reason is `off` why the formula does not hold.
+inline Figure compared(const std::string& name, double value, double uncertain, const std::string& formula,
+                       double expected, const std::string& off = "") {
+  if (off.empty()) return {name, value, uncertain, formula, expected};
+  return {name, value, uncertain, "no closed form, " + off};
+}
+inline Figure not_measured(const std::string& name, const std::string& why) {
+  return {.name = name, .missing = why};
+}
+
+/// "what: not measured, why".
+inline void print_none(std::ostream& out, const std::string& what, const std::string& why) {
+  out << what << ": not measured, " << why << '\n';
+}
+
+/// "77.8 ± 0.7", no more digits than that means; eight of them where none of these is uncertain.
+inline std::string with_uncertainty(double value, double uncertain) {
+  if (!(uncertain > 1e-8 * std::abs(value))) return formatted("%.8g", value);
+  const auto place = [](double x) { return static_cast<int>(std::floor(std::log10(std::abs(x)))); };
+  const bool small = value != 0 && std::abs(value) < 1e-4;  // as %g has it
+  const int decimals = std::clamp((small ? place(value) : 0) - place(uncertain), 0, 15);
+  return formatted(small ? "%.*e" : "%.*f", decimals, value) + formatted(" ± %.1g", uncertain);
+}
+
+/// Why no companion tells the error of a figure.
+inline std::string no_error(const Run& run) {
+  return run.companion_parted
+             ? formatted("a companion run of half the step parts from it before t = %.3g",
+                         *run.companion_parted) +
+                   "; give a smaller --dt, or less --time where the motion is chaotic"
+             : "no companion run with --method " + run.method.name + " tells its error; give another";
+}
+
+/// A line "what: measured ± error; reference: expected (difference)", which is absolute where 0 is expected.
+/// A figure whose error no companion tells is none.
+inline void print_figure(std::ostream& out, const Figure& figure, const Run& run) {
+  if (!figure.missing.empty()) return print_none(out, figure.name, figure.missing);
+  const auto error = run.figure_errors.find(figure.name);
+  if (error == run.figure_errors.end()) return print_none(out, figure.name, no_error(run));
+  out << figure.name << ": "
+      << with_uncertainty(figure.value, error->second.by_trajectory + error->second.by_measuring);
+  if (!figure.beside.empty()) out << "; " << figure.beside;
+  if (figure.expected)
+    out << ": "
+        << formatted(*figure.expected == 0 ? "%.8g (difference %.1e)" : "%.8g (relative difference %.1e)",
+                     *figure.expected,
+                     std::abs(*figure.expected == 0 ? figure.value : figure.value / *figure.expected - 1));
+  out << '\n';
+}
 
 /// Looks on at a run and says something about it at the end.
 template <int Dof>
@@ -34,10 +88,11 @@ struct Measurement {
   static constexpr const char* name = "Measurement";
 
   std::function<void(double t, const In<double, Dof>& q, const In<double, Dof>& p)> observe{};
-  std::function<void(std::ostream&, const Run&)> report{};
   std::function<void(CheckpointMemory&)> memory{};  ///< of what it has seen; see CheckpointMemory
-  /// Its figures so far, optional: they get an error by a companion run, which needs a second measurement.
-  std::function<std::vector<Figure>()> figures{};
+  /// Its figures so far: they get an error by a companion run, which needs a second measurement.
+  std::function<std::vector<Figure>(const Run&)> figures{};
+  std::function<void(std::ostream&, const Run&)> report{};  ///< instead of the figures; optional
+  std::function<std::string()> heading{};                   ///< before them; optional
   std::function<std::string()> ending{};  ///< why a run ended early, where the motion tells; optional
 
   template <class State>
@@ -52,14 +107,14 @@ struct Measurement {
 
   /// Nothing is said of a run that is no result.
   void print(std::ostream& out, const Run& run) const {
-    if (!report) return;
+    if (!report && !figures) return;
     if (!run.is_result()) {
       const std::string why = ending ? ending() : "";
       out << "nothing else is measured, as the run is no result; "
           << (why.empty() ? "see the end of it" : why) << '\n';
       return;
     }
-    if (figures) return report(out, run);
+    if (figures) return tell(out, run);
     const double energy = run.quantities.front().worst;
     if (!(energy <= 1e-2)) {
       out << formatted("nothing else is measured, as the energy is off by %.1g of itself; ", energy)
@@ -72,6 +127,12 @@ struct Measurement {
     if (said.str().find("±") != std::string::npos)
       out << formatted("± is what the steps leave open; that the energy is off by %.1g is not in it\n",
                        energy);
+  }
+  void tell(std::ostream& out, const Run& run) const {
+    if (heading) out << heading();
+    if (report) return report(out, run);
+    if (!figures) return;
+    for (const Figure& figure : figures(run)) print_figure(out, figure, run);
   }
 };
 
@@ -95,9 +156,11 @@ class FigureErrors {
   /// Puts the errors into the run, of those figures that both have; none where the two have parted.
   template <class Estimate>
   void conclude(const Estimate& estimate, Run& run) const {
-    for (const Figure& one : of_run_.figures())
-      for (const Figure& other : of_companion_.figures())
-        if (one.name == other.name)
+    run.companion_parted = estimate.parted_at();
+    const std::vector<Figure> others = of_companion_.figures(run);
+    for (const Figure& one : of_run_.figures(run))
+      for (const Figure& other : others)
+        if (one.name == other.name && one.missing.empty() && other.missing.empty())
           if (const auto error = estimate.error_of(one.value, other.value))
             run.figure_errors[one.name] = {*error, one.uncertain};
   }
@@ -119,11 +182,6 @@ inline std::string too_coarse(double angle, double limit = std::acos(-1.0) / 4) 
   if (angle < limit) return "";
   return formatted("it turns by up to %.0f degrees in a step; ", angle * 180 / std::acos(-1.0)) +
          formatted("give a --dt %.0f times smaller", std::ceil(angle / limit) + 1);
-}
-
-/// "what: not measured, why".
-inline void print_none(std::ostream& out, const std::string& what, const std::string& why) {
-  out << what << ": not measured, " << why << '\n';
 }
 
 /// Between two vectors in space, in radians; 0 where one of them is zero.
@@ -232,15 +290,6 @@ class Turning {
   double start_ = 0, now_ = 0, last_ = 0, turned_ = 0, radii_ = 0, largest_ = 0, longest_ = 0;
 };
 
-/// "77.8 ± 0.7", no more digits than that means; eight of them where none of these is uncertain.
-inline std::string with_uncertainty(double value, double uncertain) {
-  if (!(uncertain > 1e-8 * std::abs(value))) return formatted("%.8g", value);
-  const auto place = [](double x) { return static_cast<int>(std::floor(std::log10(std::abs(x)))); };
-  const bool small = value != 0 && std::abs(value) < 1e-4;  // as %g has it
-  const int decimals = std::clamp((small ? place(value) : 0) - place(uncertain), 0, 15);
-  return formatted(small ? "%.*e" : "%.*f", decimals, value) + formatted(" ± %.1g", uncertain);
-}
-
 /// The largest value of what is seen at steps of one size: the top of the parabola through three of them.
 class Largest {
  public:
@@ -268,19 +317,5 @@ class Largest {
   std::int64_t seen_ = 0;
   double value_ = -INFINITY, uncertain_ = 0, before_ = 0, last_ = 0;
 };
-
-/// A line "what: measured; reference: expected (difference)", which is absolute where 0 is expected.
-inline void print_comparison(std::ostream& out, const std::string& what, double measured,
-                             const std::string& reference, double expected, double uncertain = 0) {
-  out << what << ": " << with_uncertainty(measured, uncertain) << "; " << reference << ": "
-      << formatted(expected == 0 ? "%.8g (difference %.1e)\n" : "%.8g (relative difference %.1e)\n", expected,
-                   expected == 0 ? std::abs(measured) : std::abs(measured / expected - 1));
-}
-
-/// print_comparison() without a reference.
-inline void print_figure(std::ostream& out, const std::string& what, double measured, const std::string& why,
-                         double uncertain = 0) {
-  out << what << ": " << with_uncertainty(measured, uncertain) << "; no closed form, " << why << '\n';
-}
 
 }  // namespace examples

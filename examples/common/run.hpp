@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <iostream>
 #include <map>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <type_traits>
@@ -127,6 +128,7 @@ struct Run {
   std::string failure{};  ///< empty if the run came to its end
   std::string doubt{};    ///< not empty if the result means nothing although it did
   std::map<std::string, FigureError> figure_errors{};  ///< where a companion run tells one
+  std::optional<double> companion_parted{};            ///< when it did
 
   bool is_result() const { return failure.empty() && doubt.empty(); }
   /// Says on stderr why this is no result; false: it is one.

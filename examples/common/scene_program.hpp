@@ -119,18 +119,20 @@ Measurement<Dof> with_books(const RuntimeScene<double, Dof>& scene, const Measur
             *worst = std::max(*worst, std::abs(books->difference()));
             if (measurement.observe) measurement.observe(t, q, p);
           },
-          [=](std::ostream& out, const Run& run) {
-            out << *books;
-            Run without_work = run;
-            without_work.quantities.front().worst = *worst / std::abs(books->energy_at_start());
-            if (measurement.report) measurement.report(out, without_work);
-          },
           [=](CheckpointMemory& visit) {
             books->visit_memory(visit);
             visit(*worst);
             if (measurement.memory) measurement.memory(visit);
           },
-          measurement.figures, measurement.ending};
+          measurement.figures,
+          [=](std::ostream& out, const Run& run) {
+            out << *books;
+            Run without_work = run;
+            without_work.quantities.front().worst = *worst / std::abs(books->energy_at_start());
+            measurement.tell(out, without_work);
+          },
+          {},
+          measurement.ending};
 }
 
 /// What an accuracy with a unit asks for; nothing where there is none. Throws std::invalid_argument where the

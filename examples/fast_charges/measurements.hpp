@@ -6,7 +6,6 @@
 #include <limits>
 #include <memory>
 #include <numbers>
-#include <ostream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -42,7 +41,8 @@ inline Measurement<3> fast_gyration(const Choice& c) {
   const auto turning = std::make_shared<Turning>();
   const bool alone = only_field(c, "uniform_field");
   return {[=](double t, const In<double, 3>& q, const In<double, 3>&) { turning->see(t, q[0], q[1]); },
-          [=](std::ostream& out, const Run&) {
+          memory_of(turning),
+          [=](const Run&) -> std::vector<Figure> {
             const double across = std::abs(std::sin(c["pitch"]));
             const double rate = c["charge"] * c["b"] / (gamma_of(c) * c["mass"]);
             const std::string coarse = too_coarse(turning->largest(rate));
@@ -52,12 +52,11 @@ inline Measurement<3> fast_gyration(const Choice& c) {
                                     : std::abs(turning->turned()) < 2 * std::numbers::pi
                                         ? "the run has no whole turn; give more --time"
                                         : "";
-            if (!why.empty()) return print_none(out, "gyrofrequency", why);
-            print_comparison(out, "gyrofrequency, rad/s", -turning->rate(), "eB/(γm)", rate);
-            print_comparison(out, "gyroradius, m", turning->mean_radius(), "p/(eB)",
-                             momentum_of(c) * across / std::abs(c["charge"] * c["b"]));
-          },
-          memory_of(turning)};
+            if (!why.empty()) return {not_measured("gyrofrequency", why)};
+            return {compared("gyrofrequency, rad/s", -turning->rate(), 0, "eB/(γm)", rate),
+                    compared("gyroradius, m", turning->mean_radius(), 0, "p/(eB)",
+                             momentum_of(c) * across / std::abs(c["charge"] * c["b"]))};
+          }};
 }
 
 /// The first place and the last, and how far it went along one axis and to the middle.
@@ -97,31 +96,16 @@ struct Way {
     visit(last);
   }
 };
-/// `figures(way)`: those whose error a companion run is to tell; optional.
-template <class Report>
-Measurement<3> of_way(const Choice& c, const std::string& field, const Report& report,
-                      const std::function<std::vector<Figure>(const Way&)>& figures = {}) {
+/// The figures(way) of a charge in one field.
+Measurement<3> of_way(const Choice& c, const std::string& field,
+                      const std::function<std::vector<Figure>(const Way&)>& figures) {
   const auto way = std::make_shared<Way>();
-  Measurement<3> measurement{
-      [=](double t, const In<double, 3>& q, const In<double, 3>& p) { way->see(t, q, p); },
-      [=](std::ostream& out, const Run& run) {
-        if (only_field(c, field)) return report(out, *way, run);
-        print_none(out, field, "the formulas hold for this field alone");
-      },
-      memory_of(way)};
-  if (figures) measurement.figures = [=] { return figures(*way); };
-  return measurement;
-}
-
-/// print_comparison() where a formula holds to a per cent or so, which is as long as nothing is in `off`,
-/// else the measured figure alone.
-inline void print_where_it_holds(std::ostream& out, const std::string& what, double measured,
-                                 const std::string& reference, double expected, const std::string& off,
-                                 double uncertain = 0) {
-  if (off.empty())
-    print_comparison(out, what, measured, reference, expected, uncertain);
-  else
-    print_figure(out, what, measured, off, uncertain);
+  return {[=](double t, const In<double, 3>& q, const In<double, 3>& p) { way->see(t, q, p); },
+          memory_of(way),
+          [=](const Run&) -> std::vector<Figure> {
+            if (!only_field(c, field)) return {not_measured(field, "the formulas hold for this field alone")};
+            return figures(*way);
+          }};
 }
 
 /// "the slope is 0.65, and is to be below 0.1", or nothing where it is.
@@ -131,34 +115,38 @@ inline std::string too_large(const std::string& what, double value, double limit
 
 /// Source: Wille (2000), chapter 9.
 inline Measurement<3> wiggle(const Choice& c) {
-  return of_way(c, "undulator", [=](std::ostream& out, const Way& way, const Run&) {
-    const double period = c["period"], k = 2 * std::numbers::pi / period;
-    const double strength = std::abs(c["charge"] * c["b0"]) / (c["mass"] * c["c"] * k), gamma = gamma_of(c);
+  const double period = c["period"], k = 2 * std::numbers::pi / period;
+  const double strength = std::abs(c["charge"] * c["b0"]) / (c["mass"] * c["c"] * k), gamma = gamma_of(c);
+  Measurement<3> measurement = of_way(c, "undulator", [=](const Way& way) -> std::vector<Figure> {
+    const auto none = [](const std::string& why) { return std::vector{not_measured("wiggle", why)}; };
     const double passed = (way.last - way.first)[2] / period;
-    if (strength == 0) return print_none(out, "wiggle", "there is no field");
+    if (strength == 0) return none("there is no field");
     if (std::abs(std::sin(k * way.first[2])) > 1e-9)
-      return print_none(out, "wiggle",
-                        "it starts where A is not 0 and so drifts aside; give a --z of whole half periods");
-    if (passed < 5) return print_none(out, "wiggle", "it is less than five periods; give more --time");
+      return none("it starts where A is not 0 and so drifts aside; give a --z of whole half periods");
+    if (passed < 5) return none("it is less than five periods; give more --time");
     if (const std::string coarse = way.too_coarse("a period", period, 8); !coarse.empty())
-      return print_none(out, "wiggle", coarse);
-    out << formatted("K = eB/(mck) = %.6g, %.1f periods\n", strength, passed);
+      return none(coarse);
     const double slope = strength * c["mass"] * c["c"] / momentum_of(c),
                  behind = (1 + strength * strength / 2) / (gamma * gamma);
     std::string off = too_large("k|y|", k * way.highest, 0.1);
     if (off.empty()) off = too_large("the slope K/(γβ)", slope, 0.1);
-    print_where_it_holds(out, "wiggle, m", (way.widest.value() + way.closest.value()) / 2, "K/(γβk)",
-                         slope / k, off, (way.widest.uncertain() + way.closest.uncertain()) / 2);
+    std::vector<Figure> list{compared("wiggle, m", (way.widest.value() + way.closest.value()) / 2,
+                                      (way.widest.uncertain() + way.closest.uncertain()) / 2, "K/(γβk)",
+                                      slope / k, off)};
     if (off.empty()) off = too_large("(1 + K²/2)/γ²", behind, 0.01);
     const double light = c["c"] * (way.t - way.t0), slippage = (light - (way.last - way.first)[2]) / passed,
                  rounding = std::numeric_limits<double>::epsilon() * light / passed;
-    if (!(std::abs(slippage) > rounding))
-      return print_none(
-          out, "slippage a period, m",
-          formatted("it is lost in rounding, which is ± %.1g; ", rounding) + "give a smaller --gamma");
-    print_where_it_holds(out, "slippage a period, m", slippage, "λ(1 + K²/2)/(2γ²)", period * behind / 2, off,
-                         rounding);
+    list.push_back(std::abs(slippage) > rounding
+                       ? compared("slippage a period, m", slippage, rounding, "λ(1 + K²/2)/(2γ²)",
+                                  period * behind / 2, off)
+                       : not_measured("slippage a period, m",
+                                      formatted("it is lost in rounding, which is ± %.1g; ", rounding) +
+                                          "give a smaller --gamma"));
+    return list;
   });
+  if (only_field(c, "undulator"))
+    measurement.heading = [=] { return formatted("K = eB/(mck) = %.6g\n", strength); };
+  return measurement;
 }
 
 inline Measurement<3> rotation(const Choice& c) {
@@ -174,43 +162,35 @@ inline Measurement<3> rotation(const Choice& c) {
                                     way.first.head<2>().dot(way.last.head<2>()));
     return angle + pi * std::round((larmor(way) - angle) / pi);
   };
-  const auto report = [=](std::ostream& out, const Way& way, const Run& run) {
-    if (way.first.head<2>().isZero(0)) return print_none(out, "turn of the plane", "it starts on the axis");
+  return of_way(c, "solenoid", [=](const Way& way) -> std::vector<Figure> {
+    if (way.first.head<2>().isZero(0)) return {not_measured("turn of the plane", "it starts on the axis")};
     if (const std::string coarse = way.too_coarse("the solenoid", c["length"], 4); !coarse.empty())
-      return print_none(out, "turn of the plane", coarse);
-    const auto error = run.figure_errors.find(what);
-    if (error == run.figure_errors.end())
-      return print_none(out, "turn of the plane",
-                        "no companion run tells its error; give a smaller --dt, or another --method");
+      return {not_measured("turn of the plane", coarse)};
     const double from_axis = way.first.head<2>().norm();
     std::string off =
         too_large("the distance from the axis, in radii of the solenoid,", from_axis / c["radius"], 1);
     if (off.empty())
       off = too_large("the slope eBρ/(2p)",
                       std::abs(c["charge"] * c["b0"]) * from_axis / (2 * momentum_of(c)), 0.1);
-    print_where_it_holds(out, what, turn(way), "Larmor, -e∫B dz/(2p)", larmor(way), off,
-                         error->second.by_trajectory);
-  };
-  return of_way(c, "solenoid", report, [=](const Way& way) {
-    return std::vector<Figure>{{what, turn(way)}};
+    return {compared(what, turn(way), 0, "Larmor, -e∫B dz/(2p)", larmor(way), off)};
   });
 }
 
 inline Measurement<3> focusing(const Choice& c) {
-  return of_way(c, "quadrupole", [=](std::ostream& out, const Way& way, const Run&) {
+  return of_way(c, "quadrupole", [=](const Way& way) {
+    std::vector<Figure> list;
     const double kappa = c["charge"] * c["slope"] / momentum_of(c), z = (way.last - way.first)[2];
     const auto grown = [&](double k) {
       return k > 0 ? std::cos(std::sqrt(k) * z) : std::cosh(std::sqrt(-k) * z);
     };
     for (const int i : {0, 1}) {
       const std::string what = std::string(i == 0 ? "x" : "y") + " at the end, of that at the start";
-      if (way.first[i] == 0)
-        print_none(out, what, "it starts at 0");
-      else
-        print_where_it_holds(out, what, way.last[i] / way.first[i], "cos or cosh(√|κ| z)",
-                             grown(i == 0 ? kappa : -kappa),
-                             too_large("the slope", way.across / momentum_of(c), 0.1));
+      list.push_back(way.first[i] == 0 ? not_measured(what, "it starts at 0")
+                                       : compared(what, way.last[i] / way.first[i], 0, "cos or cosh(√|κ| z)",
+                                                  grown(i == 0 ? kappa : -kappa),
+                                                  too_large("the slope", way.across / momentum_of(c), 0.1)));
     }
+    return list;
   });
 }
 
@@ -264,28 +244,34 @@ inline Measurement<3> stoermer(const Choice& c) {
             seen->closeness.see(-q.norm());
             seen->sine.see(std::abs(region.sine(std::hypot(q[0], q[1]), q[2])));
           },
-          [=](std::ostream& out, const Run&) {
+          memory_of(seen),
+          [=](const Run&) -> std::vector<Figure> {
             if (!only_field(c, "dipole_field"))
-              return print_none(out, "Stoermer's region", "the formula holds for dipole_field alone");
+              return {not_measured("Stoermer's region", "the formula holds for dipole_field alone")};
             const Stoermer region(c, {1, 0, 0}, {0, seen->l, 0});
             if (!std::isnormal(region.square) || !std::isfinite(seen->sine.value()))
-              return print_none(out, "Stoermer's region", "there is no field, or no momentum");
-            const std::string unit = ", " + c.units.name(0) + ": ";
-            out << formatted("Stoermer's length%s%.6g; angular momentum over it: %.6g\n", unit.c_str(),
-                             std::sqrt(std::abs(region.square)),
-                             region.per_momentum / std::sqrt(std::abs(region.square)));
+              return {not_measured("Stoermer's region", "there is no field, or no momentum")};
+            const std::string sine = "largest |sin χ| on the way";
             if (const std::string coarse = too_coarse(seen->turn); !coarse.empty())
-              return print_none(out, "largest |sin χ|, and the place nearest to the dipole", coarse);
+              return {not_measured("largest |sin χ|, and the place nearest to the dipole", coarse)};
+            std::vector<Figure> list;
             // About the axis it peaks as sharply as the path is near to it.
             if (const std::string coarse = too_coarse(seen->azimuth, std::numbers::pi / 6); !coarse.empty())
-              print_none(out, "largest |sin χ| on the way", "about the axis " + coarse);
+              list.push_back(not_measured(sine, "about the axis " + coarse));
             else
-              out << "largest |sin χ| on the way: "
-                  << with_uncertainty(seen->sine.value(), seen->sine.uncertain()) << "; forbidden: above 1\n";
-            out << "nearest to the dipole" << unit
-                << with_uncertainty(-seen->closeness.value(), seen->closeness.uncertain()) << '\n';
+              list.push_back({sine, seen->sine.value(), seen->sine.uncertain(), "forbidden: above 1"});
+            list.push_back({"nearest to the dipole, " + c.units.name(0), -seen->closeness.value(),
+                            seen->closeness.uncertain()});
+            return list;
           },
-          memory_of(seen)};
+          {},
+          [=]() -> std::string {
+            const Stoermer region(c, {1, 0, 0}, {0, seen->l, 0});
+            if (!only_field(c, "dipole_field") || !std::isnormal(region.square)) return "";
+            const double length = std::sqrt(std::abs(region.square));
+            return "Stoermer's length, " + c.units.name(0) + formatted(": %.6g", length) +
+                   formatted("; angular momentum over it: %.6g\n", region.per_momentum / length);
+          }};
 }
 
 }  // namespace examples

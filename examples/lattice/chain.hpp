@@ -73,16 +73,20 @@ inline Measurement<Eigen::Dynamic> localisation(const Choice& c) {
             seen->t = t;
             seen->last = density(q, p);
           },
-          [=](std::ostream& out, const Run&) {
-            out << "participation number at the end: " << formatted("%.4f", participation(seen->last))
-                << " of " << sites(c) << " sites\n";
-            if (c.on("on_site") || c.on("pair_exchange") || sites(c) > 1000) return;
+          memory_of(seen),
+          [=](const Run&) -> std::vector<Figure> {
+            Figure figure{.name = "participation number at the end",
+                          .value = participation(seen->last),
+                          .beside = "of " + std::to_string(sites(c)) + " sites"};
+            if (c.on("on_site") || c.on("pair_exchange") || sites(c) > 1000) return {figure};
             const Eigen::VectorXd exact = by_eigenvectors(c, seen->t);
-            out << "by the eigenvectors of the chain: " << formatted("%.4f", participation(exact))
-                << formatted("; largest difference of a density: %.1e\n",
-                             (seen->last - exact).cwiseAbs().maxCoeff());
-          },
-          memory_of(seen)};
+            figure.beside +=
+                formatted("; largest difference of a density from the eigenvectors of the chain: %.1e",
+                          (seen->last - exact).cwiseAbs().maxCoeff()) +
+                "; by these";
+            figure.expected = participation(exact);
+            return {figure};
+          }};
 }
 
 /// Does the mass stay where it starts? On two sites the least that is left there is known: M. Kenkre and D.
@@ -91,9 +95,11 @@ inline Measurement<Eigen::Dynamic> localisation(const Choice& c) {
 /// chain (M. Molina and G. Tsironis, Physica D 65 (1993) 267).
 inline Measurement<Eigen::Dynamic> trapping(const Choice& c) {
   struct Seen {
-    double least = 1, sum = 0, steps = -1, last = 1, change = 0;
+    Largest below;  // of -share
+    double sum = 0, steps = -1, last = 1, change = 0;
     void visit_memory(CheckpointMemory& visit) {
-      for (double* number : {&least, &sum, &steps, &last, &change}) visit(*number);
+      below.visit_memory(visit);
+      for (double* number : {&sum, &steps, &last, &change}) visit(*number);
     }
   };
   const auto seen = std::make_shared<Seen>();
@@ -103,38 +109,40 @@ inline Measurement<Eigen::Dynamic> trapping(const Choice& c) {
   const double strength = c.only({"on_site", "hopping"}) ? c["g"] * mass / c["j"] : NAN;
   return {[=](double, const In<double, Eigen::Dynamic>& q, const In<double, Eigen::Dynamic>& p) {
             const double share = (q[middle] * q[middle] + p[middle] * p[middle]) / mass;
-            seen->least = std::min(seen->least, share);
+            seen->below.see(-share);
             if (++seen->steps > 0) seen->sum += (seen->last + share) / 2;
             seen->change = std::max(seen->change, std::abs(share - seen->last));
             seen->last = share;
           },
-          [=, n = sites(c)](std::ostream& out, const Run& run) {
+          memory_of(seen),
+          [=, n = sites(c)](const Run& run) -> std::vector<Figure> {
+            const std::string what = "left on the site of the start, ";
             if (seen->change > 0.1)
-              return print_none(out, "left on the site of the start",
-                                "it changes by more than a tenth in a step; give a smaller --dt");
-            out << "left on the site of the start: " << formatted("%.6f at least, ", seen->least)
-                << formatted("%.6f in the mean", seen->sum / seen->steps);
+              return {not_measured(what + "at least",
+                                   "it changes by more than a tenth in a step; give a smaller --dt")};
+            Figure least{what + "at least", -seen->below.value(), seen->below.uncertain()},
+                mean{.name = what + "in the mean", .value = seen->sum / seen->steps};
             if (std::isfinite(strength)) {
-              out << "; g|ψ|²/J = " << strength;
+              least.beside = formatted("g|ψ|²/J = %g", strength);
               // Nearer to the separatrix than the energy is kept, a run may be on either side of it.
               const bool on_separatrix =
                   std::abs(std::abs(strength) / 4 - 1) <= 4 * run.quantities.front().worst;
-              if (n == 2 && on_separatrix)
-                out << "; no closed form at the threshold, 4, where rounding decides whether the mass stays: "
-                       "give another --g";
-              else if (n == 2 && seen->least == seen->last)
-                out << "; still falling at the end: no closed form for that, give more --time";
-              else if (n == 2)
-                out << "; in closed form, at least "
-                    << formatted("%.6f", std::abs(strength) >= 4
-                                             ? (1 + std::sqrt(1 - 16 / (strength * strength))) / 2
-                                             : 0.0);
-              else if (n >= 20)
-                out << ", self-trapping in a long chain from about 3.7 on";
+              if (n == 2 && on_separatrix) {
+                least.missing = mean.missing =
+                    least.beside +
+                    " is the threshold, where rounding decides whether the mass stays; give another --g";
+              } else if (n == 2 && -seen->below.value() == seen->last) {
+                least.beside += "; still falling at the end: no closed form for that, give more --time";
+              } else if (n == 2) {
+                least.beside += "; in closed form";
+                least.expected =
+                    std::abs(strength) >= 4 ? (1 + std::sqrt(1 - 16 / (strength * strength))) / 2 : 0;
+              } else if (n >= 20) {
+                least.beside += ", self-trapping in a long chain from about 3.7 on";
+              }
             }
-            out << '\n';
-          },
-          memory_of(seen)};
+            return {least, mean};
+          }};
 }
 
 }  // namespace examples

@@ -164,7 +164,7 @@ inline Measurement<3> turning_orbit(const Choice& c, const std::string& unit, do
   };
   const bool with_node = c.on("j2") || c.on("spin_orbit");
   const double motion = std::sqrt(gm / std::pow(c["a"], 3)) * factor;  // per radian of the mean motion
-  const auto figures = [=] {
+  const auto figures = [=](const Run&) {
     std::vector<Figure> list;
     const bool has_node = seen->upright > 1e-3;
     const auto add = [&](const char* what, const Passages& passages) {
@@ -186,23 +186,18 @@ inline Measurement<3> turning_orbit(const Choice& c, const std::string& unit, do
       return print_none(out, first,
                         formatted("a step goes through %.0f degrees of the orbit; ", seen->step * 180 / pi) +
                             formatted("give a --dt %.0f times smaller", std::ceil(seen->step * 12 / pi)));
-    // An error of the energy goes along with a turn of the periapsis, as measured up to five times as large a
-    // radian.
-    const double by_energy = 6 * run.quantities.front().worst * motion;
     const auto figure = [&](const std::string& what, const Passages& passages, double TurnRates::*rate) {
-      const auto by_companion = run.figure_errors.find(what);
-      const bool measured = by_companion != run.figure_errors.end();
-      const double uncertain = (measured ? by_companion->second.by_trajectory : by_energy) +
-                               passages.uncertain(seen->step) * factor;
       if (passages.orbits() < 2)
         return print_none(out, what, "the run has no two whole orbits; give more --time");
       if (!passages.plain())
         return print_none(out, what,
                           "it turns by more than a quarter in an orbit, so that the way round is not plain");
+      const auto by_companion = run.figure_errors.find(what);
+      if (by_companion == run.figure_errors.end()) return print_none(out, what, no_error(run));
+      const double uncertain = by_companion->second.by_trajectory + by_companion->second.by_measuring;
       if (!(uncertain <= (expected.largest > 0 ? 0.1 * expected.largest : 1e-3) * motion))
         return print_none(out, what,
-                          std::string(measured ? "a companion run" : "the energy error") +
-                              formatted(" leaves ± %.2g ", uncertain) + unit +
+                          formatted("a companion run leaves ± %.2g ", uncertain) + unit +
                               " open; give a smaller --dt, or a --scheme of higher order");
       const double rounded = passages.per_time() * factor;
       // Five digits, as far as they are known, or four decimals.
@@ -213,7 +208,7 @@ inline Measurement<3> turning_orbit(const Choice& c, const std::string& unit, do
         return formatted("%.*f", digits, std::round(x / last) * last + 0.0);
       };
       out << what << ": " << decimals(rounded) << formatted(" ± %.1g ", uncertain) << unit
-          << formatted(" from %d orbits", passages.orbits()) << (measured ? "" : " (± by the energy error)");
+          << formatted(" from %d orbits", passages.orbits());
       if (expected.holds()) {
         out << "; " << (expected.terms.empty() ? "Kepler" : expected.terms + " to first order") << ": "
             << decimals(expected.at_start.*rate * factor);
@@ -245,8 +240,7 @@ inline Measurement<3> turning_orbit(const Choice& c, const std::string& unit, do
     else if (has_node && (about_the_node || c.on("j2") || c.on("spin_orbit")))
       figure("node", seen->node, &TurnRates::node);
   };
-  if (c.on("drag")) return {observe, report, memory_of(seen)};  // nothing to be compared
-  return {observe, report, memory_of(seen), figures};
+  return {observe, memory_of(seen), figures, report};
 }
 
 inline Measurement<3> perihelion(const Choice& c) {
@@ -302,7 +296,7 @@ inline Measurement<3> closure(const Choice& c) {
       out << formatted("Jacobi's constant: %.12f at first, ", jacobi(seen->first))
           << formatted("%.12f at last\n", jacobi(seen->last));
   };
-  return {observe, report, memory_of(seen), {}};
+  return {observe, memory_of(seen), {}, report};
 }
 
 }  // namespace examples

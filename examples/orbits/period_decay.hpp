@@ -76,6 +76,8 @@ inline Measurement<3> period_decay(const Choice& c) {
         seen->turn = std::max(seen->turn, angle_between(seen->last, q));
         seen->last = q;
       },
+      memory_of(seen),
+      {},
       [=](std::ostream& out, const Run& run) {
         if (!c.only_of({"kinetic", "attraction", "1pn", "2pn", "2.5pn"}))
           return print_none(out, "period derivative",
@@ -103,8 +105,7 @@ inline Measurement<3> period_decay(const Choice& c) {
         out << "period derivative: "
             << formatted("%.*e ± %.1g from %d orbits", decimals, value, uncertain, seen->all.apoapsides - 1)
             << formatted("; Peters: %.4e\n", peters);
-      },
-      memory_of(seen)};
+      }};
 }
 
 /// The advance of the periastron, and the loss where it is on.
@@ -116,15 +117,15 @@ inline Measurement<3> binary_pulsar(const Choice& c) {
             turn.observe(t, q, p);
             decay.observe(t, q, p);
           },
-          [=](std::ostream& out, const Run& run) {
-            turn.report(out, run);
-            decay.report(out, run);
-          },
           [=](CheckpointMemory& visit) {
             turn.memory(visit);
             decay.memory(visit);
           },
-          turn.figures};
+          turn.figures,
+          [=](std::ostream& out, const Run& run) {
+            turn.report(out, run);
+            decay.report(out, run);
+          }};
 }
 
 }  // namespace examples

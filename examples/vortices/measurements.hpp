@@ -3,8 +3,8 @@
 #include <cmath>
 #include <memory>
 #include <numbers>
-#include <ostream>
 #include <string>
+#include <vector>
 
 #include <semiexplicit/checkpoint.hpp>
 #include <semiexplicit/semiexplicit.hpp>
@@ -35,36 +35,35 @@ inline Measurement<Eigen::Dynamic> along_the_wall(const Choice& c) {
             seen->x = x;
             seen->y = y;
           },
-          [=](std::ostream& out, const Run&) {
+          memory_of(seen),
+          [=](const Run&) -> std::vector<Figure> {
             const double x = seen->middle, y = 1 / std::sqrt(seen->first - 1 / (x * x));
             if (!std::isfinite(y))
-              return print_none(out, "speed along the wall", "the pair has not parted yet; give more --time");
-            print_comparison(out, "1/x² + 1/y² at the end", kept(seen->x, seen->y), "at the start",
-                             seen->first);
-            print_comparison(out, "speed along the wall at the end", seen->speed, "Γ/(4πy)/(1 + y²/x²)",
-                             1 / (4 * std::numbers::pi * y * (1 + y * y / (x * x))));
-          },
-          memory_of(seen)};
+              return {not_measured("speed along the wall", "the pair has not parted yet; give more --time")};
+            return {
+                compared("1/x² + 1/y² at the end", kept(seen->x, seen->y), 0, "at the start", seen->first),
+                compared("speed along the wall at the end", seen->speed, 0, "Γ/(4πy)/(1 + y²/x²)",
+                         1 / (4 * std::numbers::pi * y * (1 + y * y / (x * x))))};
+          }};
 }
 
 /// One vortex of circulation 1 in a disk.
 inline Measurement<Eigen::Dynamic> about_the_centre(const Choice& c) {
   if (!c.on("disk")) return {};
   const auto turning = std::make_shared<Turning>();
-  return {[=](double t, const auto& q, const auto& p) { turning->see(t, q[0], p[0]); },
-          [=, radius = c["radius"], background = c.on("rotation") ? c["rotation_rate"] : 0](std::ostream& out,
-                                                                                            const Run&) {
-            const double r = turning->mean_radius(),
-                         expected = background + 1 / (2 * std::numbers::pi * (radius * radius - r * r));
-            const std::string coarse = too_coarse(turning->largest(expected));
-            if (!coarse.empty()) return print_none(out, "turns at", coarse);
-            if (std::abs(turning->turned()) < 0.1)
-              return print_none(out, "turns at",
-                                "it has turned by less than a tenth of a radian; give more --time");
-            print_comparison(out, "turns at", turning->rate(), "Γ/(2π(R² - r²)), with the background",
-                             expected);
-          },
-          memory_of(turning)};
+  return {
+      [=](double t, const auto& q, const auto& p) { turning->see(t, q[0], p[0]); }, memory_of(turning),
+      [=, radius = c["radius"],
+       background = c.on("rotation") ? c["rotation_rate"] : 0](const Run&) -> std::vector<Figure> {
+        const double r = turning->mean_radius(),
+                     expected = background + 1 / (2 * std::numbers::pi * (radius * radius - r * r));
+        const std::string coarse = too_coarse(turning->largest(expected));
+        if (!coarse.empty()) return {not_measured("turns at", coarse)};
+        if (std::abs(turning->turned()) < 0.1)
+          return {
+              not_measured("turns at", "it has turned by less than a tenth of a radian; give more --time")};
+        return {compared("turns at", turning->rate(), 0, "Γ/(2π(R² - r²)), with the background", expected)};
+      }};
 }
 
 }  // namespace examples

@@ -84,6 +84,30 @@ TEST_CASE("A second process on a checkpoint is refused while the first lives", "
   CHECK(files_in(folder.path) == 0);
 }
 
+TEST_CASE("Who is refused a checkpoint does not disturb the run that saves there", "[checkpoint]") {
+  const Folder folder;
+  const fs::path file = folder.path / "run.checkpoint";
+  Signal ready;
+  const pid_t child = start_child([&] {
+    Run run(file);
+    run.resume();
+    run.go();
+    ready.give();
+    run.options.steps = 3000;
+    run.go();
+    return 0;
+  });
+  REQUIRE(ready.wait());
+  int refused = 0, status = 0;
+  while (waitpid(child, &status, WNOHANG) == 0) {
+    refused += complaint<std::exception>([&] { Run(file).resume(); }) == file.string() + refusal_of_second;
+    refused += complaint<std::exception>([&] { Run(file).go(); }) == file.string() + refusal_of_second;
+  }
+  CHECK(WIFEXITED(status));
+  CHECK(WEXITSTATUS(status) == 0);
+  CHECK(refused > 100);
+}
+
 TEST_CASE("A checkpoint is locked before it is saved for the first time", "[checkpoint]") {
   const Folder folder;
   const fs::path file = folder.path / "run.checkpoint";

@@ -108,11 +108,15 @@ class CheckpointFile {
     if (std::filesystem::is_other(path_, failure))  // opening a pipe would wait for its other end
       throw std::invalid_argument("checkpoint " + path_.string() +
                                   ": is a pipe or a device; give the name of a file");
-    // What cannot be written is to be said before the run.
-    const auto first = first_file(path_);
+    const Destination refuses_bad_names(path_);
+    // Who is to be refused must not touch the .part, which another run is about to write.
     Descriptor lock;
     const bool mine = lock_.is(path_);
     if (!mine) lock = lock_existing(path_, true);
+    // What cannot be written is to be said before the run.
+    const auto first = first_file(path_);
+    if (!mine && !lock)
+      lock = lock_existing(path_, true);  // the other run may just have saved for the first time
     try {
       const auto file = read_if_there(path_);
       if (!file) {
@@ -131,6 +135,7 @@ class CheckpointFile {
   /// Takes the place of what is there, whole. Throws std::runtime_error where that is a file of another kind,
   /// or cannot be read.
   void write(std::string_view contents) {
+    take();  // see read()
     const auto file = first_file(path_);
     first_.reset();
     take();
@@ -168,6 +173,7 @@ class CheckpointFile {
 
   /// Of another object in this process only what was read from it: that one is then refused.
   void take() {
+    const Destination refuses_bad_names(path_);
     if (!lock_.is(path_)) lock_ = lock_existing(path_, takes_over_);
   }
 

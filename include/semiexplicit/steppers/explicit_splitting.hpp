@@ -32,7 +32,8 @@ class ExplicitSplitting {
   using Scalar = typename detail::HamiltonianDoor<H>::Scalar;
   static constexpr int Dof = detail::HamiltonianDoor<H>::Dof;
   static_assert(SeparableHamiltonian<H>,
-                "ExplicitSplitting needs H::separable, position_gradient and momentum_gradient");
+                "ExplicitSplitting needs a separable Hamiltonian: `using SeparableGradientOf = H;`, `static "
+                "constexpr bool separable = true;`, position_gradient and momentum_gradient");
   using State = PhasePoint<Scalar, Dof>;
   static constexpr const char* name = "ExplicitSplitting";
 

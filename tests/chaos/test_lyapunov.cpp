@@ -11,6 +11,7 @@
 #include <semiexplicit/derivatives.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 #include <semiexplicit/systems.hpp>
+#include <semiexplicit/time.hpp>
 
 #include "henon_heiles.hpp"
 #include "refusal.hpp"
@@ -35,6 +36,20 @@ struct WithHessian : HenonHeiles {
 
 Semiexplicit henon_heiles(WithHessian{}, schemes::low_defect6_s13());
 
+/// arcosh of half the trace of the map over a period π of x'' = -(1 - cos 2t) x, by Runge and Kutta's method.
+double floquet_of_mathieu() {
+  using State = std::array<double, 4>;
+  State s{1, 0, 0, 1};
+  boost::numeric::odeint::runge_kutta_fehlberg78<State> stepper;
+  const auto motion = [](const State& u, State& rate, double t) {
+    const double k = 1 - std::cos(2 * t);
+    rate = {u[1], -k * u[0], u[3], -k * u[2]};
+  };
+  const double pi = std::acos(-1.0);
+  for (int n = 0; n < 100; ++n) stepper.do_step(motion, s, n * pi / 100, pi / 100);
+  return std::acosh(std::abs(s[0] + s[3]) / 2) / pi;
+}
+
 }  // namespace
 
 TEST_CASE("The growth is that of the variational equations by another integrator", "[lyapunov]") {
@@ -48,7 +63,7 @@ TEST_CASE("The growth is that of the variational equations by another integrator
   using State = std::array<double, 8>;
   State s{0, -0.25, HenonHeiles::point(-0.25).p()[0], 0, 0, 0, 0, 0};
   double norm = 0;
-  for (int i = 0; i < 4; ++i) s[static_cast<std::size_t>(4 + i)] = std::sin(1.0 + (i + 1) * (i + 1));
+  for (int i = 0; i < 4; ++i) s[static_cast<std::size_t>(4 + i)] = std::sin(0.7 * (i + 1) * (i + 1));
   for (std::size_t i = 4; i < 8; ++i) norm += s[i] * s[i];
   for (std::size_t i = 4; i < 8; ++i) s[i] /= std::sqrt(norm);
   boost::numeric::odeint::runge_kutta_fehlberg78<State> stepper;
@@ -227,6 +242,29 @@ TEST_CASE("Vectors to start with that are refused leave the observer as it was",
   parallel.col(1) = 2 * parallel.col(0);
   CHECK(refuses([&] { lyapunov.start_with(parallel); }, "are not independent"));
   CHECK(lyapunov.vectors() == before);
+}
+
+TEST_CASE("The work of a driven system has no part in its exponents", "[lyapunov]") {
+  // Mathieu's equation is linear: by Floquet's theory its exponent is 0.24315 on every orbit, found here from
+  // the two solutions over a period, and that of p_t, which grows as q δq, twice that.
+  for (const double q0 : {0.0, 1e-8, 1.0}) {
+    CAPTURE(q0);
+    const Autonomous driven(from_energy<1>([](const auto& t, const auto& q, const auto& p) {
+      return p[0] * p[0] / 2 + (1 - cos(2 * t)) * q[0] * q[0] / 2;
+    }));
+    Semiexplicit stepper(driven, schemes::low_defect6_s13());
+    LyapunovExponents first(stepper, 1), all(stepper);
+    auto z = driven.extended({q0, 0}, 0.0);
+    integrate(stepper, z, {.dt = 0.05, .steps = 4000}, first, all);
+    const double t = 200;
+    CHECK(std::abs(first.exponents()[0] - floquet_of_mathieu()) < 2 / t);
+    REQUIRE(all.exponents().size() == 3);
+    CHECK(std::abs(all.exponents()[0] - floquet_of_mathieu()) < 2 / t);
+    if (q0 != 0) continue;  // a shift of time is moved by as much as the orbit is
+    CHECK(std::abs(all.exponents()[1]) < 2 / t);
+    CHECK(std::abs(all.exponents()[2] + floquet_of_mathieu()) < 2 / t);
+    CHECK(refuses([&] { LyapunovExponents(stepper, 4); }, "4 exponents asked for; there are 3"));
+  }
 }
 
 }  // namespace test_lyapunov

@@ -900,4 +900,20 @@ TEST_CASE("A ball that is braked as it falls through a surface goes on, in float
   CHECK(double(z.q()[0]) == Approx(-left * after - 0.35 * after * after).epsilon(1e-5));
 }
 
+TEST_CASE("An orbit that lies in a surface has no crossings there", "[events]") {
+  using State = PhasePoint<double, 2>;
+  const auto oscillator =
+      from_energy<2>([](const auto& q, const auto& p) { return (dot(q, q) + dot(p, p)) / 2; });
+  const auto surface = [](const auto& q, const auto&) { return q[1] - 0.7 * q[0]; };
+  Semiexplicit stepper(oscillator, schemes::low_defect6_s13());
+  State z({1, 0.7}, {0.2, 0.14});
+  auto told = events(oscillator, on_event(surface, [](double, const State&) {}));
+  integrate(stepper, z, {.dt = 0.1, .steps = 2000}, told);
+  CHECK(told.count() == 0);
+  CHECK(std::abs(surface(z.q(), z.p())) < 1e-12);
+  auto acts = events(oscillator, on_event(surface, [](double, State& at) { at.p() *= 0.5; }));
+  integrate(stepper, z = State({1, 0.7}, {0.2, 0.14}), {.dt = 0.1, .steps = 2000}, acts);
+  CHECK(acts.count() == 0);
+}
+
 }  // namespace test_events

@@ -274,4 +274,32 @@ TEST_CASE("A state of size zero needs an exact root", "[solver]") {
   });
 }
 
+namespace {
+
+/// H = (Q² + 1)(P² + 1)/2 with q = sQ, p = P/s: at rest the state is q alone, and p moves by 1/s² of it.
+struct Scaled {
+  using Scalar = double;
+  static constexpr int Dof = 1;
+  double s;
+  void gradient(In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
+    const double x = q[0] / s, y = p[0] * s;
+    dHdq[0] = x * (y * y + 1) / s;
+    dHdp[0] = y * (x * x + 1) * s;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("A step from rest is taken whatever the units", "[solver]") {
+  for (const double s : {1e-6, 1e-4, 1e-2, 1.0, 1e2, 1e4})
+    for (const double dt : {0.05, 0.1, 0.15, 0.2, 0.3})
+      for (const auto& scheme :
+           {schemes::blanes_moan4(), schemes::blanes_moan6(), schemes::low_defect4_s7()}) {
+        CAPTURE(s, dt, scheme.name);
+        PhasePoint<double, 1> z(-1.5 * s, 0), one(-1.5, 0);
+        Semiexplicit stepper(Scaled{s}, scheme), in_ones(Scaled{1}, scheme);
+        CHECK(stepper.step(z, dt).ok() == in_ones.step(one, dt).ok());
+      }
+}
+
 }  // namespace test_solvers

@@ -238,6 +238,14 @@ TEST_CASE("What cannot be transformed is refused", "[time transformed]") {
   CHECK(refuses([&] { backwards.extended({{1, 0}, {0, 1}}, 0.0); }, "not positive"));
   const TimeTransformed dynamic(KeplerOf<double, Eigen::Dynamic>{}, monitors::Distance{}, -0.5);
   CHECK(refuses([&] { dynamic.extended(PhasePoint<double, Eigen::Dynamic>(3), 0.0); }, "another size"));
+  // A value of (q, p), as ReversibleSteps takes it, is no monitor of q that writes its gradient.
+  const auto value = [](const auto& q, const auto& p) { return 1 / (p.squaredNorm() + 1 / q.norm()); };
+  const TimeTransformed unwritten(Kepler{}, value, -0.5);
+  CHECK(refuses(
+      [&] {
+        unwritten.extended({{1, 0}, {0, 1}}, 0.0);
+      },
+      "leaves entries of its gradient unwritten"));
 }
 
 namespace {

@@ -23,7 +23,9 @@ namespace semiexplicit {
 ///
 /// These are estimates at the time reached: of a regular orbit they fall to zero like ln(t)/t, so look at the
 /// series. The exponents of a Hamiltonian system come in pairs ±λ, two of them zero for each integral of
-/// motion. Let the stepper be the one that makes the run.
+/// motion. Of a driven system, Autonomous of d degrees of freedom with the time, there are 2d - 1: its work
+/// p_t does not count, and that of the time is zero; where its orbit leaves only the first is to be trusted.
+/// Let the stepper be the one that makes the run.
 ///
 /// k exponents cost 2 + ck plain steps a step, where c is the cost of a product over that of a gradient (1 to
 /// 2, benchmarks/chaos), k d of memory and no heap in a step. A hessian or hessian_times is compared with
@@ -41,13 +43,15 @@ class LyapunovExponents {
   static constexpr const char* name = "LyapunovExponents";
   using Exponents = Eigen::Matrix<Scalar, Eigen::Dynamic, 1>;
 
-  /// `count` exponents of 2d; throws std::invalid_argument for another number than 1 to 2d.
+  /// `count` exponents of 2d; throws std::invalid_argument for another number than 1 to 2d, or 2d - 1 as
+  /// above.
   LyapunovExponents(const Stepper& stepper, Eigen::Index count)
       : run_(name, stepper, 1, count), sums_(Sums::Zero(count)) {
     times_.reserve(most_samples);
     samples_.reserve(most_samples * static_cast<std::size_t>(count));
   }
-  explicit LyapunovExponents(const Stepper& stepper) : LyapunovExponents(stepper, 2 * stepper.dof()) {}
+  explicit LyapunovExponents(const Stepper& stepper)
+      : LyapunovExponents(stepper, detail::TangentRun<Stepper>::most(stepper)) {}
 
   /// Starts with these vectors, 2d rows and a column each, made orthonormal, in place of those that have a
   /// part in every direction: in the excited sites of a large lattice, say. Throws std::invalid_argument

@@ -585,8 +585,8 @@ class AtTimes {
 /// then the phase point without time. Call finish() at the end: the last ones wait for it where fewer than
 /// nodes - 1 steps were taken from the start, or from the last event that changed the state. A named observer
 /// is referred to, a temporary is kept. Throws std::invalid_argument for times that are not finite, not
-/// sorted or lie before the start. What the observer throws is passed on when the other times of the step
-/// were handed to it.
+/// sorted, there twice, or lie before the start. What the observer throws is passed on when the other times
+/// of the step were handed to it.
 ///
 /// Where a step is long the states between are far worse than those at the steps: interpolation_error()
 /// tells. If it is too large, shorten the steps, or end a run at each time by t_end. A time is met to its own

@@ -252,6 +252,7 @@ class Events {
       own.level = value(kind, z);
       own.fired = abs(own.level) <= 2 * abs(before) || abs(own.level) <= rounding(k, kind, z);
       own.rests = own.fired;
+      own.noise = Scalar(0);
       if (own.rests) return;
       own.open = false;  // the action has moved it off the surface
       own.side = detail::side_of(own.level);
@@ -285,6 +286,7 @@ class Events {
     bool fired = false;    ///< open since its own event, which left it on its surface
     bool rests = false;    ///< open, and s has not moved off `level` yet
     Scalar level = Scalar(0);
+    Scalar noise = Scalar(0);         ///< the largest rounding of s since it rests
     Scalar scale = Scalar(0);         ///< the largest |s| since the last crossing
     Scalar scale_before = Scalar(0);  ///< and between that and the one before
 
@@ -308,6 +310,7 @@ class Events {
       visit(fired);
       visit(rests);
       visit(level);
+      visit(noise);
       visit(scale);
       visit(scale_before);
     }
@@ -389,7 +392,10 @@ class Events {
               const Scalar& most, const At& at) {
     using std::abs;
     Known& own = known_[k];
-    const Scalar from = value(kind, start), noise = rounding(k, kind, start);
+    const Scalar from = value(kind, start), now = rounding(k, kind, start);
+    // Of an orbit that stays in the surface the coordinates may be small now, and their rounding not gone.
+    if (!own.rests || now > own.noise) own.noise = now;
+    const Scalar noise = own.noise;
     own.enlarge(from);
     if constexpr (changes_state)
       own.enlarge(value(kind, end));
@@ -586,11 +592,12 @@ class Events {
 ///
 /// Each s(q, p) is to be a number everywhere (NaN throws std::invalid_argument), continuous, and the steps so
 /// small that it changes its sign once in each: of an angle take sin(q), not q modulo 2π. It crosses 0 with a
-/// slope. The orbit is on one side of a surface, also where a state lies on it: on the side to which s goes
-/// from there, seen as soon as s has moved by more than its rounding. A crossing is a change of that side: a
-/// start on a surface is none, nor is a state that only touches it. Of an extended Hamiltonian s has the
-/// extended q and p, so that the time is the last q. Actions that change the state get what the stepper
-/// moves, of a TimeTransformed the extended point at s; others the phase point at its time.
+/// slope: of an orbit that lies in the surface what is told is rounding, if anything. The orbit is on one
+/// side of a surface, also where a state lies on it: on the side to which s goes from there, seen as soon as
+/// s has moved by more than its rounding. A crossing is a change of that side: a start on a surface is none,
+/// nor is a state that only touches it. Of an extended Hamiltonian s has the extended q and p, so that the
+/// time is the last q. Actions that change the state get what the stepper moves, of a TimeTransformed the
+/// extended point at s; others the phase point at its time.
 ///
 /// Where no action changes the state, events are found to rounding on the interpolation of the run
 /// (DenseOutput, `nodes` states), whose steps stay as they are and must resolve the motion:

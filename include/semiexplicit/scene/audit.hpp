@@ -35,7 +35,7 @@ struct AuditOptions {
   int samples = 200;                       ///< how many times of the orbit are looked at
   Compare compare = Compare::positions;
   /// Bound on the gradient calls of all runs together, which is kept: an audit that needs more is refused, or
-  /// given up.
+  /// given up. The timing of each effect comes on top: five times a call at every sample, and 5 ms at least.
   double max_gradients = 1e9;
   /// Functions of (q, p) that the whole scene keeps, by name; the energy is always among them.
   std::vector<std::pair<std::string, std::function<Scalar(const In<Scalar, Dof>&, const In<Scalar, Dof>&)>>>

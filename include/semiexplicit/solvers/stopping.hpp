@@ -85,11 +85,12 @@ bool within_rounding(const Scalar* f, const Scalar* z, Eigen::Index size, const 
 
 /// See AnyResidual::farthest(). At other solutions, where many steps of that dt fail, ‖m‖ was above half of
 /// the state, and at the step's own in 99.9 % below 1e-3 of it. By the move, too: angles that have wound up
-/// are no measure.
+/// are no measure; nor is a state at rest whose momenta are about to outweigh it.
 template <class Scalar>
 Scalar farthest(const Scalar& size_z, const Scalar& move, const Scalar& rounding_level) {
+  using std::max;
   using std::min;
-  return min(size_z, Scalar(2 * move)) / 16 + rounding_level;
+  return min(max(size_z, move), Scalar(2 * move)) / 16 + rounding_level;
 }
 
 /// The sizes of both halves of z, but no more than so many times what they moved, see StoppingRule, nor less

@@ -64,7 +64,7 @@ requires(PositionMonitor<G, typename H::Scalar, detail::own_dof_of<H>> ||
   Eigen::Index dof() const { return dof_of(hamiltonian_) + (driven ? 0 : 1); }
 
   /// The extended point of z at the time t, on K = 0. Throws std::invalid_argument where z has another size
-  /// than H, or H or g is not finite at z, or g not positive.
+  /// than H, or H, g or its gradient is not finite at z, or not written, or g not positive.
   State extended(const Point& z, const Scalar& t) const {
     using std::isfinite;
     if (z.dof() != dof() - 1)
@@ -72,7 +72,14 @@ requires(PositionMonitor<G, typename H::Scalar, detail::own_dof_of<H>> ||
     State extended = Space::join(z, t, Scalar(0));
     const Scalar energy = energy_of_system(extended.q(), extended.p());
     auto&& dg = work();
+    dg.q().setConstant(Eigen::NumTraits<Scalar>::quiet_NaN());
+    if constexpr (PhaseMonitor<G, Scalar, own>) dg.p().setConstant(Eigen::NumTraits<Scalar>::quiet_NaN());
     const Scalar g = pace(z.q(), z.p(), dg);
+    if (!detail::all_finite(dg.vector()))
+      throw std::invalid_argument(
+          "TimeTransformed: the monitor function leaves entries of its gradient unwritten, or not finite; "
+          "write "
+          "all of dgdq, and of g(q, p, dgdq, dgdp) all of dgdp");
     if (!isfinite(energy) || !isfinite(g) || !(g > Scalar(0)))
       throw std::invalid_argument(
           "TimeTransformed: the energy or the monitor function is not finite here, or the monitor function "

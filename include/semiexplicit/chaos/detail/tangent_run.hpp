@@ -27,16 +27,17 @@ class TangentRun {
 
   /// `who` is the observer's name, for what it throws.
   TangentRun(const char* who, const Stepper& stepper, Eigen::Index least, Eigen::Index count)
-      : who_(who),
-        tangents_(stepper, require(who, least, count, 2 * stepper.dof())),
-        previous_(stepper.dof()) {
-    // Directions of no symmetry, in which every growth has a part.
+      : who_(who), tangents_(stepper, require(who, least, count, most(stepper))), previous_(stepper.dof()) {
+    // Directions of no symmetry, in which every growth has a part, also that of a saddle p = ±q.
     auto& v = tangents_.vectors();
     for (Eigen::Index j = 0; j < v.cols(); ++j)
       for (Eigen::Index i = 0; i < v.rows(); ++i)
-        v(i, j) = Scalar(std::sin(1.0 + static_cast<double>((i + 1) * (i + 1) * (j + 1))));
+        v(i, j) = Scalar(std::sin(0.7 * static_cast<double>((i + 1) * (i + 1) * (j + 1))));
     orthonormalise([](Eigen::Index, Eigen::Index, const Scalar&) {});
   }
+
+  /// How many vectors there can be: 2d, without p_t where that is the work of a driven system.
+  static Eigen::Index most(const Stepper& stepper) { return 2 * stepper.dof() - (has_work ? 1 : 0); }
 
   /// Other vectors to start with, made orthonormal.
   template <class Derived>
@@ -103,10 +104,12 @@ class TangentRun {
 
   /// Modified Gram-Schmidt; put(i, j, r) is told the upper triangle R of V = QR, column by column, the
   /// diagonal of each last. Where positions and momenta differ by so much that it would lose most digits,
-  /// momenta count in units in which they are as large at the start.
+  /// momenta count in units in which they are as large at the start. The work p_t of a driven system does not
+  /// count: the rest goes on without it, and it grows as q δq does, twice as fast where an orbit leaves.
   template <class Put>
   void orthonormalise(const Put& put) {
     auto& v = tangents_.vectors();
+    if constexpr (has_work) v.row(v.rows() - 1).setZero();
     multiply_momenta(1 / momenta_);
     for (Eigen::Index j = 0; j < v.cols(); ++j) {
       for (Eigen::Index i = 0; i < j; ++i) {
@@ -142,6 +145,12 @@ class TangentRun {
 
  private:
   using Hamiltonian = std::remove_cvref_t<decltype(std::declval<const Stepper&>().hamiltonian())>;
+  static constexpr bool has_work = [] {
+    if constexpr (InExtendedPhaseSpace<Hamiltonian>)
+      return Hamiltonian::steps_in_time;
+    else
+      return false;
+  }();
 
   /// The unit that momenta of this size count in beside positions of that: 1, unless one is above 1/√ε of
   /// the other; a power of two.
@@ -191,6 +200,7 @@ class TangentRun {
   /// Makes the vectors to start with orthonormal. False: they are not independent.
   bool begin_with_given() {
     auto& v = tangents_.vectors();
+    if constexpr (has_work) v.row(v.rows() - 1).setZero();
     const auto given = v;
     bool independent = true;
     orthonormalise([&](Eigen::Index i, Eigen::Index j, const Scalar& part) {

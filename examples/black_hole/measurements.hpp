@@ -112,7 +112,8 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
     turns.beside = "mean of " + std::to_string(orbits) + (orbits == 1 ? " orbit" : " orbits");
     if (ellipse) {  // Cutler, Kennefick, Poisson, Phys. Rev. D 50 (1994) 3816, section II
       const double width = ellipse->p - 6 + 2 * ellipse->e;
-      // Next to the separatrix they are as many as the rounding of the start makes them; the factor is measured.
+      // Next to the separatrix they are as many as the rounding of the start makes them; the factor is
+      // measured.
       const double by_start = 30 * std::numeric_limits<double>::epsilon() / (width * width);
       turns.uncertain += by_start;
       if (by_start > 0.1 && turns.missing.empty())

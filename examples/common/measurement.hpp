@@ -58,7 +58,9 @@ inline std::string with_uncertainty(double value, double uncertain) {
 
 /// Why no companion tells the error of a figure.
 inline std::string no_error(const Run& run) {
-  return run.companion_parted
+  if (run.companion && !run.companion_parted)
+    return "a companion run of half the step has none; give a smaller --dt, or more --time";
+  return run.companion
              ? formatted("a companion run of half the step parts from it before t = %.3g",
                          *run.companion_parted) +
                    "; give a smaller --dt, or less --time where the motion is chaotic"
@@ -156,6 +158,7 @@ class FigureErrors {
   /// Puts the errors into the run, of those figures that both have; none where the two have parted.
   template <class Estimate>
   void conclude(const Estimate& estimate, Run& run) const {
+    run.companion = true;
     run.companion_parted = estimate.parted_at();
     const std::vector<Figure> others = of_companion_.figures(run);
     for (const Figure& one : of_run_.figures(run))

@@ -128,7 +128,8 @@ struct Run {
   std::string failure{};  ///< empty if the run came to its end
   std::string doubt{};    ///< not empty if the result means nothing although it did
   std::map<std::string, FigureError> figure_errors{};  ///< where a companion run tells one
-  std::optional<double> companion_parted{};            ///< when it did
+  bool companion = false;                              ///< whether one went along
+  std::optional<double> companion_parted{};            ///< when it parted from the run
 
   bool is_result() const { return failure.empty() && doubt.empty(); }
   /// Says on stderr why this is no result; false: it is one.

@@ -97,8 +97,8 @@ struct Way {
   }
 };
 /// The figures(way) of a charge in one field.
-Measurement<3> of_way(const Choice& c, const std::string& field,
-                      const std::function<std::vector<Figure>(const Way&)>& figures) {
+inline Measurement<3> of_way(const Choice& c, const std::string& field,
+                             const std::function<std::vector<Figure>(const Way&)>& figures) {
   const auto way = std::make_shared<Way>();
   return {[=](double t, const In<double, 3>& q, const In<double, 3>& p) { way->see(t, q, p); },
           memory_of(way),

@@ -27,11 +27,13 @@ class Passages {
   using Direction = Eigen::Vector3d;
 
   void see(double t, double function, const Direction& direction, const Direction& axis) {
-    if (!crossing_.see(t, {function, direction[0], direction[1], direction[2]})) return;
-    const auto angle = [&](const Crossing<4>::Place& a, const Crossing<4>::Place& b) {
-      return angle_about(axis, a.values.tail<3>(), b.values.tail<3>());
+    Crossing<7>::Values values;
+    values << function, direction, axis;
+    if (!crossing_.see(t, values)) return;
+    const Place now = crossing_.place();
+    const auto angle = [&](const Place& a, const Place& b) {
+      return angle_about(now.values.tail<3>(), a.values.segment<3>(1), b.values.segment<3>(1));
     };
-    const Crossing<4>::Place now = crossing_.place();
     if (passages_++ > 0) {
       const double turn = angle(last_, now);
       turned_ += turn;
@@ -66,8 +68,10 @@ class Passages {
   }
 
  private:
-  Crossing<4> crossing_;
-  Crossing<4>::Place last_{};
+  using Place = Crossing<7>::Place;
+
+  Crossing<7> crossing_;
+  Place last_{};
   double turned_ = 0, passed_ = 0, largest_ = 0, open_ = 0, open_time_ = 0;
   int passages_ = 0;
 };
@@ -200,9 +204,7 @@ inline Measurement<3> turning_orbit(const Choice& c, const std::string& unit, do
                           formatted("a companion run leaves ± %.2g ", uncertain) + unit +
                               " open; give a smaller --dt, or a --scheme of higher order");
       const double rounded = passages.per_time() * factor;
-      // Five digits, as far as they are known, or four decimals.
-      const auto place = [](double x) { return static_cast<int>(std::floor(std::log10(std::abs(x)))); };
-      const int digits = std::clamp(std::min(4 - place(rounded), -place(uncertain)), 4, 15);
+      const int digits = std::clamp(-static_cast<int>(std::floor(std::log10(uncertain))), 4, 15);
       const auto decimals = [&](double x) {
         const double last = std::pow(10, -digits);
         return formatted("%.*f", digits, std::round(x / last) * last + 0.0);

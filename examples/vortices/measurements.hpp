@@ -1,9 +1,13 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <memory>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <semiexplicit/checkpoint.hpp>
@@ -19,31 +23,36 @@ namespace examples {
 inline Measurement<Eigen::Dynamic> along_the_wall(const Choice& c) {
   if (!c.only({"pairs", "half_plane"})) return {};
   struct Seen {
-    double first = 0, t = 0, x = 0, y = 0, speed = 0, middle = 0;
+    std::int64_t states = 0;
+    double first = 0, step = 0, t = 0, y = 0;
+    std::array<double, 4> x{};  // the last first
     void visit_memory(CheckpointMemory& visit) {
-      for (double* number : {&first, &t, &x, &y, &speed, &middle}) visit(*number);
+      visit(states);
+      for (double* number : {&first, &step, &t, &y}) visit(*number);
+      for (double& one : x) visit(one);
     }
   };
   const auto seen = std::make_shared<Seen>();
   const auto kept = [](double x, double y) { return 1 / (x * x) + 1 / (y * y); };
   return {[=](double t, const auto& q, const auto& p) {  // its canonical coordinates are x and y themselves
-            const double x = q[1], y = p[1];
-            if (t == 0) seen->first = kept(x, y);
-            if (t > 0) seen->speed = (x - seen->x) / (t - seen->t);
-            seen->middle = (x + seen->x) / 2;
-            seen->t = t;
-            seen->x = x;
-            seen->y = y;
+            if (seen->states++ == 0) seen->first = kept(q[1], p[1]);
+            seen->step = t - std::exchange(seen->t, t);
+            std::shift_right(seen->x.begin(), seen->x.end(), 1);
+            seen->x[0] = q[1];
+            seen->y = p[1];
           },
           memory_of(seen),
           [=](const Run&) -> std::vector<Figure> {
-            const double x = seen->middle, y = 1 / std::sqrt(seen->first - 1 / (x * x));
-            if (!std::isfinite(y))
+            const auto& [x, x1, x2, x3] = seen->x;
+            const double y = 1 / std::sqrt(seen->first - 1 / (x * x));
+            if (!std::isfinite(y) || seen->states < 4)
               return {not_measured("speed along the wall", "the pair has not parted yet; give more --time")};
-            return {
-                compared("1/x² + 1/y² at the end", kept(seen->x, seen->y), 0, "at the start", seen->first),
-                compared("speed along the wall at the end", seen->speed, 0, "Γ/(4πy)/(1 + y²/x²)",
-                         1 / (4 * std::numbers::pi * y * (1 + y * y / (x * x))))};
+            // By the parabola and the cubic through the last places.
+            const double by_three = (3 * x - 4 * x1 + x2) / (2 * seen->step),
+                         by_four = (11 * x - 18 * x1 + 9 * x2 - 2 * x3) / (6 * seen->step);
+            return {compared("1/x² + 1/y² at the end", kept(x, seen->y), 0, "at the start", seen->first),
+                    compared("speed along the wall at the end", by_four, std::abs(by_four - by_three),
+                             "Γ/(4πy)/(1 + y²/x²)", 1 / (4 * std::numbers::pi * y * (1 + y * y / (x * x))))};
           }};
 }
 

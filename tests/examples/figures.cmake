@@ -26,11 +26,11 @@ prints(orbits "turns by the spin of the centre" "--effects kinetic,attraction,sp
   "perihelion advance: -119.37[0-9]* [^\n]*arc[^\n]*; spin to first order: -119.37[0-9]*[^\n]*\n.*node: 79.58")
 # How far the formulas of first order are off: 0.0006, 0.026 and 0.014 there.
 prints(orbits "says how far relativity to first order is off" "--preset hulse_taylor --effects kinetic,attraction,1pn --time \"0.05 year\""
-  "perihelion advance: 4.2269 [^\n]*; 1PN to first order: 4.2263, terms of second order: about 0.000[4-9]\n")
+  "perihelion advance: 4.22690[0-9]* [^\n]*; 1PN to first order: 4.22632[0-9]*, terms of second order: about 0.000[4-9]\n")
 prints(orbits "says how far it is off for a long ellipse" "--preset hulse_taylor --effects kinetic,attraction,1pn --e 0.9 --dt 10 --time \"0.02 year\""
-  "perihelion advance: 13.79[89][0-9] [^\n]*: 13.7722, terms of second order: about 0.0[2-4]\n")
+  "perihelion advance: 13.79[89][0-9]* [^\n]*: 13.7721[0-9]*, terms of second order: about 0.0[2-4]\n")
 prints(orbits "says how far J2 to first order is off" "--preset gps --e 0.1 --inclination 90deg --dt 2min --time 20day"
-  "perihelion advance: -12.61[45][0-9] [^\n]*: -12.6000, terms of second order: about 0.0[1-2]\n")
+  "perihelion advance: -12.61[45][0-9]* [^\n]*: -12.6000[0-9]*, terms of second order: about 0.0[1-2]\n")
 
 # By steps of a tenth of a day -868493.85, by 0.02 days 0.0021 less.
 prints(orbits "says how uncertain relativity of second order alone is" "--effects kinetic,attraction,2pn --time \"3 year\" --c \"500 km/s\" --dt \"0.1 day\""
@@ -41,7 +41,7 @@ set(satellite "--preset gps --effects kinetic,attraction,j2")
 prints(orbits "does not overrate how steps tell a long ellipse" "${satellite} --a 29737.098 --e 0.70888007 --inclination 1.10714786567335 --time 154714.9408 --dt 74.28494256"
   "perihelion advance: 0.011[89][0-9]* ± 0.000[1-9]")
 prints(orbits "tells a long ellipse by fine steps" "${satellite} --a 24075.69364882582 --e 0.7176303312900054 --inclination \"63.43 deg\" --time 1968579.56497 --dt 9.85458046038"
-  "perihelion advance: 0.067718[0-9]* ± [1-9]e-0[67]")
+  "perihelion advance: 0.06771[78][0-9]* ± [1-9]e-0[67]")
 prints(orbits "does not overrate how steps tell an ellipse over the poles" "${satellite} --a 21808.418 --e 0.26195121 --inclination 1.5707963267949 --time 97017.36147 --dt 118.2775447"
   "perihelion advance: -28.420[89] ± 0.000[1-9]")
 prints(orbits "does not overrate how steps tell a close binary" "--preset hulse_taylor --effects kinetic,attraction,1pn --a 148275.04 --e 0.5650122 --nu 0.14737019 --time 5733.867119 --dt 1.273578848"
@@ -55,6 +55,14 @@ prints(charges "do not overrate how steps tell a bounce in a pull" "--preset bot
   "bounce period, s: 4.746753[0-9]*e-06 ± ")
 # By a method of second order 9.5767e-06, by others and a quarter of the step 9.5704e-06.
 prints(fast_charges "counts the trajectory's error in a wiggle" "--preset undulator --method gauss --stages 1" "wiggle, m: 9.57[67]e-06 ± [6-9]e-09; ")
+
+# 0.0042743815 by the closed form; it was that half a step before the end, 0.0042966.
+prints(vortices "tell the speed at the end of the run" "--preset wall --time 33" "speed along the wall at the end: 0.0042743[0-9]* ± [1-9]e-0[78]; [^\n]*: 0.0042743")
+# By steps of a quarter second 1518.170907; about the plane of two steps later it was 1518.1682 ± 0.0003.
+prints(orbits "turn along the orbit of the passage" "--preset gps --a 6959.374 --e 0.016565695 --inclination 33.659deg --time 56454.72 --dt 14.4"
+  "along the orbit: 1518.17[01][0-9]* ± 0.000[1-9]")
+# 2e-5 of it were rounded away beside ± 1e-09.
+prints(orbits "have the digits of their ±" "--preset hulse_taylor --time \"0.2 year\"" "perihelion advance: 4.226908[5-7] ± [1-3]e-07 ")
 
 # What means nothing is not printed.
 set(chaotic "not measured, a companion run of half the step parts from it before t = [0-9.]+; give a smaller --dt, or less --time where the motion is chaotic")
@@ -176,7 +184,7 @@ refuses(orbits "a checkpoint that is a folder" "--checkpoint ." "--checkpoint: '
 
 # Weisberg and Taylor (2005): 4.226595 degrees a year, and -2.40242e-12 for the loss by gravitational waves.
 prints(orbits "follows the pulsar of Hulse and Taylor" "--preset hulse_taylor --time \"0.2 year\""
-  "not symplectic, by 2.5pn.*work of 2.5pn.*perihelion advance: 4.22[67][0-9] [^\n]*degrees a year.*period derivative: -2.402[0-9]e-12 ± [1-9]e-[12]")
+  "not symplectic, by 2.5pn.*work of 2.5pn.*perihelion advance: 4.22[67][0-9]* [^\n]*degrees a year.*period derivative: -2.402[0-9]e-12 ± [1-9]e-[12]")
 # By steps of a minute -2.4024e-12.
 foreach(dt IN ITEMS 2500 3500 5000)
   check(orbits "does not measure a period derivative by steps of ${dt} s" "--preset hulse_taylor --time 20day --method gauss --stages 8 --dt ${dt} --no-plot"
@@ -189,7 +197,7 @@ prints(orbits "keeps books of a satellite in air" "--preset gps --a \"6700 km\" 
 refuses(orbits "air of no height" "--preset gps --effects kinetic,attraction,drag --air-height 0" "--air-height: '0' is not a positive number")
 # An accuracy of the figure itself: chosen, run, and right.
 prints(orbits "finds Mercury's perihelion as accurately as is asked for" "--accuracy \"0.001 arcsec\" --cost-by gradients --time \"20 year\""
-  "perihelion advance: 42.980[0-9] [^\n]*arcseconds a century [^\n]*1PN to first order: 42.9805, terms of second order: about .*perihelion advance: 0.001 arcsec asked for, [0-9.e-]+ reached")
+  "perihelion advance: 42.980[0-9]* [^\n]*arcseconds a century [^\n]*1PN to first order: 42.980[45][0-9]*, terms of second order: about .*perihelion advance: 0.001 arcsec asked for, [0-9.e-]+ reached")
 foreach(angle IN ITEMS "5e-09 arcsec" "1e-12 deg")
   string(REGEX MATCH "[a-z]+$" unit "${angle}")
   check(orbits "says in ${unit} what is out of reach" "--accuracy \"${angle}\" --time \"20 year\" --no-plot" EXIT_CODE 1

@@ -96,10 +96,12 @@ inline Measurement<Eigen::Dynamic> localisation(const Choice& c) {
 inline Measurement<Eigen::Dynamic> trapping(const Choice& c) {
   struct Seen {
     Largest below;  // of -share
-    double sum = 0, steps = -1, last = 1, change = 0;
+    // The integral by trapezoids, and up to the last even step by those, and by half as many.
+    double sum = 0, even = 0, coarse = 0, last_even = 1;
+    double steps = -1, last = 1, change = 0;
     void visit_memory(CheckpointMemory& visit) {
       below.visit_memory(visit);
-      for (double* number : {&sum, &steps, &last, &change}) visit(*number);
+      for (double* number : {&sum, &even, &coarse, &last_even, &steps, &last, &change}) visit(*number);
     }
   };
   const auto seen = std::make_shared<Seen>();
@@ -111,6 +113,11 @@ inline Measurement<Eigen::Dynamic> trapping(const Choice& c) {
             const double share = (q[middle] * q[middle] + p[middle] * p[middle]) / mass;
             seen->below.see(-share);
             if (++seen->steps > 0) seen->sum += (seen->last + share) / 2;
+            if (std::fmod(seen->steps, 2) == 0) {
+              if (seen->steps > 0) seen->coarse += seen->last_even + share;
+              seen->even = seen->sum;
+              seen->last_even = share;
+            }
             seen->change = std::max(seen->change, std::abs(share - seen->last));
             seen->last = share;
           },
@@ -121,7 +128,8 @@ inline Measurement<Eigen::Dynamic> trapping(const Choice& c) {
               return {not_measured(what + "at least",
                                    "it changes by more than a tenth in a step; give a smaller --dt")};
             Figure least{what + "at least", -seen->below.value(), seen->below.uncertain()},
-                mean{.name = what + "in the mean", .value = seen->sum / seen->steps};
+                mean{what + "in the mean", seen->sum / seen->steps,
+                     std::abs(seen->coarse - seen->even) / seen->steps};
             if (std::isfinite(strength)) {
               least.beside = formatted("g|ψ|²/J = %g", strength);
               // Nearer to the separatrix than the energy is kept, a run may be on either side of it.

@@ -1,6 +1,7 @@
 #include "catch.hpp"
 
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <locale>
 #include <random>
@@ -627,6 +628,18 @@ TEST_CASE("A right gradient where the energy underflows is not called wrong", "[
     CHECK(check.ok());
     CHECK(check.judged() == (size > 1e-154));
   }
+}
+
+TEST_CASE("Right gradients of close vortices are not called wrong, in float", "[check gradient]") {
+  const systems::PointVortices<float, 2> vortices(Vector<float, 2>(1, 1));
+  int called_wrong = 0;
+  std::uint64_t random = 7;
+  for (int k = 0; k < 4000; ++k) {
+    PhasePoint<float, 2> z;
+    for (float& x : z.vector()) x = 0.03F * static_cast<float>(detail::scattered(random));
+    called_wrong += !check_gradient(vortices, z).ok();
+  }
+  CHECK(called_wrong == 0);
 }
 
 }  // namespace test_check_gradient

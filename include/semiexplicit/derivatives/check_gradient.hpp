@@ -278,7 +278,8 @@ bool compatible(const Slope<Scalar>& a, const Slope<Scalar>& b) {
 /// Steps of about a tenth of `own` come first. Where they say too little, as beside an oscillation much
 /// faster than they are, or speak against `given`, smaller ones follow, down to some hundred roundings of x:
 /// of two that contradict each other the smaller ones are right. Where all drown in rounding, as at x = 1e-8
-/// beside terms of size one, larger ones follow, which must not contradict the others.
+/// beside terms of size one, larger ones follow, which must not contradict the others. Entries of a tableau
+/// may agree by chance: what speaks against `given` is to do so by other steps as well.
 template <class Scalar>
 SEMIEXPLICIT_COLD Slope<Scalar> judging_slope(const ScalarFunction<Scalar>& f, const Scalar& x,
                                               const Scalar& given, const Scalar& own, const Scalar& size,
@@ -295,6 +296,17 @@ SEMIEXPLICIT_COLD Slope<Scalar> judging_slope(const ScalarFunction<Scalar>& f, c
   const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon(), tiny = sqrt(epsilon);
   const auto agrees = [&](const Slope<Scalar>& slope) {
     return abs(given - slope.value) <= slope.uncertainty + slack;
+  };
+  const auto confirmed = [&](Slope<Scalar> slope) {
+    if (!slope.judges || agrees(slope)) return slope;
+    for (const double part : {0.71, 0.59, 0.83}) {
+      const auto other = extrapolated_slope<Scalar>(f, x, Scalar(part) * slope.steps_from, noise);
+      if (!agrees(other) || !(other.uncertainty <= 8 * slope.uncertainty)) continue;
+      slope.uncertainty += abs(other.value - slope.value) + other.uncertainty;
+      slope.judges = false;
+      break;
+    }
+    return slope;
   };
   const auto variation = [&](const Scalar& h) -> Scalar {
     return std::max(abs(f(x + h) - here), abs(f(x - h) - here)) / h;
@@ -337,7 +349,7 @@ SEMIEXPLICIT_COLD Slope<Scalar> judging_slope(const ScalarFunction<Scalar>& f, c
     }
   };
   if (moves * h > 16384 * std::max<Scalar>(noise, epsilon * abs(here))) refine(h);
-  if (best.judges) return best;
+  if (best.judges) return confirmed(best);
   Scalar last = own;
   for (const Scalar& wanted : {Scalar(1000 * own), widest}) {
     const Scalar reach = std::min(wanted, std::max(own, widest));
@@ -349,7 +361,7 @@ SEMIEXPLICIT_COLD Slope<Scalar> judging_slope(const ScalarFunction<Scalar>& f, c
     if (found.uncertainty < best.uncertainty && compatible(found, best)) best = found;
     best.judges = judges(best, h, reach <= std::max(own, size));
     if (best.judges && !agrees(best)) refine(h);
-    if (best.judges) return best;
+    if (best.judges) return confirmed(best);
   }
   // f does not depend on x.
   best.judges = !varies && isfinite(best.uncertainty) && (given == Scalar(0) || !agrees(best));

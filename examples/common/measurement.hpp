@@ -298,27 +298,31 @@ class Largest {
  public:
   void see(double value) {
     if (value > value_) value_ = value, uncertain_ = 0;
-    const double bend = before_ - 2 * last_ + value;
-    if (seen_ >= 2 && last_ >= before_ && last_ >= value && bend < 0) {
-      const double over = (before_ - value) * (before_ - value) / (-8 * bend);
-      if (last_ + over >= value_) value_ = last_ + over, uncertain_ = over - bend / 100;
+    end_ = -INFINITY;
+    if (const double bend = before_ - 2 * last_ + value; seen_ >= 2 && bend < 0) {
+      const double place = (before_ - value) / (2 * bend),  // in steps from the middle one
+          over = -bend * place * place / 2, top = last_ + over;
+      // It is between the middle one and a neighbour, and seen from there again, but for the ends of the run.
+      if (std::abs(place) <= 0.5 && top >= value_) value_ = top, uncertain_ = over - bend / 100;
+      if (seen_ == 2 && place >= -1 && place < -0.5 && top >= value_) value_ = top, uncertain_ = -bend / 10;
+      if (place > 0.5 && place <= 1) end_ = top, end_uncertain_ = -bend / 10;
     }
     before_ = last_;
     last_ = value;
     ++seen_;
   }
-  double value() const { return value_; }
+  double value() const { return std::max(value_, end_); }
   /// What the steps leave open.
-  double uncertain() const { return uncertain_; }
+  double uncertain() const { return end_ > value_ ? end_uncertain_ : uncertain_; }
 
   void visit_memory(CheckpointMemory& visit) {
     visit(seen_);
-    for (double* number : {&value_, &uncertain_, &before_, &last_}) visit(*number);
+    for (double* number : {&value_, &uncertain_, &before_, &last_, &end_, &end_uncertain_}) visit(*number);
   }
 
  private:
   std::int64_t seen_ = 0;
-  double value_ = -INFINITY, uncertain_ = 0, before_ = 0, last_ = 0;
+  double value_ = -INFINITY, uncertain_ = 0, before_ = 0, last_ = 0, end_ = -INFINITY, end_uncertain_ = 0;
 };
 
 }  // namespace examples

@@ -64,6 +64,9 @@ prints(orbits "turn along the orbit of the passage" "--preset gps --a 6959.374 -
 # 2e-5 of it were rounded away beside ± 1e-09.
 prints(orbits "have the digits of their ±" "--preset hulse_taylor --time \"0.2 year\"" "perihelion advance: 4.226908[5-7] ± [1-3]e-07 ")
 
+# The periapsis, 9/1.5, is within the last step.
+prints(black_hole "sees the closest approach within the last step" "--preset schwarzschild --p 9 --e 0.5 --time 170.5076314687729 --dt 2" "nearest r: (6[.]00|5[.]99)[0-9]* ± 0[.]0[0-9]*\n")
+
 # What means nothing is not printed.
 set(chaotic "not measured, a companion run of half the step parts from it before t = [0-9.]+; give a smaller --dt, or less --time where the motion is chaotic")
 prints(charges "do not measure bounces in chaos" "--preset dipole --energy \"20 MeV\" --r 5" "bounce period, s: ${chaotic}\ndrift period[^\n]*: ${chaotic}\n")

@@ -68,17 +68,25 @@ double half_trace(const Semiexplicit<Pendulum>& method, double period, std::int6
   return product.trace() / 2;
 }
 
-void report_stability(double half_trace, double amplitude, double frequency) {
-  if (!std::isfinite(half_trace))
+/// Of half the trace, and of that by twice as many steps.
+void report_stability(double half_trace, double finer, double amplitude, double frequency) {
+  if (!std::isfinite(half_trace) || !std::isfinite(finer))
     throw std::runtime_error(
         "the motion about the upper position overflows in a period; give a larger --frequency");
+  const auto stable = [](double half) { return std::abs(half) < 1; };
+  const auto rate = [&](double half) {
+    return (stable(half) ? std::acos(half) : std::acosh(std::abs(half))) * frequency / (2 * pi);
+  };
   std::cout << "upside down: ";
-  if (std::abs(std::abs(half_trace) - 1) < 1e-10)
+  if (std::abs(std::abs(finer) - 1) < 1e-10)
     std::cout << "so slow beside the shaking that rounding hides it";
-  else if (std::abs(half_trace) < 1)
-    std::cout << "stable, swings at " << std::acos(half_trace) * frequency / (2 * pi);
+  else if (stable(half_trace) != stable(finer))
+    std::cout << "too near to the threshold to be told by such steps, give more --steps";
   else
-    std::cout << "unstable, parts at " << std::acosh(std::abs(half_trace)) * frequency / (2 * pi);
+    std::cout << (stable(finer) ? "stable, swings at " : "unstable, parts at ")
+              << examples::with_uncertainty(rate(finer),
+                                            std::abs(rate(half_trace) - rate(finer)) +
+                                                1e-14 * frequency / std::sqrt(std::abs(finer * finer - 1)));
   const double squared = amplitude * amplitude * frequency * frequency / 2 - 1;  // P. L. Kapitza (1951)
   if (amplitude <= 0.3 && frequency >= 5)
     std::cout << "; averaged over the shaking: " << (squared > 0 ? "stable, " : "unstable, ")
@@ -128,7 +136,8 @@ int main(int argc, char** argv) {
     const auto K = pendulum(amplitude, frequency);
     Semiexplicit stepper(K, schemes::low_defect6_s13());
     const double period = 2 * pi / frequency, dt = period / static_cast<double>(steps);
-    report_stability(half_trace(stepper, period, steps), amplitude, frequency);
+    report_stability(half_trace(stepper, period, steps), half_trace(stepper, period, 2 * steps), amplitude,
+                     frequency);
 
     const std::filesystem::path csv = settings.output / "driven.csv", png = settings.output / "driven.png";
     prepare_outputs(settings, {csv, png});

@@ -47,15 +47,6 @@ inline void print_none(std::ostream& out, const std::string& what, const std::st
   out << what << ": not measured, " << why << '\n';
 }
 
-/// "77.8 ± 0.7", no more digits than that means; eight of them where none of these is uncertain.
-inline std::string with_uncertainty(double value, double uncertain) {
-  if (!(uncertain > 1e-8 * std::abs(value))) return formatted("%.8g", value);
-  const auto place = [](double x) { return static_cast<int>(std::floor(std::log10(std::abs(x)))); };
-  const bool small = value != 0 && std::abs(value) < 1e-4;  // as %g has it
-  const int decimals = std::clamp((small ? place(value) : 0) - place(uncertain), 0, 15);
-  return formatted(small ? "%.*e" : "%.*f", decimals, value) + formatted(" ± %.1g", uncertain);
-}
-
 /// Why no companion tells the error of a figure.
 inline std::string no_error(const Run& run) {
   if (run.companion && !run.companion_parted)

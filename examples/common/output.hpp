@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
@@ -86,6 +88,15 @@ inline void draw(const std::filesystem::path& png, const std::string& script) {
   if (status != 0 || picture.empty()) throw std::runtime_error("gnuplot failed on " + file.string());
   semiexplicit::write_durably(png, picture);
   std::cout << "picture: " << png.string() << '\n';
+}
+
+/// "77.8 ± 0.7", no more digits than that means; eight of them where none of these is uncertain.
+inline std::string with_uncertainty(double value, double uncertain) {
+  if (!(uncertain > 1e-8 * std::abs(value))) return formatted("%.8g", value);
+  const auto place = [](double x) { return static_cast<int>(std::floor(std::log10(std::abs(x)))); };
+  const bool small = value != 0 && std::abs(value) < 1e-4;  // as %g has it
+  const int decimals = std::clamp((small ? place(value) : 0) - place(uncertain), 0, 15);
+  return formatted(small ? "%.*e" : "%.*f", decimals, value) + formatted(" ± %.1g", uncertain);
 }
 
 }  // namespace examples

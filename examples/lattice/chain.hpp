@@ -69,23 +69,27 @@ inline Measurement<Eigen::Dynamic> localisation(const Choice& c) {
   };
   const auto seen = std::make_shared<Seen>();
   seen->last.setZero(sites(c));
+  const auto figure = [=]() -> Figure {
+    return {.name = "participation number at the end",
+            .value = participation(seen->last),
+            .beside = "of " + std::to_string(sites(c)) + " sites"};
+  };
   return {[=](double t, const In<double, Eigen::Dynamic>& q, const In<double, Eigen::Dynamic>& p) {
             seen->t = t;
             seen->last = density(q, p);
           },
-          memory_of(seen),
-          [=](const Run&) -> std::vector<Figure> {
-            Figure figure{.name = "participation number at the end",
-                          .value = participation(seen->last),
-                          .beside = "of " + std::to_string(sites(c)) + " sites"};
-            if (c.on("on_site") || c.on("pair_exchange") || sites(c) > 1000) return {figure};
-            const Eigen::VectorXd exact = by_eigenvectors(c, seen->t);
-            figure.beside +=
-                formatted("; largest difference of a density from the eigenvectors of the chain: %.1e",
-                          (seen->last - exact).cwiseAbs().maxCoeff()) +
-                "; by these";
-            figure.expected = participation(exact);
-            return {figure};
+          memory_of(seen), [=](const Run&) -> std::vector<Figure> { return {figure()}; },
+          [=](std::ostream& out, const Run& run) {
+            Figure compared = figure();
+            if (!c.on("on_site") && !c.on("pair_exchange") && sites(c) <= 1000) {
+              const Eigen::VectorXd exact = by_eigenvectors(c, seen->t);
+              compared.beside +=
+                  formatted("; largest difference of a density from the eigenvectors of the chain: %.1e",
+                            (seen->last - exact).cwiseAbs().maxCoeff()) +
+                  "; by these";
+              compared.expected = participation(exact);
+            }
+            print_figure(out, compared, run);
           }};
 }
 

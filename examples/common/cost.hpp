@@ -158,11 +158,7 @@ struct CostRequest {
   /// for when the results are written; else nothing.
   std::string compare_with(const Run& run) const {
     if (!run.is_result()) return "";
-    if (!figure_.empty()) {
-      const auto found = run.figure_errors.find(figure_);
-      return compare_with_figure(found == run.figure_errors.end() ? std::nullopt
-                                                                  : std::optional(found->second));
-    }
+    if (!figure_.empty()) return compare_with_figure(run.figure_error(figure_));
     compare_with_energy(run.quantities.front().worst);
     return "";
   }
@@ -179,10 +175,9 @@ struct CostRequest {
       return asked +
              "and its error was not measured: the run is too short for the figure, or a companion run has "
              "parted from it; give more --time, or a smaller --accuracy, or a --dt instead";
-    const double all = error->by_trajectory + error->by_measuring;
     const std::string reached = asked + formatted("%.1e reached by the trajectory", error->by_trajectory);
     if (!(error->by_trajectory <= asked_)) return reached + "; give a smaller --accuracy, or a --dt instead";
-    if (!(all <= asked_))
+    if (!(error->all() <= asked_))
       return reached +
              formatted(", but such steps over so short a time leave ± %.1g by measuring",
                        error->by_measuring) +

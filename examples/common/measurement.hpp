@@ -9,7 +9,6 @@
 #include <memory>
 #include <optional>
 #include <ostream>
-#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -62,10 +61,9 @@ inline std::string no_error(const Run& run) {
 /// A figure whose error no companion tells is none.
 inline void print_figure(std::ostream& out, const Figure& figure, const Run& run) {
   if (!figure.missing.empty()) return print_none(out, figure.name, figure.missing);
-  const auto error = run.figure_errors.find(figure.name);
-  if (error == run.figure_errors.end()) return print_none(out, figure.name, no_error(run));
-  out << figure.name << ": "
-      << with_uncertainty(figure.value, error->second.by_trajectory + error->second.by_measuring);
+  const auto error = run.figure_error(figure.name);
+  if (!error) return print_none(out, figure.name, no_error(run));
+  out << figure.name << ": " << with_uncertainty(figure.value, error->all());
   if (!figure.beside.empty()) out << "; " << figure.beside;
   if (figure.expected)
     out << ": "
@@ -114,12 +112,7 @@ struct Measurement {
           << "give a smaller --dt, or another method\n";
       return;
     }
-    std::ostringstream said;
-    report(said, run);
-    out << said.str();
-    if (said.str().find("±") != std::string::npos)
-      out << formatted("± is what the steps leave open; that the energy is off by %.1g is not in it\n",
-                       energy);
+    tell(out, run);
   }
   void tell(std::ostream& out, const Run& run) const {
     if (heading) out << heading();

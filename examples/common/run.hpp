@@ -102,6 +102,7 @@ class RowClock {
 /// What is uncertain of a figure: by the trajectory, as a companion run tells, and by how it is measured.
 struct FigureError {
   double by_trajectory = 0, by_measuring = 0;
+  double all() const { return by_trajectory + by_measuring; }
 };
 
 /// What came of one method.
@@ -131,6 +132,11 @@ struct Run {
   bool companion = false;                              ///< whether one went along
   std::optional<double> companion_parted{};            ///< when it parted from the run
 
+  /// Of the figure of that name; nothing where no companion told.
+  std::optional<FigureError> figure_error(const std::string& figure) const {
+    const auto found = figure_errors.find(figure);
+    return found == figure_errors.end() ? std::nullopt : std::optional(found->second);
+  }
   bool is_result() const { return failure.empty() && doubt.empty(); }
   /// Says on stderr why this is no result; false: it is one.
   bool tell_failure() const {

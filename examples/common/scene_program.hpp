@@ -108,28 +108,22 @@ void settle_method(const RuntimeScene<double, Dof>& scene, Method& method) {
               << ": the energy changes by the work of these forces, see the books at the end\n";
 }
 
-/// A measurement, and the books of a scene with forces of their own; what these do to the energy is no error
-/// of it.
+/// A measurement, and the books of a scene with forces of their own.
 template <int Dof>
 Measurement<Dof> with_books(const RuntimeScene<double, Dof>& scene, const Measurement<Dof>& measurement) {
   const auto books = std::make_shared<Books<double, Dof>>(scene);
-  const auto worst = std::make_shared<double>(0);  // difference
   return {[=](double t, const In<double, Dof>& q, const In<double, Dof>& p) {
             (*books)(t, PhasePoint<double, Dof>(q, p));
-            *worst = std::max(*worst, std::abs(books->difference()));
             if (measurement.observe) measurement.observe(t, q, p);
           },
           [=](CheckpointMemory& visit) {
             books->visit_memory(visit);
-            visit(*worst);
             if (measurement.memory) measurement.memory(visit);
           },
           measurement.figures,
           [=](std::ostream& out, const Run& run) {
             out << *books;
-            Run without_work = run;
-            without_work.quantities.front().worst = *worst / std::abs(books->energy_at_start());
-            measurement.tell(out, without_work);
+            measurement.tell(out, run);
           },
           {},
           measurement.ending};

@@ -196,21 +196,20 @@ inline Measurement<3> turning_orbit(const Choice& c, const std::string& unit, do
       if (!passages.plain())
         return print_none(out, what,
                           "it turns by more than a quarter in an orbit, so that the way round is not plain");
-      const auto by_companion = run.figure_errors.find(what);
-      if (by_companion == run.figure_errors.end()) return print_none(out, what, no_error(run));
-      const double uncertain = by_companion->second.by_trajectory + by_companion->second.by_measuring;
+      const auto error = run.figure_error(what);
+      if (!error) return print_none(out, what, no_error(run));
+      const double uncertain = error->all();
       if (!(uncertain <= (expected.largest > 0 ? 0.1 * expected.largest : 1e-3) * motion))
         return print_none(out, what,
                           formatted("a companion run leaves ± %.2g ", uncertain) + unit +
                               " open; give a smaller --dt, or a --scheme of higher order");
-      const double rounded = passages.per_time() * factor;
       const int digits = std::clamp(-static_cast<int>(std::floor(std::log10(uncertain))), 4, 15);
       const auto decimals = [&](double x) {
         const double last = std::pow(10, -digits);
         return formatted("%.*f", digits, std::round(x / last) * last + 0.0);
       };
-      out << what << ": " << decimals(rounded) << formatted(" ± %.1g ", uncertain) << unit
-          << formatted(" from %d orbits", passages.orbits());
+      out << what << ": " << decimals(passages.per_time() * factor) << formatted(" ± %.1g ", uncertain)
+          << unit << formatted(" from %d orbits", passages.orbits());
       if (expected.holds()) {
         out << "; " << (expected.terms.empty() ? "Kepler" : expected.terms + " to first order") << ": "
             << decimals(expected.at_start.*rate * factor);

@@ -35,7 +35,8 @@ class AlignmentIndex {
   using State = PhasePoint<Scalar, Dof>;
   static constexpr const char* name = "AlignmentIndex";
 
-  /// `count` vectors; throws std::invalid_argument for another number than 2 to 2d.
+  /// `count` vectors; throws std::invalid_argument for another number than 2 to 2d, of a driven
+  /// system 2d - 1.
   explicit AlignmentIndex(const Stepper& stepper, Eigen::Index count = 2)
       : run_(name, stepper, 2, count),
         step_(Square::Zero(count, count)),

@@ -135,11 +135,11 @@ class CheckpointFile {
   /// Takes the place of what is there, whole. Throws std::runtime_error where that is a file of another kind,
   /// or cannot be read.
   void write(std::string_view contents) {
+    refuse_other_kind();
     take();  // see read()
     const auto file = first_file(path_);
     first_.reset();
     take();
-    refuse_other_kind();
     file->go_on_after(0);
     file->write(CheckpointFrame::pack(contents));
     file->commit();
@@ -173,7 +173,6 @@ class CheckpointFile {
 
   /// Of another object in this process only what was read from it: that one is then refused.
   void take() {
-    const Destination refuses_bad_names(path_);
     if (!lock_.is(path_)) lock_ = lock_existing(path_, takes_over_);
   }
 

@@ -78,8 +78,7 @@ requires(PositionMonitor<G, typename H::Scalar, detail::own_dof_of<H>> ||
     if (!detail::all_finite(dg.vector()))
       throw std::invalid_argument(
           "TimeTransformed: the monitor function leaves entries of its gradient unwritten, or not finite; "
-          "write "
-          "all of dgdq, and of g(q, p, dgdq, dgdp) all of dgdp");
+          "write all of dgdq, and of g(q, p, dgdq, dgdp) all of dgdp");
     if (!isfinite(energy) || !isfinite(g) || !(g > Scalar(0)))
       throw std::invalid_argument(
           "TimeTransformed: the energy or the monitor function is not finite here, or the monitor function "

@@ -109,7 +109,7 @@ class TangentRun {
   template <class Put>
   void orthonormalise(const Put& put) {
     auto& v = tangents_.vectors();
-    if constexpr (has_work) v.row(v.rows() - 1).setZero();
+    leave_out_work();
     multiply_momenta(1 / momenta_);
     for (Eigen::Index j = 0; j < v.cols(); ++j) {
       for (Eigen::Index i = 0; i < j; ++i) {
@@ -190,6 +190,9 @@ class TangentRun {
     multiply_momenta(momenta_ / before);
     orthonormalise([](Eigen::Index, Eigen::Index, const Scalar&) {});
   }
+  void leave_out_work() {
+    if constexpr (has_work) tangents_.vectors().bottomRows(1).setZero();
+  }
   void multiply_momenta(const Scalar& factor) {
     auto& v = tangents_.vectors();
     if (factor == Scalar(1)) return;
@@ -200,7 +203,7 @@ class TangentRun {
   /// Makes the vectors to start with orthonormal. False: they are not independent.
   bool begin_with_given() {
     auto& v = tangents_.vectors();
-    if constexpr (has_work) v.row(v.rows() - 1).setZero();
+    leave_out_work();
     const auto given = v;
     bool independent = true;
     orthonormalise([&](Eigen::Index i, Eigen::Index j, const Scalar& part) {

@@ -96,13 +96,17 @@ struct Measurement {
     if (memory) memory(visit);
   }
 
+  /// Puts why a run is no result in place of its failure, where the motion tells.
+  void explain(Run& run) const {
+    if (run.is_result() || !ending) return;
+    if (const std::string why = ending(); !why.empty())
+      run.failure = formatted("ended at t = %.4g: ", run.report.t) + why;
+  }
   /// Nothing is said of a run that is no result.
   void print(std::ostream& out, const Run& run) const {
     if (!report && !figures) return;
     if (!run.is_result()) {
-      const std::string why = ending ? ending() : "";
-      out << "nothing else is measured, as the run is no result; "
-          << (why.empty() ? "see the end of it" : why) << '\n';
+      out << "nothing else is measured, as the run is no result; see the end of it\n";
       return;
     }
     if (figures) return tell(out, run);

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <iostream>
 #include <stdexcept>
 #include <system_error>
 #include <vector>
@@ -30,7 +31,11 @@ inline void prepare_outputs(const Settings& settings, const std::vector<std::fil
   std::vector<std::filesystem::path> all;
   for (const auto& output : outputs) {
     const bool picture = output.extension() == ".png";
-    if (picture && settings.no_plot) continue;  // nor is its script written
+    if (std::error_code none; picture && settings.no_plot) {  // nor is its script written
+      if (std::filesystem::exists(output, none))
+        std::cerr << output.string() << " stays as it is, a picture of an earlier run\n";
+      continue;
+    }
     all.push_back(output);
     if (picture) all.push_back(std::filesystem::path(output).replace_extension("gp"));
   }

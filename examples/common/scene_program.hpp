@@ -294,6 +294,7 @@ int run_scene_program(const SceneProgram<Dof>& program, int argc, char** argv, c
         method.name == "splitting" ? go(SeparableRuntimeScene<double, Dof>(scene)) : with_hamiltonian(go);
 
     if (!scene.is_symplectic()) run.doubt.clear();  // the energy is meant to change
+    measurement.explain(run);
     print_table(std::cout, {run}, settings.dt);
     measurement.print(std::cout, run);
     const std::string complaint = cost.compare_with(run);

@@ -104,7 +104,7 @@ class FirstOrder {
     if (c.on("spin_orbit"))
       take("spin", spin_, 2 * c["gs"] / (c["c"] * c["c"] * std::sqrt(gm_)), 1.5, 3 + 21 * std::pow(1 - e, 4));
     if (c.on("2pn")) second = std::max(second, 3 * std::pow(relativity / p, 2));  // of that order itself
-    if (c.on("j2")) at_periapsis = 1 + 0.3 / e;
+    if (c.on("j2")) at_periapsis = 1 + 0.3 / e, at_node = 2.5;
     at_start = rates(a, e, std::cos(tilt));
   }
 
@@ -124,6 +124,7 @@ class FirstOrder {
   double largest = 0;       ///< of the terms, in radians a radian of the mean motion
   double second = 0;        ///< those of second order for mean elements, likewise
   double at_periapsis = 1;  ///< how many times that for a periapsis that is hardly determined
+  double at_node = 1;       ///< for a node; by J2 at most, Brouwer, Astron. J. 64 (1959) 378
 
  private:
   double gm_, relativity_ = 0, j2_ = 0, spin_ = 0;
@@ -214,10 +215,10 @@ inline Measurement<3> turning_orbit(const Choice& c, const std::string& unit, do
         out << "; " << (expected.terms.empty() ? "Kepler" : expected.terms + " to first order") << ": "
             << decimals(expected.at_start.*rate * factor);
         if (expected.second > 0)
-          out << formatted(
-              ", terms of second order: about %.0g",
-              seen->swing.*rate * factor +
-                  expected.second * motion * (rate == &TurnRates::node ? 1 : expected.at_periapsis));
+          out << formatted(", terms of second order: about %.0g",
+                           seen->swing.*rate * factor +
+                               expected.second * motion *
+                                   (rate == &TurnRates::node ? expected.at_node : expected.at_periapsis));
       } else {
         out << "; too strong a field for a formula of first order";
       }

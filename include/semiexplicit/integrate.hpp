@@ -533,13 +533,15 @@ IntegrationReport integrate_checked(S& stepper, typename S::State& state,
 /// ended at an event within a step (`done.at_event`), or that another stepper made that ChoosesSteps. With a
 /// stepper that ChoosesSteps no observer may change the state; the compiler says so.
 template <class S, class State, class... Observers>
-IntegrationReport integrate(S& stepper, State& state,
-                            const IntegrationOptions<typename detail::StepperScalar<S>::Type>& options,
-                            Observers&&... observers) {
-  using Scalar = typename detail::StepperScalar<S>::Type;
-  if constexpr (!detail::is_stepper_of<S, State>() ||
+IntegrationReport integrate(
+    S&& stepper, State& state,
+    const IntegrationOptions<typename detail::StepperScalar<std::remove_cvref_t<S>>::Type>& options,
+    Observers&&... observers) {
+  using Taken = std::remove_reference_t<S>;  // a temporary, too
+  using Scalar = typename detail::StepperScalar<std::remove_cv_t<Taken>>::Type;
+  if constexpr (!detail::is_stepper_of<Taken, State>() ||
                 !(detail::is_told<std::remove_reference_t<Observers>, Scalar, State>() && ...) ||
-                !detail::lets_state_change<S, std::remove_reference_t<Observers>...>())
+                !detail::lets_state_change<Taken, std::remove_reference_t<Observers>...>())
     return {};
   else
     return detail::integrate_checked(stepper, state, options, observers...);

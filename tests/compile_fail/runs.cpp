@@ -14,6 +14,12 @@
 // case solver_without_options: does not list its options, so it could be resumed with others: write
 // case reversible_steps_changed_by_events: events that change the state need a stepper of equal steps, and this one chooses its steps
 // case reversible_steps_twice: this stepper chooses the times of its steps already: give ReversibleSteps its inner stepper
+// case monitor_of_one_argument: this monitor function cannot be called: write `double operator()(const auto& q, const auto& p) const`
+// case monitor_without_gradient: this monitor function cannot be called: write `double operator()(const auto& q, auto&& dgdq) const`
+// case transformed_without_energy: has no public energy, by which the run is to be judged: write `Scalar energy(
+// case surface_of_one_argument: this surface cannot be called: write `[](const auto& q, const auto& p) { return q[0]; }`
+// case section_of_one_argument: this surface cannot be called: write `[](const auto& q, const auto& p) { return q[0]; }`
+// case reversible_steps_of_no_stepper: this stepper has no step: write `StepReport step(State& state, const Scalar& dt)`
 // case observer_behind_checkpoints: an observer that a checkpoint can keep stands behind Checkpoints
 // case changed_by_events_within_every: events that change the state are an argument of integrate() itself
 // case changed_by_events_within_each: events that change the state are an argument of integrate() itself
@@ -29,10 +35,13 @@
 #include <semiexplicit/observers/events.hpp>
 #include <semiexplicit/observers/every.hpp>
 #include <semiexplicit/observers/invariants.hpp>
+#include <semiexplicit/observers/poincare_section.hpp>
 #include <semiexplicit/schemes/named.hpp>
 #include <semiexplicit/steppers/semiexplicit.hpp>
 #include <semiexplicit/systems/product.hpp>
+#include <semiexplicit/time/monitors.hpp>
 #include <semiexplicit/time/reversible_steps.hpp>
+#include <semiexplicit/time/time_transformed.hpp>
 
 #if defined(changed_by_events_within_every) || defined(changed_by_events_within_each) ||        \
     defined(changed_by_events_within_estimate) || defined(changed_by_events_within_at_times) || \
@@ -91,6 +100,18 @@ struct MyStepper {
 #endif
 };
 
+struct NoEnergy {
+  using Scalar = double;
+  static constexpr int Dof = 1;
+  void gradient(In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
+    dHdq = q, dHdp = p;
+  }
+};
+struct NoStepper {
+  using Scalar = double;
+  using State = Point;
+};
+
 int main() {
   const auto scheme = schemes::strang<double>();
   const auto right = [](double, const Point&) {};
@@ -128,6 +149,18 @@ int main() {
 #elif defined(reversible_steps_twice)
   const auto pace = [](const auto&, const auto&) { return 1.0; };
   ReversibleSteps stepper(ReversibleSteps(Semiexplicit(H, scheme), pace), pace);
+#elif defined(monitor_of_one_argument)
+  ReversibleSteps stepper(Semiexplicit(H, scheme), [](const auto& q) { return q[0]; });
+#elif defined(monitor_without_gradient)
+  TimeTransformed transformed(H, [](const auto& q) { return q[0]; }, 1.0);
+#elif defined(transformed_without_energy)
+  TimeTransformed transformed(NoEnergy(), monitors::Distance(), 1.0);
+#elif defined(surface_of_one_argument)
+  auto watch = events(H, on_event([](const auto& q) { return q[0]; }, right));
+#elif defined(section_of_one_argument)
+  auto section = poincare_section(H, [](const auto& q) { return q[0]; }, right);
+#elif defined(reversible_steps_of_no_stepper)
+  ReversibleSteps stepper(NoStepper(), [](const auto&, const auto&) { return 1.0; });
 #elif defined(observer_behind_checkpoints)
   Semiexplicit stepper(H, scheme);
   Invariants invariants(H);
@@ -158,5 +191,6 @@ int main() {
 #else
   Semiexplicit stepper(systems::Product<double>(), scheme, MySolver());
   integrate(stepper, z, {.dt = 0.1, .steps = 10}, right, observer);
+  integrate(Semiexplicit(H, scheme), z, {.dt = 0.1, .steps = 10}, right);  // a temporary
 #endif
 }

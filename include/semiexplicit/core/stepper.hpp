@@ -76,28 +76,32 @@ concept ChoosesSteps = Stepper<S> && requires(S& s, const S& c, typename S::Stat
 
 namespace detail {
 
-/// Compiles for a stepper that moves such a state; of anything else the compiler says what is missing.
-template <class S, class State>
-consteval bool is_stepper_of() {
+/// Compiles for a stepper; of anything else the compiler says what is missing.
+template <class S>
+consteval bool is_stepper() {
   static_assert(NamesScalarAndState<S>,
                 "this stepper does not say what it moves: write `using Scalar = double; using State = "
                 "PhasePoint<double, 2>;` in it");
-  if constexpr (std::is_const_v<S> || std::is_const_v<State>) {
-    static_assert(!std::is_const_v<S>, "the stepper is const, and a step changes it: leave `const` out");
-    static_assert(!std::is_const_v<State>,
-                  "the state is const, and a run moves it: leave `const` out, or give it a copy");
-    return false;
-  } else if constexpr (NamesScalarAndState<S>) {
+  static_assert(!std::is_const_v<S>, "the stepper is const, and a step changes it: leave `const` out");
+  if constexpr (NamesScalarAndState<S> && !std::is_const_v<S>)
     static_assert(HasStep<S>,
                   "this stepper has no step: write `StepReport step(State& state, const Scalar& dt)` in it, "
                   "not const");
+  return Stepper<S> && !std::is_const_v<S>;
+}
+/// The same for one that moves such a state.
+template <class S, class State>
+consteval bool is_stepper_of() {
+  static_assert(!std::is_const_v<State>,
+                "the state is const, and a run moves it: leave `const` out, or give it a copy");
+  if constexpr (!is_stepper<S>() || std::is_const_v<State>) {
+    return false;
+  } else {
     static_assert(std::same_as<State, typename S::State>,
                   "the state is of another type than the one that the stepper moves: give it a "
                   "PhasePoint<Scalar, Dof> with the Scalar and Dof of the Hamiltonian (Pihajoki and Tao: an "
                   "ExtendedPoint)");
-    return HasStep<S> && std::same_as<State, typename S::State>;
-  } else {
-    return false;
+    return std::same_as<State, typename S::State>;
   }
 }
 

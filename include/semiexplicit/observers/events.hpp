@@ -25,6 +25,18 @@ namespace detail {
 template <class A, class Scalar, class State>
 concept StateChange = std::invocable<A&, const Scalar&, State&> && !Observer<A, Scalar, State>;
 
+/// Compiles for a surface s(q, p), a number; of anything else the compiler says how to write it.
+template <class Surface, class State>
+consteval bool is_surface() {
+  constexpr bool fits = requires(const Surface& s, const State& z) {
+    { s(z.q(), z.p()) } -> std::convertible_to<typename State::Scalar>;
+  };
+  static_assert(fits,
+                "this surface cannot be called: write `[](const auto& q, const auto& p) { return q[0]; }`, a "
+                "number that is 0 on the surface");
+  return fits;
+}
+
 /// +1, -1, or 0 on the surface. Throws std::invalid_argument where s is NaN.
 template <class Scalar>
 int side_of(const Scalar& s) {
@@ -71,6 +83,7 @@ class Events {
  public:
   using Scalar = typename DenseOutput<H>::Scalar;
   using State = typename DenseOutput<H>::State;
+  static_assert((detail::is_surface<decltype(std::declval<Kinds&>().surface), State>() && ...));
   static constexpr const char* name = "events";
   static constexpr bool interpolates = true;
   static constexpr std::size_t number = sizeof...(Kinds);

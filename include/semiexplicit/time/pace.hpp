@@ -42,6 +42,26 @@ concept ValueMonitor = detail::HasMonitorValue<G, Scalar, Dof> || PhaseMonitor<G
 
 namespace detail {
 
+/// Compiles for a monitor function whose value and gradient are known; of anything else the compiler says how
+/// to write it.
+template <class G, class Scalar, int Dof>
+consteval bool is_monitor_with_gradient() {
+  constexpr bool fits = PositionMonitor<G, Scalar, Dof> || PhaseMonitor<G, Scalar, Dof>;
+  static_assert(
+      fits,
+      "this monitor function cannot be called: write `double operator()(const auto& q, auto&& dgdq) "
+      "const`, which returns g and writes its gradient, or (q, p, dgdq, dgdp)");
+  return fits;
+}
+/// The same for one of which the value is asked alone.
+template <class G, class Scalar, int Dof>
+consteval bool is_monitor() {
+  static_assert(ValueMonitor<G, Scalar, Dof>,
+                "this monitor function cannot be called: write `double operator()(const auto& q, const auto& "
+                "p) const`, which returns g");
+  return ValueMonitor<G, Scalar, Dof>;
+}
+
 /// A monitor that is one of the system's own coordinates, not of the time where that is one.
 template <class G>
 inline constexpr bool leaves_time_out = false;

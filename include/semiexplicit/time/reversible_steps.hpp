@@ -58,9 +58,10 @@ namespace semiexplicit {
 /// Sources: W. Huang, B. Leimkuhler, SIAM J. Sci. Comput. 18 (1997) 239, the rule; S. Cirilli, E. Hairer, B.
 /// Leimkuhler, BIT 39 (1999) 25, its start and its swing; E. Hairer, G. Söderlind, SIAM J. Sci. Comput. 26
 /// (2005) 1838, why there is no drift.
-template <Stepper S, class G>
-requires ValueMonitor<G, typename S::Scalar, S::State::Dof>
+template <class S, class G>
 class ReversibleSteps {
+  static_assert(detail::is_stepper<S>());
+  static_assert(detail::is_monitor<G, typename S::Scalar, S::State::Dof>());
   static_assert(!ChoosesSteps<S>,
                 "this stepper chooses the times of its steps already: give ReversibleSteps "
                 "its inner stepper, and one monitor for both");

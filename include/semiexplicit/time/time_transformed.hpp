@@ -5,7 +5,7 @@
 #include <utility>
 
 #include <semiexplicit/core/extended_phase_space.hpp>
-#include <semiexplicit/core/hamiltonian.hpp>
+#include <semiexplicit/core/hamiltonian_door.hpp>
 #include <semiexplicit/core/phase_point.hpp>
 #include <semiexplicit/core/ranks.hpp>
 #include <semiexplicit/time/pace.hpp>
@@ -36,10 +36,10 @@ namespace semiexplicit {
 ///
 /// Source: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, 2nd ed., section VIII.2.1;
 /// carrying the time as a coordinate: S. Mikkola, Celest. Mech. Dyn. Astron. 67 (1997) 145.
-template <HasEnergy H, class G>
-requires(PositionMonitor<G, typename H::Scalar, detail::own_dof_of<H>> ||
-         PhaseMonitor<G, typename H::Scalar, detail::own_dof_of<H>>) class TimeTransformed
-    : public ExtendedPhaseSpace<typename H::Scalar, detail::own_dof_of<H>> {
+template <class H, class G>
+class TimeTransformed
+    : public ExtendedPhaseSpace<typename detail::EnergyDoor<H>::Scalar, detail::own_dof_of<H>> {
+  static_assert(detail::is_monitor_with_gradient<G, typename H::Scalar, detail::own_dof_of<H>>());
   static constexpr bool driven = InExtendedPhaseSpace<H>;
   static constexpr int own = detail::own_dof_of<H>;
 

@@ -25,7 +25,7 @@ inline Measurement<Eigen::Dynamic> along_the_wall(const Choice& c) {
   struct Seen {
     std::int64_t states = 0;
     double first = 0, step = 0, t = 0, y = 0;
-    std::array<double, 4> x{};  // the last first
+    std::array<double, 5> x{};  // the last first
     void visit_memory(CheckpointMemory& visit) {
       visit(states);
       for (double* number : {&first, &step, &t, &y}) visit(*number);
@@ -43,15 +43,18 @@ inline Measurement<Eigen::Dynamic> along_the_wall(const Choice& c) {
           },
           memory_of(seen),
           [=](const Run&) -> std::vector<Figure> {
-            const auto& [x, x1, x2, x3] = seen->x;
+            const auto& [x, x1, x2, x3, x4] = seen->x;
             const double y = 1 / std::sqrt(seen->first - 1 / (x * x));
-            if (!std::isfinite(y) || seen->states < 4)
+            if (!std::isfinite(y) || seen->states < 5)
               return {not_measured("speed along the wall", "the pair has not parted yet; give more --time")};
-            // By the parabola and the cubic through the last places.
+            // By the polynomials through the last places. Each next order tells what the one before leaves
+            // open, but for places where that goes through zero.
             const double by_three = (3 * x - 4 * x1 + x2) / (2 * seen->step),
-                         by_four = (11 * x - 18 * x1 + 9 * x2 - 2 * x3) / (6 * seen->step);
+                         by_four = (11 * x - 18 * x1 + 9 * x2 - 2 * x3) / (6 * seen->step),
+                         by_five = (25 * x - 48 * x1 + 36 * x2 - 16 * x3 + 3 * x4) / (12 * seen->step);
             return {compared("1/x² + 1/y² at the end", kept(x, seen->y), 0, "at the start", seen->first),
-                    compared("speed along the wall at the end", by_four, std::abs(by_four - by_three),
+                    compared("speed along the wall at the end", by_four,
+                             std::abs(by_four - by_three) + std::abs(by_five - by_four),
                              "Γ/(4πy)/(1 + y²/x²)", 1 / (4 * std::numbers::pi * y * (1 + y * y / (x * x))))};
           }};
 }

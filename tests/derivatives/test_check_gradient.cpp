@@ -630,7 +630,7 @@ TEST_CASE("A right gradient where the energy underflows is not called wrong", "[
   }
 }
 
-TEST_CASE("Right gradients of close vortices are not called wrong, in float", "[check gradient]") {
+TEST_CASE("Right gradients of close vortices are not called wrong, in float", "[check_gradient]") {
   const systems::PointVortices<float, 2> vortices(Vector<float, 2>(1, 1));
   int called_wrong = 0;
   std::uint64_t random = 7;
@@ -640,6 +640,71 @@ TEST_CASE("Right gradients of close vortices are not called wrong, in float", "[
     called_wrong += !check_gradient(vortices, z).ok();
   }
   CHECK(called_wrong == 0);
+}
+
+// exp(-x²) beside polynomials: far out these are all there is.
+struct Hidden {
+  using Scalar = float;
+  static constexpr int Dof = 3;
+  Vector<float, 3> a{0.836563349F, 0.589241207F, 0.924439609F}, b{-0.142685026F, 0.389146954F, -0.93529737F},
+      c{-0.97199589F, -0.347836137F, -0.240729868F}, d{-0.970645964F, -0.570383191F, -0.0533944853F};
+  float length = 0x1p-18F, momentum = 0x1p-13F;
+  float energy(In<float, 3> q, In<float, 3> p) const {
+    const float x = a.dot(q) / length, y = b.dot(p) / momentum, u = c.dot(q) / length,
+                v = d.dot(p) / momentum;
+    return 32 * (1.65422118F * std::exp(-x * x) * std::log(3 + y * y) - 1.26252162F * u * u / 2 * v * v / 2);
+  }
+  void gradient(In<float, 3> q, In<float, 3> p, Out<float, 3> dHdq, Out<float, 3> dHdp) const {
+    const float x = a.dot(q) / length, y = b.dot(p) / momentum, u = c.dot(q) / length,
+                v = d.dot(p) / momentum;
+    const float e = 32 * 1.65422118F * std::exp(-x * x), f = 32 * 1.26252162F / 2;
+    dHdq = (-2 * x * e * std::log(3 + y * y) * a - f * u * v * v * c) / length;
+    dHdp = (e * 2 * y / (3 + y * y) * b - f * u * u * v * d) / momentum;
+  }
+};
+
+struct Waves {
+  using Scalar = double;
+  static constexpr int Dof = 1;
+  double length, momentum;
+  double energy(In<double, 1> q, In<double, 1> p) const {
+    const double x = q[0] / length, y = p[0] / momentum;
+    return 1 + std::sqrt(1 + x * x) * y * y / 2 - std::sin(x) * std::sin(y);
+  }
+  void gradient(In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
+    const double x = q[0] / length, y = p[0] / momentum;
+    dHdq[0] = (x / std::sqrt(1 + x * x) * y * y / 2 - std::cos(x) * std::sin(y)) / length;
+    dHdp[0] = (std::sqrt(1 + x * x) * y - std::sin(x) * std::cos(y)) / momentum * factor;
+  }
+  double factor = 1;
+};
+
+TEST_CASE("Steps so large that they pass over what the energy does near z call nothing wrong, in float",
+          "[check_gradient]") {
+  const Hidden hidden;
+  std::uint64_t random = 1;
+  int wrong = 0;
+  for (int n = 0; n < 300; ++n) {
+    PhasePoint<float, 3> z;
+    for (int i = 0; i < 3; ++i) {
+      z.q()[i] = 2 * hidden.length * static_cast<float>(detail::scattered(random));
+      z.p()[i] = 2 * hidden.momentum * static_cast<float>(detail::scattered(random));
+    }
+    if (!check_gradient(hidden, z).ok()) ++wrong;
+  }
+  CHECK(wrong == 0);
+}
+
+TEST_CASE("A half that is zero and of tiny units is not judged by steps that pass over its oscillation",
+          "[check_gradient]") {
+  for (const double length : {1.0, 1e7, 1e12})
+    for (const double momentum : {1.0, 1e-10, 1e-12, 1e-16})
+      for (int i = 1; i < 20; ++i) {
+        CAPTURE(length, momentum, i);
+        const PhasePoint<double, 1> z(length * i / 7.3, 0);
+        CHECK(check_gradient(Waves{length, momentum}, z).ok());
+        CHECK_FALSE(check_gradient(Waves{length, momentum, 2}, z).ok());
+      }
 }
 
 }  // namespace test_check_gradient

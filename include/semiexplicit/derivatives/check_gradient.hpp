@@ -214,6 +214,27 @@ Scalar first_move(const F& f, const Scalar& x, const Scalar& own) {
   return std::numeric_limits<Scalar>::infinity();
 }
 
+/// The same at x = 0 where nothing tells how far to go: by the smallest power of 2 that moves f.
+template <class Scalar, class F>
+Scalar first_move(const F& f) {
+  using std::abs;
+  using std::isfinite;
+  using std::ldexp;
+  const Scalar here = f(Scalar(0));
+  const auto moved = [&](int exponent) {
+    const Scalar x = ldexp(Scalar(1), exponent);
+    return std::max<Scalar>(abs(f(x) - here), abs(f(-x) - here));
+  };
+  int still = std::numeric_limits<Scalar>::min_exponent,
+      moving = std::numeric_limits<Scalar>::max_exponent - 1;
+  while (moving - still > 1) {
+    const int middle = still + (moving - still) / 2;
+    (moved(middle) == Scalar(0) ? still : moving) = middle;  // out of the domain it is NaN
+  }
+  const Scalar found = moved(moving);
+  return isfinite(found) && found > Scalar(0) ? found : std::numeric_limits<Scalar>::infinity();
+}
+
 /// f'(x) by central differences, extrapolated to a vanishing step (Ridders' method): the step shrinks from
 /// `h` on, every column of the tableau removes one more even power of it, and of every row the entry that
 /// agrees best with its neighbours is a candidate. Its uncertainty is their disagreement and the noise of f,
@@ -279,7 +300,8 @@ bool compatible(const Slope<Scalar>& a, const Slope<Scalar>& b) {
 /// faster than they are, or speak against `given`, smaller ones follow, down to some hundred roundings of x:
 /// of two that contradict each other the smaller ones are right. Where all drown in rounding, as at x = 1e-8
 /// beside terms of size one, larger ones follow, which must not contradict the others. Entries of a tableau
-/// may agree by chance: what speaks against `given` is to do so by other steps as well.
+/// may agree by chance: what speaks against `given` is to do so by other steps as well. Larger ones are not
+/// to be alone with it: they do not see what f does near x.
 template <class Scalar>
 SEMIEXPLICIT_COLD Slope<Scalar> judging_slope(const ScalarFunction<Scalar>& f, const Scalar& x,
                                               const Scalar& given, const Scalar& own, const Scalar& size,
@@ -299,13 +321,17 @@ SEMIEXPLICIT_COLD Slope<Scalar> judging_slope(const ScalarFunction<Scalar>& f, c
   };
   const auto confirmed = [&](Slope<Scalar> slope) {
     if (!slope.judges || agrees(slope)) return slope;
-    for (const double part : {0.71, 0.59, 0.83}) {
-      const auto other = extrapolated_slope<Scalar>(f, x, Scalar(part) * slope.steps_from, noise);
-      if (!agrees(other) || !(other.uncertainty <= 8 * slope.uncertainty)) continue;
+    const auto acquitted_by = [&](const Scalar& steps, const Scalar& most) {
+      const auto other = extrapolated_slope<Scalar>(f, x, steps, noise);
+      if (!agrees(other) || !(other.uncertainty <= most)) return false;
       slope.uncertainty += abs(other.value - slope.value) + other.uncertainty;
       slope.judges = false;
-      break;
-    }
+      return true;
+    };
+    for (const double part : {0.71, 0.59, 0.83})
+      if (acquitted_by(Scalar(part) * slope.steps_from, 8 * slope.uncertainty)) return slope;
+    for (Scalar steps = slope.steps_from / 30; steps > own / 30; steps /= 30)
+      if (acquitted_by(steps, abs(given) / 30)) return slope;
     return slope;
   };
   const auto variation = [&](const Scalar& h) -> Scalar {
@@ -361,7 +387,8 @@ SEMIEXPLICIT_COLD Slope<Scalar> judging_slope(const ScalarFunction<Scalar>& f, c
     if (found.uncertainty < best.uncertainty && compatible(found, best)) best = found;
     best.judges = judges(best, h, reach <= std::max(own, size));
     if (best.judges && !agrees(best)) refine(h);
-    if (best.judges) return confirmed(best);
+    best = confirmed(best);
+    if (best.judges) return best;
   }
   // f does not depend on x.
   best.judges = !varies && isfinite(best.uncertainty) && (given == Scalar(0) || !agrees(best));
@@ -545,7 +572,8 @@ typename H::Scalar energy_rounding(const H& hamiltonian, const typename H::Scala
                                                     : sizes[half].typical;
       direction.vector()[i] = Scalar(scattered(random)) * (k < 4 ? own : std::max<Scalar>(abs(own), 1));
     }
-    least = std::min(least, first_move<Scalar>(along, Scalar(0), Scalar(1)));
+    least =
+        std::min(least, k < 4 ? first_move<Scalar>(along, Scalar(0), Scalar(1)) : first_move<Scalar>(along));
   }
   return std::max<Scalar>({Eigen::NumTraits<Scalar>::epsilon() * (abs(energy) + 2 * terms), least / 4,
                            std::numeric_limits<Scalar>::min()});  // where it underflows
@@ -613,6 +641,15 @@ SEMIEXPLICIT_COLD GradientCheck<typename detail::EnergyDoor<H>::Scalar> check_gr
       const auto other = slope_within(Scalar(1), Scalar(1));
       slope.judges = other.judges && abs(other.value - slope.value) <= other.uncertainty + slope.uncertainty;
     }
+    // Beside energies elsewhere an oscillation may be too small to tell its size; the given slope may.
+    const Scalar entry_size = abs(given.vector()[i]), implied = rounding / epsilon / entry_size;
+    const auto agrees = [&](const detail::Slope<Scalar>& by) {
+      return abs(given.vector()[i] - by.value) <= by.uncertainty;
+    };
+    if (at_zero && slope.judges && !agrees(slope) && isfinite(implied) && implied > Scalar(0))
+      if (const auto other = slope_within(implied, implied);
+          agrees(other) && other.uncertainty <= entry_size / 1000)
+        slope = other;
     at.vector()[i] = z.vector()[i];
     typename GradientCheck<Scalar>::Entry entry{
         .name = std::string(i < d ? "dH/dq[" : "dH/dp[") + std::to_string(i < d ? i : i - d) + "]",

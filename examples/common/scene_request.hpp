@@ -82,7 +82,8 @@ class SceneRequest {
     }
     std::vector<std::string> names;
     for (const auto& entry : program_.effects) names.push_back(entry.name);
-    for (const std::string& effect : choice.effects) {
+    for (std::string& effect : choice.effects) {
+      CLI::detail::trim(effect);  // "a, b"
       if (std::find(names.begin(), names.end(), effect) == names.end())
         throw std::invalid_argument("--effects: " + unknown_name("effect", effect, names));
       if (std::count(choice.effects.begin(), choice.effects.end(), effect) > 1)

@@ -36,7 +36,8 @@ inline const std::map<std::string, Unit>& known_units() {
     const double degree = std::acos(-1.0) / 180, e = 1.602176634e-19;
     add({1}, {{"m", 1}, {"mm", 1e-3}, {"cm", 1e-2}, {"km", 1e3}, {"AU", 149597870700.0}});
     add({1}, {{"Rearth", 6378137}, {"Rsun", 6.957e8}});
-    add({0, 1}, {{"s", 1}, {"ns", 1e-9}, {"us", 1e-6}, {"ms", 1e-3}, {"min", 60}, {"h", 3600}});
+    add({0, 1}, {{"s", 1}, {"ns", 1e-9}, {"us", 1e-6}, {"ms", 1e-3}, {"second", 1}});
+    add({0, 1}, {{"min", 60}, {"minute", 60}, {"h", 3600}, {"hour", 3600}});
     add({0, 1}, {{"d", 86400}, {"day", 86400}, {"yr", 365.25 * 86400}, {"year", 365.25 * 86400}});
     add({0, 1}, {{"century", 36525.0 * 86400}});
     add({0, 0, 1}, {{"kg", 1}, {"me", 9.1093837015e-31}, {"mp", 1.67262192369e-27}});
@@ -46,7 +47,6 @@ inline const std::map<std::string, Unit>& known_units() {
     add({0, -1, 1, -1}, {{"T", 1}, {"mT", 1e-3}, {"uT", 1e-6}, {"nT", 1e-9}, {"G", 1e-4}});
     add({2, -2, 1, -1}, {{"V", 1}, {"mV", 1e-3}, {"kV", 1e3}});
     add({2, -2, 1}, {{"J", 1}, {"eV", e}, {"keV", 1e3 * e}, {"MeV", 1e6 * e}});
-    add({0, -1}, {{"Hz", 1}, {"kHz", 1e3}, {"MHz", 1e6}});
     add({}, {{"rad", 1}, {"deg", degree}, {"arcsec", degree / 3600}});
     return all;
   }();
@@ -152,8 +152,9 @@ inline double read_quantity(const std::string& text, const std::string& wanted, 
   const auto [rest, failure] = std::from_chars(begin, end, value);
   if (failure != std::errc() || !std::isfinite(value) || (positive && !(value > 0)))
     refuse(std::string("is not a ") + (positive ? "positive" : "finite") + " number");
-  const std::string behind(rest, end);
-  if (behind.find_first_not_of(" \t") == std::string::npos) return value;
+  std::string behind(rest, end);
+  behind.erase(behind.find_last_not_of(" \t") + 1);
+  if (behind.empty()) return value;
   if (wanted.empty()) refuse("has a unit, and a plain number is wanted");
   const Unit unit = read_unit(behind), meant = read_unit(wanted);
   if (unit.powers == Unit().powers &&

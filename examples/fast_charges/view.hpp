@@ -1,5 +1,8 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -23,28 +26,30 @@ inline std::string beam_plot(const std::filesystem::path& csv, const std::string
 }
 
 /// The way of a cosmic ray by its distance from the axis and height, with the region that is forbidden to it
-/// where there is a lemma for it; about the dipole, or where it does not come there, all of it.
+/// where there is a lemma for it; about the dipole, or where it does not come there (`near` has seen
+/// nothing), all of it (`all`).
 inline std::string stoermer_plot(const std::filesystem::path& csv, const std::string& unit,
-                                 const std::optional<Stoermer>& region, const std::string& style) {
+                                 const std::optional<Stoermer>& region, const std::string& style,
+                                 const Path& near, const Path& all) {
+  const bool far = near.left > near.right && all.left <= all.right;
+  const double wide = far ? std::max({all.right, -2 * all.low, 2 * all.high}) : 8;
   std::string forbidden;
-  for (double rho = 0.025; region && rho < 8; rho += 0.05)
-    for (double z = -4; z <= 4; z += 0.05)
+  for (int i = 0; region && i < 160; ++i)
+    for (int k = -80; k <= 80; ++k) {
+      const double rho = wide * (i + 0.5) / 160, z = wide * k / 160;
       if (region->forbidden(rho, z)) forbidden += formatted("%g,%g\n", rho, z);
+    }
   const bool grey = !forbidden.empty();
-  const std::string rho = "sqrt($2**2 + $3**2)";
   return (grey ? "$forbidden << END\n" + forbidden + "END\n" : "") +
          "set object 1 circle at 0,0 size 1 front linewidth 2 fillstyle empty border linecolor "
          "rgb 'black'\n" +
          "set key off\nset size ratio -1\nset xlabel " +
          quoted(in(std::string("distance from the axis") + (grey ? " (grey: forbidden)" : ""), unit)) +
-         "\nset ylabel " + quoted(in("z", unit)) + "\npath = " + quoted(csv.string()) +
-         "\nstats path skip 1 using (" + rho + " < 8 && abs($4) < 4) name 'near' nooutput\n" +
-         "stats path skip 1 using (" + rho + " > 2 * abs($4) ? " + rho +
-         " : 2 * abs($4)) name 'far' nooutput\n" +
-         "wide = near_max == 0 ? far_max : 8\nset xrange [0:wide]\nset yrange [-wide/2:wide/2]\nplot " +
+         "\nset ylabel " + quoted(in("z", unit)) +
+         formatted("\nset xrange [0:%.9g]\nset yrange [%.9g:%.9g]\nplot ", wide, -wide / 2, wide / 2) +
          (grey ? "$forbidden using 1:2 with points pointtype 5 pointsize 0.6 linecolor rgb '#d0d0d0', "
                : "") +
-         "path skip 1 using (" + rho + "):4" + style + "\n";
+         quoted(csv.string()) + " skip 1 using (sqrt($2**2 + $3**2)):4" + style + "\n";
 }
 
 inline View<3> fast_view(const Choice& c) {
@@ -56,8 +61,15 @@ inline View<3> fast_view(const Choice& c) {
     if (only_field(c, "dipole_field"))
       region.emplace(
           c, q, fast_motion(c, fast_fields(c, "")).momentum(q, Vector<double, 3>(-momentum_of(c), 0, 0)));
+    view.paths = 3;
+    view.append = [append = view.append](const auto& x, const auto& p, auto& row, auto& paths) {
+      append(x, p, row, paths);
+      const double rho = std::hypot(x[0], x[1]);
+      paths[1].see(rho, x[2]);
+      if (rho < 8 && std::abs(x[2]) < 4) paths[2].see(rho, x[2]);
+    };
     view.plot = [=](const auto& csv, const auto& paths) {
-      return stoermer_plot(csv, unit, region, paths[0].style("rgb '#0072B2'", 2));
+      return stoermer_plot(csv, unit, region, paths[0].style("rgb '#0072B2'", 2), paths[2], paths[1]);
     };
   } else if (c.preset != "gyration") {
     view.plot = [=](const auto& csv, const auto&) { return beam_plot(csv, unit); };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <numbers>
 #include <ostream>
@@ -48,9 +49,10 @@ class Passages {
   int orbits() const { return std::max(passages_ - 1, 0); }
   double per_time() const { return turned_ / passed_; }
   /// What steps of such an angle leave open of that at both ends, about this part of what an order more
-  /// changed, and the rounding of directions.
+  /// changed, and the rounding of directions and of the gradient, which is the companion's as well.
   double uncertain(double step) const {
-    return (2 * std::min(1.0, 2 * step) * (open_ + std::abs(per_time()) * open_time_) + 4e-15) / passed_;
+    const double rounding = 4e-15 + 4 * std::numbers::pi * std::numeric_limits<double>::epsilon() * orbits();
+    return (2 * std::min(1.0, 2 * step) * (open_ + std::abs(per_time()) * open_time_) + rounding) / passed_;
   }
   /// Is it plain which way round the direction went in an orbit?
   bool plain() const { return largest_ < std::numbers::pi / 2; }

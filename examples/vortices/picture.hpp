@@ -24,6 +24,7 @@ inline std::string plane(const std::filesystem::path& csv, const std::vector<Pat
   const std::span<const Path> shown(paths.data(), static_cast<std::size_t>(drawn));
   const double strongest = v.circulation.cwiseAbs().maxCoeff();
   std::ostringstream out;
+  out.precision(17);
   out << "$start << END\n";
   for (Eigen::Index i = 0; i < drawn; ++i) out << v.x[i] << ',' << v.y[i] << ',' << v.circulation[i] << '\n';
   out << "END\nset rmargin at screen 0.86\nset size ratio -1\nset key off\nset xlabel '"

@@ -17,8 +17,9 @@
 // case monitor_of_one_argument: this monitor function cannot be called: write `double operator()(const auto& q, const auto& p) const`
 // case monitor_without_gradient: this monitor function cannot be called: write `double operator()(const auto& q, auto&& dgdq) const`
 // case transformed_without_energy: has no public energy, by which the run is to be judged: write `Scalar energy(
-// case surface_of_one_argument: this surface cannot be called: write `[](const auto& q, const auto& p) { return q[0]; }`
-// case section_of_one_argument: this surface cannot be called: write `[](const auto& q, const auto& p) { return q[0]; }`
+// case surface_of_one_argument: this surface cannot be called, or tells no more than true and false: write `[](const auto& q, const auto& p) { return q[0]; }`
+// case surface_of_no_number: this surface cannot be called, or tells no more than true and false: write `[](const auto& q, const auto& p) { return q[0]; }`
+// case section_of_one_argument: this surface cannot be called, or tells no more than true and false: write `[](const auto& q, const auto& p) { return q[0]; }`
 // case reversible_steps_of_no_stepper: this stepper has no step: write `StepReport step(State& state, const Scalar& dt)`
 // case observer_behind_checkpoints: an observer that a checkpoint can keep stands behind Checkpoints
 // case changed_by_events_within_every: events that change the state are an argument of integrate() itself
@@ -152,13 +153,17 @@ int main() {
 #elif defined(monitor_of_one_argument)
   ReversibleSteps stepper(Semiexplicit(H, scheme), [](const auto& q) { return q[0]; });
 #elif defined(monitor_without_gradient)
-  TimeTransformed transformed(H, [](const auto& q) { return q[0]; }, 1.0);
+  TimeTransformed transformed(
+      H, [](const auto& q) { return q[0]; }, 1.0);
 #elif defined(transformed_without_energy)
   TimeTransformed transformed(NoEnergy(), monitors::Distance(), 1.0);
 #elif defined(surface_of_one_argument)
   auto watch = events(H, on_event([](const auto& q) { return q[0]; }, right));
+#elif defined(surface_of_no_number)
+  auto watch = events(H, on_event([](const auto& q, const auto&) { return q[0] > 0; }, right));
 #elif defined(section_of_one_argument)
-  auto section = poincare_section(H, [](const auto& q) { return q[0]; }, right);
+  auto section = poincare_section(
+      H, [](const auto& q) { return q[0]; }, right);
 #elif defined(reversible_steps_of_no_stepper)
   ReversibleSteps stepper(NoStepper(), [](const auto&, const auto&) { return 1.0; });
 #elif defined(observer_behind_checkpoints)

@@ -281,6 +281,33 @@ TEST_CASE("Rounding ends the iteration also where it cancels in an entry of the 
   CHECK(failures_in_a_dipole<float>(by({.stages = 4}), 0.0016) == 0);
 }
 
+/// A pendulum; see below.
+struct Pendulum {
+  using Scalar = double;
+  static constexpr int Dof = 1;
+  void gradient(In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
+    dHdq[0] = std::sin(q[0]);
+    dHdp[0] = p[0];
+  }
+};
+
+TEST_CASE("A step of Newton's method that went far out first is solved all the same", "[gauss]") {
+  // By steps too long for a pendulum, where some iterates are 1e16 and what rounding does there is no excuse.
+  const struct {
+    double q, p, dt;
+  } starts[] = {{-3.0009033765748923, -0.09158521333313363, 2.0681494060637498},
+                {-2.7389487876961987, -0.53646819112200061, 2.0018392666129179},
+                {1.9696375396471191, 1.7183571651476428, 2.2670150099518467},
+                {0.59635734235755944, -1.3725686364491416, 3.576789115482609}};
+  for (const auto& [q, p, dt] : starts) {
+    CAPTURE(q);
+    PhasePoint<double, 1> z(q, p);
+    if (!GaussLegendre(Pendulum(), {.stages = 1, .solver = StageSolver::newton}).step(z, dt).ok()) continue;
+    CHECK(std::abs(z.q()[0] - q - dt * (z.p()[0] + p) / 2) < 1e-12);
+    CHECK(std::abs(z.p()[0] - p + dt * std::sin((z.q()[0] + q) / 2)) < 1e-12);
+  }
+}
+
 TEST_CASE("Few iterations are not enough, and the state is left alone", "[gauss]") {
   for (const StageSolver solver : {StageSolver::fixed_point, StageSolver::newton}) {
     PhasePoint<double, 3> z = start;

@@ -728,6 +728,25 @@ TEST_CASE("A run of more steps than anyone can wait for comes back", "[reversibl
                 "more than 9e18 of these away"));
 }
 
+TEST_CASE("A run whose orbit runs away before its end comes back", "[reversible_steps]") {
+  // p = q²/√2 from q = p√2 = 1 on: q = 1/(1 - t/√2) has gone to infinity at t = √2. Steps of ds = dt (1 +
+  // q²).
+  const auto h = make_hamiltonian<double, 1>(
+      [](const auto& q, const auto& p) { return p[0] * p[0] / 2 - std::pow(q[0], 4) / 4; },
+      [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+        dHdq[0] = -std::pow(q[0], 3);
+        dHdp[0] = p[0];
+      });
+  PhasePoint<double, 1> z(1, std::sqrt(0.5));
+  ReversibleSteps stepper(Semiexplicit(h, schemes::strang<double>()),
+                          [](const auto& q, const auto&) { return 1 / (1 + q[0] * q[0]); });
+  const auto report = integrate(stepper, z, {.dt = 0.1, .on_failure = OnFailure::stop, .t_end = 1e6});
+  CHECK(report.status == Status::invalid_monitor);
+  CHECK(report.steps > ReversibleSteps<Semiexplicit<decltype(h)>, monitors::Distance>::most_stale);
+  CHECK(std::abs(report.t - std::sqrt(2.0)) < 1e-2);
+  CHECK(z.q()[0] > 1000);
+}
+
 TEST_CASE("A gradient that throws while a step is cut into parts leaves the clock at the state's time",
           "[reversible_steps]") {
   std::int64_t calls = 0, when = -1;

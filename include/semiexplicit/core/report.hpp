@@ -66,8 +66,9 @@ SEMIEXPLICIT_COLD inline std::string describe(Status status) {
              "with a step that resolves the encounter, or lower the limit (Attraction::hill_radii)";
     case Status::invalid_monitor:
       return "the monitor function is not finite and positive here, or grew to more than about twice its "
-             "value within a step, or the steps that follow it came to swing from one to the next; "
-             "reduce dt, or check the monitor function near this state";
+             "value within a step, or the steps that follow it came to swing from one to the next, or take "
+             "next to nothing of the time to t_end, as where an orbit runs away before; reduce dt, or check "
+             "the monitor function near this state";
     case Status::observer_threw:
       return "an observer of this member threw an exception";
   }

@@ -98,11 +98,13 @@ class SecondDerivatives {
     const auto largest = [d](const Vec& at, Eigen::Index half) {
       return largest_absolute(at.segment(half, d));
     };
-    // A shift is about 1e-5 of the length along which the gradient varies; momenta may have begun at zero.
+    // Farther than about half the length along which the gradient varies, by its shift; momenta may have
+    // begun at zero.
+    const Scalar to_length = Scalar(0.4) / ShiftSearch<H>::usual_part(Scalar(1));
     bool far = count_ == 0;
     for (const Eigen::Index half : {Eigen::Index{0}, d})
       far = far || largest(z, half) > 16 * largest(last_, half);
-    for (Eigen::Index i = 0; i < z.size(); ++i) far = far || !(abs(z[i] - last_[i]) <= 65536 * shift_[i]);
+    for (Eigen::Index i = 0; i < z.size(); ++i) far = far || !(abs(z[i] - last_[i]) <= to_length * shift_[i]);
     // Where nothing depends on a coordinate, as at the top of a drive, it is looked for again soon.
     const bool soon = (count_ & (count_ - 1)) == 0 && !blind_.isZero(0);
     const bool again = count_ % look_again == 0;

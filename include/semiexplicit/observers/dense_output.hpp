@@ -120,8 +120,8 @@ class DenseOutput {
   /// z becomes the interpolated state at the time x, from 0 to interval(i), after state i.
   void after(std::size_t i, const Scalar& x, State& z) {
     const Places at(*this, i);
-    interpolate(at, i, x, z);
-    note_error(at, i, x);
+    const Scalar spread = interpolate(at, i, x, z);
+    note_error(at, i, x, spread);
   }
   /// The same for a search, whose states are not handed on: interpolation_error() does not hear of them.
   void sought_after(std::size_t i, const Scalar& x, State& z) { interpolate(Places(*this, i), i, x, z); }
@@ -219,8 +219,11 @@ class DenseOutput {
     }
   };
 
-  void interpolate(const Places& at, std::size_t i, const Scalar& x, State& z) {
+  /// Returns the sum of the absolute weights of the other states: how often their rounding is in z.
+  Scalar interpolate(const Places& at, std::size_t i, const Scalar& x, State& z) {
+    using std::abs;
     const auto& place = at.place;
+    Scalar spread(0);
     // The weights of the states have the sum 1: differences from state i are added to it, so that late times
     // and other large values are not rounded once a node.
     const State& start = node(i).z;
@@ -235,10 +238,15 @@ class DenseOutput {
         slope += at.inverse[j][k];
       }
       const Scalar squared = polynomial * polynomial, beyond = x - place[j];
-      if (j != i) z.vector() += (squared * (1 - 2 * beyond * slope)) * (node(j).z.vector() - start.vector());
+      if (j != i) {
+        const Scalar weight = squared * (1 - 2 * beyond * slope);
+        z.vector() += weight * (node(j).z.vector() - start.vector());
+        spread += abs(weight);
+      }
       z.vector() += (squared * beyond) * field(node(j));
     }
     z.vector() += start.vector();
+    return spread;
   }
 
   /// What every place of an interval has in common of the error: with m nodes a guess of the divided
@@ -294,7 +302,7 @@ class DenseOutput {
                            : Scalar(before * growth * growth / size);
   }
 
-  void note_error(const Places& at, std::size_t i, const Scalar& x) {
+  void note_error(const Places& at, std::size_t i, const Scalar& x, const Scalar& spread) {
     if (i + 1 >= size_ || x == Scalar(0) || x == interval(i)) return;
     if (judged_ != i) judge(at, i);
     Scalar error = next_difference_;
@@ -302,7 +310,7 @@ class DenseOutput {
       const Scalar from = (x - at.place[k]) / interval(i);
       if (at.used[k]) error *= from * from;
     }
-    error += Eigen::NumTraits<Scalar>::epsilon();
+    error += Eigen::NumTraits<Scalar>::epsilon() * (1 + 2 * spread);  // of the fields about as much
     if (error > worst_) worst_ = error;
   }
 
@@ -452,7 +460,7 @@ class AtTimes {
       serve(times_[next_++], {});
   }
 
-  /// How many of the times were served.
+  /// How many of the times were come to.
   std::size_t served() const { return next_; }
   /// The largest error of the interpolation at these times, estimated, relative to the size of the state; see
   /// DenseOutput::interpolation_error().
@@ -586,7 +594,8 @@ class AtTimes {
 /// nodes - 1 steps were taken from the start, or from the last event that changed the state. A named observer
 /// is referred to, a temporary is kept. Throws std::invalid_argument for times that are not finite, not
 /// sorted, there twice, or lie before the start. What the observer throws is passed on when the other times
-/// of the step were handed to it.
+/// of the step were handed to it; a gradient that throws within the interpolation costs the observer that
+/// time.
 ///
 /// Where a step is long the states between are far worse than those at the steps: interpolation_error()
 /// tells. If it is too large, shorten the steps, or end a run at each time by t_end. A time is met to its own

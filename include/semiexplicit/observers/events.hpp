@@ -30,9 +30,11 @@ template <class Surface, class State>
 consteval bool is_surface() {
   constexpr bool fits = requires(const Surface& s, const State& z) {
     { s(z.q(), z.p()) } -> std::convertible_to<typename State::Scalar>;
+    requires !std::same_as<decltype(s(z.q(), z.p())), bool>;
   };
   static_assert(fits,
-                "this surface cannot be called: write `[](const auto& q, const auto& p) { return q[0]; }`, a "
+                "this surface cannot be called, or tells no more than true and false: write `[](const auto& "
+                "q, const auto& p) { return q[0]; }`, a "
                 "number that is 0 on the surface");
   return fits;
 }

@@ -15,6 +15,7 @@ namespace detail {
 
 template <int Dim, class X, class Y>
 auto dot(const X& x, const Y& y) {
+  static_assert(Dim == 2 || Dim == 3, "an orbit is in the plane or in space: let Dim be 2 or 3");
   auto sum = x[0] * y[0] + x[1] * y[1];
   if constexpr (Dim == 3) sum += x[2] * y[2];
   return sum;

@@ -85,6 +85,7 @@ class ReversibleSteps {
   /// The swing from which on the density starts afresh, and how many steps it has to last.
   static constexpr double most_swing = 0.15;
   static constexpr std::int64_t least_between = 10'000;
+  static constexpr std::int64_t most_stale = 100'000;
 
   ReversibleSteps(S stepper, G monitor) : stepper_(std::move(stepper)), monitor_(std::move(monitor)) {
     if constexpr (requires { stepper_.dof(); })
@@ -99,17 +100,20 @@ class ReversibleSteps {
   }
 
   /// The same, but not beyond t_end: what is left of less than two steps is taken in two halves, of less than
-  /// one at once.
+  /// one at once. Where `most_stale` steps, one after the other, were each less than 1e-12 of what is left,
+  /// as on an orbit that runs away before t_end, the next one fails with Status::invalid_monitor.
   StepReport step_until(State& z, const Scalar& dt, const Scalar& t_end) {
+    using std::abs;
     if (reached(t_end)) return {};
     const Scalar left = left_to(t_end);
+    if (stale_ >= most_stale) return {.status = Status::invalid_monitor};
     if ((left > Scalar(0)) != (dt > Scalar(0))) return {.status = Status::invalid_step};
     bool last = false;
     const StepReport report = advance(z, dt, [&](const Scalar& time) {
-      using std::abs;
       last = abs(left) <= abs(time);
       return last ? left : abs(left) < 2 * abs(time) ? Scalar(left / 2) : time;
     });
+    if (report.ok()) stale_ = abs(left) > Scalar(1e12) * abs(clock_.taken) ? stale_ + 1 : 0;
     if (last && report.ok()) {
       clock_.time = t_end;
       clock_.carry = Scalar(0);
@@ -121,6 +125,7 @@ class ReversibleSteps {
   /// with the density of then.
   void begin(const State& z, const Scalar& t) {
     if (!continues(z)) clock_.density = Scalar(0);
+    stale_ = 0;
     clock_.time = t;
     clock_.carry = Scalar(0);
   }
@@ -336,6 +341,7 @@ class ReversibleSteps {
   G monitor_;
   State last_, trial_, scratch_;
   Clock clock_;
+  std::int64_t stale_ = 0;  ///< steps of next to no time, one after the other; see step_until()
 };
 
 }  // namespace semiexplicit

@@ -212,6 +212,53 @@ double error_of_map(const H& h, const Exact& exact, const PhasePoint<double, 1>&
 
 }  // namespace
 
+/// H = (a x² + b y² + c px² + d py²)/2 + k x px² + e |z|⁴/4.
+template <class T>
+struct Quartic {
+  using Scalar = T;
+  static constexpr int Dof = 2;
+  T a = T(-0.17), b = T(0.25), c = T(0.034), d = T(0.93), k = T(0.095), e = T(0.1);
+  void gradient(In<T, 2> q, In<T, 2> p, Out<T, 2> dHdq, Out<T, 2> dHdp) const {
+    const T r = e * (q.squaredNorm() + p.squaredNorm());
+    dHdq[0] = (a + r) * q[0] + k * p[0] * p[0];
+    dHdq[1] = (b + r) * q[1];
+    dHdp[0] = (c + r) * p[0] + 2 * k * q[0] * p[0];
+    dHdp[1] = (d + r) * p[1];
+  }
+};
+struct WithHessian : Quartic<double> {
+  void hessian(In<double, 2> q, In<double, 2> p, Eigen::Ref<Eigen::Matrix4d> result) const {
+    const double r = e * (q.squaredNorm() + p.squaredNorm());
+    const Eigen::Vector4d z(q[0], q[1], p[0], p[1]);
+    result = 2 * e * z * z.transpose();
+    result.diagonal() += Eigen::Vector4d(a + r, b + r, c + r + 2 * k * q[0], d + r);
+    result(0, 2) += 2 * k * p[0];
+    result(2, 0) += 2 * k * p[0];
+  }
+};
+
+TEST_CASE("Differences in float give up no half of a column for digits of the other", "[chaos]") {
+  // The force is quadratic in px, so that no shift is too long for it; ∂H/∂px is not.
+  double worst = 0;
+  for (int k = 0; k < 60; ++k) {
+    PhasePoint<float, 2> z({0.3F * std::sin(1.7F * float(k)), 0.33F * std::cos(2.3F * float(k))},
+                           {0.02F * std::sin(3.1F * float(k) + 1), 0.57F * std::cos(1.1F * float(k))});
+    const auto scheme = schemes::low_defect4_s7<float>();
+    Semiexplicit stepper(Quartic<float>(), scheme);
+    TangentMap by_gradient(stepper);
+    TangentMap exact(WithHessian(), schemes::low_defect4_s7<double>());
+    for (int n = 0; n < 40; ++n) {
+      const PhasePoint<double, 2> same(z.q().cast<double>(), z.p().cast<double>());
+      REQUIRE(by_gradient.at(z, 0.05F) == Status::success);
+      REQUIRE(exact.at(same, static_cast<double>(0.05F)) == Status::success);
+      worst = std::max(worst,
+                       (by_gradient.matrix().cast<double>() - exact.matrix()).norm() / exact.matrix().norm());
+      stepper.step(z, 0.05F);
+    }
+  }
+  CHECK(worst < 2e-5);
+}
+
 TEST_CASE("A tangent map by differences is right at rest, in any units", "[chaos]") {
   for (const double q : {1e-2, -3e-3, 2e-2})
     for (const double dt : {1e-14, 1e-12})

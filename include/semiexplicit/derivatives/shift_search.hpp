@@ -373,10 +373,10 @@ class ShiftSearch {
     }
   }
 
-  /// How far the columns by each shift and by the next larger one are from each other: the mean over both
-  /// halves of the logarithm. A half counts by how much it moves its half of the gradient over `length`, at
-  /// most all of it, as it is where it is seen best: by shifts that are too large it may have vanished, and
-  /// then it disagrees. At most 0.
+  /// How far the columns by each shift and by the next larger one are from each other: the logarithm of the
+  /// mean over both halves (the mean of logarithms would give up one half for digits of the other). A half
+  /// counts by how much it moves its half of the gradient over `length`, at most all of it, as it is where it
+  /// is seen best: by shifts that are too large it may have vanished, and then it disagrees. At most 0.
   void score(const HalfBy (&by_shift)[2][most_shifts], int count, const Scalar& length, Scalar* apart) {
     using std::log;
     // What is better than ε^{2/3} does not count: a half that is constant would ask for shifts too large for
@@ -393,11 +393,11 @@ class ShiftSearch {
       const Scalar force = here_.segment(half * d, d).cwiseAbs().dot(units_.segment(half * d, d));
       const Scalar weight = force < length * seen ? Scalar(1) : Scalar(length * seen / force);
       for (int k = 1; k < count; ++k)
-        apart[k] += weight * log(std::clamp<Scalar>(by_shift[half][k].apart, least, Scalar(1)));
+        apart[k] += weight * std::clamp<Scalar>(by_shift[half][k].apart, least, Scalar(1));
       weights += weight;
     }
     saw_ = weights > Scalar(0);
-    for (int k = 1; k < count && saw_; ++k) apart[k] /= weights;
+    for (int k = 1; k < count && saw_; ++k) apart[k] = log(Scalar(apart[k] / weights));
   }
 
   State above_, below_;

@@ -89,7 +89,10 @@ class Ensemble {
     (require_observer(observers, options), ...);
     require(options);
     const auto start = Clock::now();
-    if (options.done == 0) records_ = detail::MemberRecords(records_.report.size());
+    if (options.done == 0) {
+      records_ = detail::MemberRecords(records_.report.size());
+      for (IntegrationReport& one : records_.report) one.t = options.t0;
+    }
     const auto watch = std::apply(
         [&](const auto&... of_members) {
           return detail::MemberWatch<State, std::remove_cvref_t<decltype(of_members)>...>(options.every,

@@ -258,6 +258,9 @@ TEST_CASE("Observers of the whole hear where all members are together, which cha
     const auto until = [](double, const EnsembleReport& so_far) { return so_far.done < 10; };
     const EnsembleReport first = stopped.run({.dt = 0.01, .steps = 25, .together = 5}, until);
     CHECK((first.stopped && first.done == 10 && first.t == 10 * 0.01));
+    auto at_once = undisturbed;
+    at_once.run({.dt = 0.01, .steps = 25, .t0 = 7}, [](double, const EnsembleReport&) { return false; });
+    CHECK((at_once.report(0).steps == 0 && at_once.report(0).t == 7));
     CHECK(refuses([&] { stopped.run({.dt = 0.01, .steps = 25, .done = 9}); }, "9 steps are said to be done"));
     CHECK(refuses([&] { stopped.run({.dt = 0.02, .steps = 25, .done = 10}); }, "took steps of 0.01"));
     CHECK(refuses([&] { stopped.run({.dt = 0.01, .steps = 5, .done = 10}); }, "10 steps are done of 5"));

@@ -34,8 +34,7 @@ consteval bool is_surface() {
   };
   static_assert(fits,
                 "this surface cannot be called, or tells no more than true and false: write `[](const auto& "
-                "q, const auto& p) { return q[0]; }`, a "
-                "number that is 0 on the surface");
+                "q, const auto& p) { return q[0]; }`, a number that is 0 on the surface");
   return fits;
 }
 

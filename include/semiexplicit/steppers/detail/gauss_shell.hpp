@@ -98,7 +98,7 @@ class GaussShell {
   std::int64_t max_gradients() const {
     const auto hessian =
         options_.solver == StageSolver::newton ? SecondDerivatives<H>::max_gradients(dof()) : Eigen::Index{0};
-    return 1 + 2 * std::int64_t{1 + options_.max_iterations / 4} +
+    return 1 + 2 * (std::int64_t{1} + options_.max_iterations) +
            std::int64_t{options_.max_iterations} * options_.stages * (1 + hessian);
   }
 

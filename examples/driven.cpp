@@ -106,7 +106,8 @@ std::string script(const std::filesystem::path& png, const std::filesystem::path
          "xrange [-pi:pi]\nset yrange [-" +
          std::to_string(fastest) + ":" + std::to_string(fastest) +
          "]\nset key off\n"
-         "set xtics ('-π' -pi, '-π/2' -pi/2, '0' 0, 'π/2' pi/2, 'π' pi)\nunset colorbox\n"
+         "set xtics ('-π' -pi, '-π/2' -pi/2, '0' 0, 'π/2' pi/2, 'π' pi)\nunset colorbox\nset cbrange "
+         "[-0.5:*]\n"
          "set palette defined (0 '#0072B2', 1 '#009E73', 2 '#E69F00', 3 '#D55E00', 4 '#CC79A7')\n"
          "plot " +
          examples::quoted(csv.string()) +

@@ -44,7 +44,7 @@ inline void make_folder(const std::filesystem::path& folder, const std::string& 
   std::error_code failure;
   std::filesystem::create_directories(folder, failure);
   if (failure || !std::filesystem::is_directory(folder))
-    throw std::invalid_argument(option + ": the folder " + folder.string() + " cannot be made" +
+    throw std::invalid_argument(option + ": the folder '" + folder.string() + "' cannot be made" +
                                 (failure ? ": " + failure.message() : "; something else has that name"));
 }
 

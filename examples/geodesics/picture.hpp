@@ -11,7 +11,8 @@ namespace examples {
 inline std::string section_picture(const std::filesystem::path& png, const std::filesystem::path& csv,
                                    const std::string& title) {
   return gnuplot_prologue(png, 1100, 900) + "set title " + quoted(title + "; orange: chaotic") +
-         " noenhanced\nset xlabel 'r/M'\nset ylabel 'p_r'\nset key off\nunset colorbox\n"
+         " noenhanced\nset xlabel 'r/M'\nset ylabel 'p_r'\nset key off\nunset colorbox\nset cbrange "
+         "[-0.5:*]\n"
          "set offsets graph 0.02, graph 0.02, graph 0.02, graph 0.02\n"
          "set palette defined (0 '#0072B2', 1 '#009E73', 2 '#56B4E9', 3 '#666666')\n"
          "plot " +

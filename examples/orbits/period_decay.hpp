@@ -92,7 +92,8 @@ inline Measurement<3> period_decay(const Choice& c) {
         if (seen->all.apoapsides < 3)
           return {not_measured(name, "the run has no two whole orbits; give more --time")};
         if (!coarse.empty()) return {not_measured(name, coarse)};
-        const double energy = seen->energy,
+        // Of the middle of these orbits, as their mean period is.
+        const double energy = seen->energy + (seen->all.work0 + seen->all.work1) / 2,
                      growth = 1.5 / energy - relativity / (1 - relativity * energy);  // of ln n with E
         const auto shrinks = [&](const WorkBetweenApoapsides& by) {
           return -by.period() * growth * by.per_time();

@@ -14,6 +14,7 @@
 // case solver_without_options: does not list its options, so it could be resumed with others: write
 // case reversible_steps_changed_by_events: events that change the state need a stepper of equal steps, and this one chooses its steps
 // case reversible_steps_twice: this stepper chooses the times of its steps already: give ReversibleSteps its inner stepper
+// case every_within_every: every() within every() would count the steps of the run, too: give one of them the product
 // case monitor_of_one_argument: this monitor function cannot be called: write `double operator()(const auto& q, const auto& p) const`
 // case monitor_without_gradient: this monitor function cannot be called: write `double operator()(const auto& q, auto&& dgdq) const`
 // case transformed_without_energy: has no public energy, by which the run is to be judged: write `Scalar energy(
@@ -150,6 +151,8 @@ int main() {
 #elif defined(reversible_steps_twice)
   const auto pace = [](const auto&, const auto&) { return 1.0; };
   ReversibleSteps stepper(ReversibleSteps(Semiexplicit(H, scheme), pace), pace);
+#elif defined(every_within_every)
+  auto sparse = every(4, every(10, right));
 #elif defined(monitor_of_one_argument)
   ReversibleSteps stepper(Semiexplicit(H, scheme), [](const auto& q) { return q[0]; });
 #elif defined(monitor_without_gradient)

@@ -83,11 +83,6 @@ TEST_CASE("every() refers to a named observer and keeps a temporary", "[observer
             every(1, [&](double, const Point&, const StepReport&) { ++reports; }));
   CHECK(reports == 6);
 
-  // One inside another.
-  Counter inner;
-  integrate(stepper, z, {.dt = 1, .steps = 12}, every(2, every(3, inner)));
-  CHECK(inner.calls == 3);  // at 0, 6, 12
-
   for (const int n : {0, -1}) {
     std::string message;
     try {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <limits>
 #include <stdexcept>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -15,9 +16,24 @@
 
 namespace semiexplicit {
 
+template <class Observer>
+class Every;
+
+namespace detail {
+
+template <class T>
+inline constexpr bool counts_steps = false;
+template <class Observer>
+inline constexpr bool counts_steps<Every<Observer>> = true;
+
+}  // namespace detail
+
 /// Hands on every n-th call, the first included; see every().
 template <class Observer>
 class Every {
+  static_assert(!detail::counts_steps<std::remove_cvref_t<Observer>>,
+                "every() within every() would count the steps of the run, too: give one of them the product");
+
  public:
   static constexpr const char* name = "every";
   static constexpr bool interpolates = Interpolates<Observer>;
@@ -117,9 +133,9 @@ class Every {
 /// `every(100, observer)`: calls the observer at the start and then after every 100 steps. A named observer
 /// is referred to, so it must outlive the run; a temporary is kept. A run that begins where the last one
 /// ended, with its last state, counts on, a resumed one counts from its own start, any other begins anew; the
-/// last state is only seen where a multiple of n falls on it. What is shown are whole steps, no events;
-/// std::invalid_argument where an event changes the state and the observer Interpolates. Where the observer
-/// throws, the next run begins anew, so that it is shown that state again.
+/// last state is only seen where a multiple of n falls on it. No every() stands within another. What is shown
+/// are whole steps, no events; std::invalid_argument where an event changes the state and the observer
+/// Interpolates. Where the observer throws, the next run begins anew, so that it is shown that state again.
 template <class Observer>
 Every<Observer> every(std::int64_t n, Observer&& observer) {
   return {n, std::forward<Observer>(observer)};

@@ -55,7 +55,7 @@ class Path {
   std::string label() const {
     const double turns = turned_ / (2 * std::acos(-1.0));
     const std::string text = sparse()     ? std::to_string(rows_) + " rows, too few per orbit for a line"
-                             : turns > 30 ? formatted("%.0f orbits superimposed", turns)
+                             : turns > 30 ? formatted("the rows go round %.0f times", turns)
                                           : "";
     return text.empty() ? "unset label 1\n"
                         : "set label 1 " + quoted(text) + " at graph 0, graph 1.015 left font ',12'\n";

@@ -98,7 +98,10 @@ inline Measurement<3> period_decay(const Choice& c) {
         const auto shrinks = [&](const WorkBetweenApoapsides& by) {
           return -by.period() * growth * by.per_time();
         };
-        const double value = shrinks(seen->all), uncertain = std::abs(shrinks(seen->every_other) - value);
+        // That relation is of first order; measured, its second is some four squares of the first.
+        const double value = shrinks(seen->all),
+                     uncertain = std::abs(shrinks(seen->every_other) - value) +
+                                 10 * std::pow(relativity * energy, 2) * std::abs(value);
         if (!(uncertain <= 0.1 * std::abs(value)))
           return {not_measured(name,
                                formatted("steps leave %.2g ± %.1g; give a smaller --dt", value, uncertain))};

@@ -14,6 +14,7 @@
 #include <semiexplicit/systems.hpp>
 #include <semiexplicit/time.hpp>
 
+#include "folder.hpp"
 #include "refusal.hpp"
 
 namespace test_motion {
@@ -388,6 +389,27 @@ TEST_CASE("Books refuse the states of a scene of another size", "[motion]") {
   Books books(Scene(effects::lattice::OnSite<>{.sites = 3}, effects::lattice::Hopping<>{.sites = 3}));
   CHECK(refuses([&] { books(0.0, PhasePoint<double, Eigen::Dynamic>(4)); },
                 "the state has 4 degrees of freedom and the scene 3"));
+}
+
+TEST_CASE("a checkpoint is not gone on with by the books of another scene") {
+  const Folder folder;
+  const auto scene = [](double k, double gm) {
+    return Scene(Kinetic{}, orbits::Attraction<double, 2>{.gm = gm}, Drag{.linear = k});
+  };
+  const IntegrationOptions<double> options{.dt = 0.05, .steps = 20};
+  const auto go = [&](const auto& kept, bool resumes) {
+    auto stepper = stepper_for(scene(0.01, 1));
+    Books books(kept);
+    Checkpoints checkpoints(folder.path / "saved", {.every = 10}, stepper, options, books);
+    PhasePoint<double, 2> z({1, 0}, {0, 1});
+    auto run = options;
+    if (resumes) run.done = checkpoints.resume(z);
+    integrate(stepper, z, run, books, checkpoints);
+  };
+  go(scene(0.01, 1), false);
+  CHECK(says(complaint([&] { go(scene(0.02, 1), true); }), "another power of drag"));
+  CHECK(says(complaint([&] { go(scene(0.01, 1.1), true); }), "another scene"));
+  go(scene(0.01, 1), true);
 }
 
 }  // namespace test_motion

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include <semiexplicit/core/gradient_size.hpp>
 #include <semiexplicit/core/phase_point.hpp>
 #include <semiexplicit/core/words.hpp>
 #include <semiexplicit/observers/run_clock.hpp>
@@ -170,10 +171,7 @@ class Books {
     if (accounts_.empty()) return;
     scene_.gradient(q, p, gradient_.q(), gradient_.p());
     for (Account& account : accounts_) {
-      force_.setZero();
-      Out<Scalar, Dof> force(force_);
-      account.effect.add_force(q, p, force);
-      const Scalar power = detail::dot(force_, gradient_.p());
+      const Scalar power = power_of(account.effect, q, p, gradient_, force_);
       if (next == Next::again)
         account.work.see_again(power);
       else
@@ -211,7 +209,15 @@ class Books {
   /// See Describable.
   template <class List>
   void describe(List& list) const {
-    for (const std::string& effect : names()) list("account", effect);
+    list.function("scene", detail::GradientSize(scene_));
+    for (const Account& account : accounts_)
+      list.function("power of " + account.effect.name(),
+                    [&](const In<Scalar, Dof>& q, const In<Scalar, Dof>& p) {
+                      PhasePoint<Scalar, Dof> gradient(scene_.dof());
+                      scene_.gradient(q, p, gradient.q(), gradient.p());
+                      Vector<Scalar, Dof> force = gradient.q();
+                      return power_of(account.effect, q, p, gradient, force);
+                    });
   }
   /// See CheckpointMemory.
   template <class Visitor>
@@ -229,6 +235,16 @@ class Books {
     AnyEffect<Scalar, Dof> effect;
     detail::RunningIntegral<Scalar> work;
   };
+
+  /// F·∂H/∂p of an effect, whose force becomes `force`.
+  static Scalar power_of(const AnyEffect<Scalar, Dof>& effect, const In<Scalar, Dof>& q,
+                         const In<Scalar, Dof>& p, const PhasePoint<Scalar, Dof>& gradient,
+                         Vector<Scalar, Dof>& force) {
+    force.setZero();
+    Out<Scalar, Dof> out(force);
+    effect.add_force(q, p, out);
+    return detail::dot(force, gradient.p());
+  }
 
   RuntimeScene<Scalar, Dof> scene_;
   PhasePoint<Scalar, Dof> gradient_, last_;  ///< the state that was seen last

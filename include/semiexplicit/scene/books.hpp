@@ -171,7 +171,10 @@ class Books {
     if (accounts_.empty()) return;
     scene_.gradient(q, p, gradient_.q(), gradient_.p());
     for (Account& account : accounts_) {
-      const Scalar power = power_of(account.effect, q, p, gradient_, force_);
+      force_.setZero();
+      Out<Scalar, Dof> force(force_);
+      account.effect.add_force(q, p, force);
+      const Scalar power = detail::dot(force_, gradient_.p());
       if (next == Next::again)
         account.work.see_again(power);
       else
@@ -209,15 +212,8 @@ class Books {
   /// See Describable.
   template <class List>
   void describe(List& list) const {
-    list.function("scene", detail::GradientSize(scene_));
-    for (const Account& account : accounts_)
-      list.function("power of " + account.effect.name(),
-                    [&](const In<Scalar, Dof>& q, const In<Scalar, Dof>& p) {
-                      PhasePoint<Scalar, Dof> gradient(scene_.dof());
-                      scene_.gradient(q, p, gradient.q(), gradient.p());
-                      Vector<Scalar, Dof> force = gradient.q();
-                      return power_of(account.effect, q, p, gradient, force);
-                    });
+    for (const std::string& effect : names()) list("account", effect);
+    list.function("scene", detail::GradientSize(scene_));  // with the forces
   }
   /// See CheckpointMemory.
   template <class Visitor>
@@ -235,16 +231,6 @@ class Books {
     AnyEffect<Scalar, Dof> effect;
     detail::RunningIntegral<Scalar> work;
   };
-
-  /// F·∂H/∂p of an effect, whose force becomes `force`.
-  static Scalar power_of(const AnyEffect<Scalar, Dof>& effect, const In<Scalar, Dof>& q,
-                         const In<Scalar, Dof>& p, const PhasePoint<Scalar, Dof>& gradient,
-                         Vector<Scalar, Dof>& force) {
-    force.setZero();
-    Out<Scalar, Dof> out(force);
-    effect.add_force(q, p, out);
-    return detail::dot(force, gradient.p());
-  }
 
   RuntimeScene<Scalar, Dof> scene_;
   PhasePoint<Scalar, Dof> gradient_, last_;  ///< the state that was seen last

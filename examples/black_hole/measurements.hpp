@@ -92,10 +92,12 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
   const auto figures = [=](const Run&) {
     const Seen& s = *seen;
     const double nearest = -s.closeness.value(), farthest = s.distance.value();
-    std::vector<Figure> list{{"nearest r", nearest, s.closeness.uncertain()},
-                             {"farthest r", farthest, s.distance.uncertain()},
-                             {"degrees off the equator", s.over_a_pole ? 90 : s.highest.value(),
-                              s.over_a_pole ? 0 : s.highest.uncertain()}};
+    const double highest = s.over_a_pole ? 90 : s.highest.value(),
+                 rounding = highest < 1e-9 ? highest : 0;  // in the equator
+    std::vector<Figure> list{
+        {"nearest r", nearest, s.closeness.uncertain()},
+        {"farthest r", farthest, s.distance.uncertain()},
+        {"degrees off the equator", highest, rounding + (s.over_a_pole ? 0 : s.highest.uncertain())}};
     Figure turns{.name = "turns from apoapsis to apoapsis"};
     turns.missing =
         nearest <= outer_horizon(hole) ? "the body has fallen through the horizon"

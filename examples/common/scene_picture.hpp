@@ -26,7 +26,8 @@ inline std::string in(const std::string& what, const std::string& unit) {
 }
 
 /// Sees the rows of a path in the plane, and tells how to draw it: rows that lie too far apart, fewer than 24
-/// a turn, must not be joined by lines, which would show places where nothing has been.
+/// a turn, must not be joined by lines, which would show places where nothing has been. A few may, where one
+/// does not see it.
 class Path {
  public:
   void see(double x, double y) {
@@ -38,13 +39,18 @@ class Path {
     if (rows_ > 1) {
       const double angle = std::abs(std::atan2(dx_ * dy - dy_ * dx, dx_ * dx + dy_ * dy));
       if (std::isfinite(angle)) turned_ += angle;
-      if (!(angle < std::acos(-1.0) / 12)) ++sharp_;
+      const bool sharp = !(angle < std::acos(-1.0) / 12);
+      if (sharp) ++sharp_;
+      // As near the periapsis of a long ellipse.
+      if (sharp &&
+          30 * std::min(std::hypot(dx, dy), std::hypot(dx_, dy_)) > std::max(right - left, high - low))
+        ++chords_;
     }
     dx_ = dx, dy_ = dy;
     x_ = x, y_ = y;
     ++rows_;
   }
-  bool sparse() const { return 20 * sharp_ > rows_; }
+  bool sparse() const { return 20 * sharp_ > rows_ || 100 * chords_ > rows_; }
   /// gnuplot's "with ..." in a colour, which is gnuplot's "rgb ..." or "palette ...".
   std::string style(const std::string& colour, double width = 1) const {
     if (!sparse()) return " with lines linewidth " + formatted("%.2g", width) + " linecolor " + colour;
@@ -62,14 +68,14 @@ class Path {
   }
   void visit_memory(CheckpointMemory& visit) {
     for (double* number : {&left, &right, &low, &high, &x_, &y_, &dx_, &dy_, &turned_}) visit(*number);
-    for (std::int64_t* count : {&rows_, &sharp_}) visit(*count);
+    for (std::int64_t* count : {&rows_, &sharp_, &chords_}) visit(*count);
   }
 
   double left = std::numeric_limits<double>::infinity(), right = -left, low = left, high = -left;
 
  private:
   double x_ = 0, y_ = 0, dx_ = 0, dy_ = 0, turned_ = 0;
-  std::int64_t rows_ = 0, sharp_ = 0;
+  std::int64_t rows_ = 0, sharp_ = 0, chords_ = 0;
 };
 
 /// gnuplot's ranges of a square around paths.

@@ -330,23 +330,32 @@ Status cut_at_events(S& stepper, typename S::State& start, Known& known, typenam
     report.max_correction = std::max(report.max_correction, report.last.correction);
   };
   constexpr int most = 1000;
+  struct SearchFailed {
+    StepReport step;
+  };
+  const auto move = [&](const Scalar& x, typename S::State& z) {
+    z = start;
+    if (x == Scalar(0)) return StepReport{};
+    const StepReport one = stepper.step(z, x);
+    report.evaluations += one.evaluations;
+    report.gradients += one.gradients;
+    return one;
+  };
+  const auto search = [&](const Scalar& x, typename S::State& z) {
+    if (const StepReport one = move(x, z); !one.ok()) throw SearchFailed{one};
+  };
   for (int events = 0;; ++events) {
-    StepReport searched;  // the first step of the search that failed, if any
-    const auto move = [&](const Scalar& x, typename S::State& z) {
-      z = start;
-      if (x == Scalar(0)) return StepReport{};
-      const StepReport one = stepper.step(z, x);
-      report.evaluations += one.evaluations;
-      report.gradients += one.gradients;
-      if (!one.ok() && searched.ok()) searched = one;
-      return one;
-    };
-    const auto found = observer.first_event(start, state, h, move);
-    if (!searched.ok()) {
-      report.last = searched;
+    const auto back = [&] {
       state = start;
       observer.back_to(known, start);
-      return searched.status;
+      return report.last.status;
+    };
+    decltype(observer.first_event(start, state, h, search)) found;
+    try {
+      found = observer.first_event(start, state, h, search);
+    } catch (const SearchFailed& failed) {
+      report.last = failed.step;
+      return back();
     }
     if (!found) {
       accept();
@@ -364,11 +373,7 @@ Status cut_at_events(S& stepper, typename S::State& start, Known& known, typenam
     const Scalar rounding = 4 * Eigen::NumTraits<Scalar>::epsilon() * abs(options.dt);
     const Scalar x = abs(found.x) <= rounding ? Scalar(0) : abs(h - found.x) <= rounding ? h : found.x;
     report.last = move(x, state);
-    if (!report.last.ok()) {
-      state = start;
-      observer.back_to(known, start);
-      return report.last.status;
-    }
+    if (!report.last.ok()) return back();
     accept();
     const Scalar now = x == h ? end : Scalar(t + x);
     t = (h > Scalar(0) ? now > end : now < end) ? end : now;

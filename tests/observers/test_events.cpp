@@ -916,4 +916,34 @@ TEST_CASE("An orbit that lies in a surface has no crossings there", "[events]") 
   CHECK(acts.count() == 0);
 }
 
+/// A stepper of which one call fails.
+struct FailsOnce {
+  using Scalar = double;
+  using State = PhasePoint<double, 1>;
+  Semiexplicit<Ball> stepper;
+  int fails_at = 0, calls = 0;
+  StepReport step(State& z, const double& dt) {
+    if (++calls == fails_at) return {.status = Status::no_convergence};
+    return stepper.step(z, dt);
+  }
+};
+
+TEST_CASE("A step that fails while an event is looked for is that failure, wherever it is", "[events]") {
+  int failed = 0;
+  for (int k = 1; k < 120; ++k) {
+    CAPTURE(k);
+    FailsOnce stepper{Semiexplicit(Ball(), schemes::strang<double>()), k};
+    PhasePoint<double, 1> z(0.3, 0), shown = z;
+    auto bounces = events(Ball(), on_event([](const auto& q, const auto&) { return q[0]; },
+                                           [](double, PhasePoint<double, 1>& at) { at.p() *= -1; }));
+    IntegrationReport report;
+    CHECK_NOTHROW(report = integrate(stepper, z, {.dt = 0.2, .steps = 20, .on_failure = OnFailure::stop},
+                                     bounces, [&](double, const auto& at) { shown = at; }));
+    failed += report.ok() ? 0 : 1;
+    CHECK((report.ok() || report.status == Status::no_convergence));
+    CHECK(z.vector() == shown.vector());
+  }
+  CHECK(failed > 50);
+}
+
 }  // namespace test_events

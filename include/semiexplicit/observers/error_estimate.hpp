@@ -67,6 +67,8 @@ class ErrorEstimate {
     // Where steps are cut into parts the companion's would be those same parts, or fail as the run's did.
     if (run.subdivided > 0 && next == Next::follows) failed_ = true;
     if (next == Next::follows) {
+      difference_.vector() = z.vector() - last_.vector();
+      path_ += size(difference_);
       const std::int64_t steps = clock_.steps_since(t, run);
       if (steps > 1 && run.taken != 0)
         throw std::invalid_argument(
@@ -76,7 +78,7 @@ class ErrorEstimate {
     } else if (!same) {
       companion_ = difference_ = z;
       parted_ = failed_ = false;
-      error_ = worst_ = Scalar(0);
+      error_ = worst_ = path_ = Scalar(0);
     }
     clock_.set(t, run, next);
     last_ = z;
@@ -85,7 +87,9 @@ class ErrorEstimate {
   }
 
   /// The error of (q, p) at the last state, in the Euclidean norm, without the work p_t of a driven system;
-  /// nothing where the companion has parted from the run.
+  /// nothing where the companion has parted from the run. No less than ε times the length of the path in
+  /// phase space: the weights of a step are rounded, so that it takes a little more or less time than dt, and
+  /// the companion's likewise.
   std::optional<Scalar> error() const { return said(error_); }
   /// The largest so far.
   std::optional<Scalar> worst() const { return said(worst_); }
@@ -133,6 +137,7 @@ class ErrorEstimate {
     visit(parted_at_);
     visit(error_);
     visit(worst_);
+    visit(path_);
     visit(gradients_);
     clock_.visit_memory(visit);
     std::apply([&](auto&... observer) { (detail::visit_inner(visit, observer), ...); }, observers_);
@@ -174,7 +179,7 @@ class ErrorEstimate {
   void judge(const Scalar& t) {
     if (parted_) return;
     difference_.vector() = last_.vector() - companion_.vector();
-    error_ = factor() * size(difference_);
+    error_ = factor() * size(difference_) + Eigen::NumTraits<Scalar>::epsilon() * path_;
     if (failed_ || !(error_ <= Scalar(options_.parted) * size(last_))) {
       parted_ = true;
       parted_at_ = t;
@@ -200,6 +205,7 @@ class ErrorEstimate {
   State companion_, last_, difference_;
   bool parted_ = false, failed_ = false;
   Scalar parted_at_ = Scalar(0), error_ = Scalar(0), worst_ = Scalar(0);
+  Scalar path_ = Scalar(0);  ///< the length of the run's
   std::int64_t gradients_ = 0;
   detail::RunClock<Scalar> clock_;
 };

@@ -16,17 +16,17 @@ namespace {
 using namespace examples;
 
 /// A program with a parameter of every kind.
-const SceneProgram<1>& program() {
-  static const SceneProgram<1> program = [] {
-    SceneProgram<1> made{.name = "fuzzed", .about = "Two effects."};
+const SceneProgram<2>& program() {
+  static const SceneProgram<2> program = [] {
+    SceneProgram<2> made{.name = "fuzzed", .about = "Two effects."};
     made.parameters = {{"k", "", "a number"},
                        {"v", "m/s", "a velocity"},
                        {"b", "T", "a magnetic field"},
                        {"gm", "m3/s2", "a GM"}};
     made.effects = {
-        {{"k"}, "", [](const Choice&) { return orbits::Kinetic<double, 1>{}; }},
-        {{"gm"}, "", [](const Choice& c) { return orbits::Attraction<double, 1>{.gm = c["gm"]}; }}};
-    ScenePreset<1> first{.name = "first",
+        {{"k"}, "", [](const Choice&) { return orbits::Kinetic<double, 2>{}; }},
+        {{"gm"}, "", [](const Choice& c) { return orbits::Attraction<double, 2>{.gm = c["gm"]}; }}};
+    ScenePreset<2> first{.name = "first",
                          .about = "in units",
                          .units = {"AU, year", 149597870700.0, 31557600.0},
                          .effects = {"kinetic", "attraction"},
@@ -34,7 +34,7 @@ const SceneProgram<1>& program() {
                          .dt = "2 day",
                          .time = "1 century",
                          .start = {}};
-    ScenePreset<1> second = first;
+    ScenePreset<2> second = first;
     second.name = "second";
     second.units = {"numbers"};
     second.values = {{"gm", "1"}};
@@ -55,7 +55,7 @@ void put_options(const Parse& parse) {
     return what;
   };
   CLI::App app("fuzzed");
-  SceneRequest<1> request(program());
+  SceneRequest<2> request(program());
   Settings settings;
   Method method{.name = ""};
   request.add_to(app);

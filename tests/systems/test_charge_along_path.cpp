@@ -417,4 +417,23 @@ TEST_CASE("cells of quadrupoles with hard edges focus a charge near the axis as 
   CHECK(by_x.q()[1] / tiny + by_p.p()[1] / tiny == Approx(trace(-charge * g)).epsilon(1e-8));
 }
 
+TEST_CASE("An electron in SI units moves on as it does, in float", "[systems]") {
+  const float e = 1.602e-19F, m = 9.109e-31F, light = 2.998e8F;
+  for (const float u : {0.1F, 1.0F, 10.0F}) {  // γβ
+    CAPTURE(u);
+    const float momentum = m * light * u, beta = u / std::sqrt(1 + u * u);
+    const charges::ChargeAlongPath line(e, m, light, charges::ReferenceLine<float>{},
+                                        charges::QuadrupoleField<float>(momentum / e));  // x'' = -x
+    const Autonomous K(line);
+    const auto on = line.on_line({.t = 0, .q = {1e-3F, 0, 0}, .momentum = {0, 0, momentum}});
+    auto Z = K.extended(on.z, on.s);
+    GaussLegendre stepper(K, {.stages = 3});
+    integrate(stepper, Z, {.dt = 0.05F, .t0 = on.s, .t_end = 2.0F});
+    const auto at = line.at_time(K.time(Z), K.point(Z));
+    CHECK(at.q[0] == Approx(1e-3 * std::cos(2.0)).epsilon(1e-4));
+    CHECK(at.t == Approx(2 / (beta * light)).epsilon(1e-4));
+    CHECK(at.momentum.cast<double>().norm() == Approx(momentum).epsilon(1e-5));
+  }
+}
+
 }  // namespace test_charge_along_path

@@ -80,4 +80,10 @@ TEST_CASE("A magnetic bottle throws a charge back where its moment says", "[syst
   CHECK(back == Approx(period).epsilon(1e-4));
 }
 
+TEST_CASE("An electron in SI units has an energy, in float", "[systems]") {
+  const charges::Kinetic<float> electron{.mass = 9.109e-31F};
+  const Vector<float, 3> p(9.109e-25F, 0, 0);  // of 1e6 m/s
+  CHECK(electron.energy(p) == Approx(4.5545e-19).epsilon(1e-5));
+}
+
 }  // namespace test_charges

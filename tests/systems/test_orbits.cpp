@@ -217,4 +217,25 @@ TEST_CASE("The spin of the centre drags the node along at the known rate", "[sys
   CHECK((std::atan2(z.q()[1], z.q()[0]) - before) / time == Approx(2 * gs).epsilon(2e-3));
 }
 
+TEST_CASE("Relativity and oblateness have room in float and cm", "[systems]") {
+  const auto gradients = [](auto number) {
+    using T = decltype(number);
+    const PostNewtonian2<T, 3> second{.gm = T(3.7e26), .c = T(2.998e10), .nu = T(0.25)};
+    const Oblateness<T, 3> sun{.gm = T(1.327e26), .j2 = T(2e-7), .radius = T(6.96e10)};
+    const Vector<T, 3> q(T(1.2e8), T(-3e7), T(2e7)), p(T(2e8), T(1.6e9), T(-3e8)), far = q * T(1e5);
+    Vector<T, 3> by_q = Vector<T, 3>::Zero(), by_p = by_q, by_far = by_q;
+    second.add_gradient(q, p, by_q, by_p);
+    sun.add_gradient(far, by_far);
+    Eigen::Matrix<double, 11, 1> all;
+    all << by_q.template cast<double>(), by_p.template cast<double>(), by_far.template cast<double>(),
+        static_cast<double>(second.energy(q, p)), static_cast<double>(sun.energy(far));
+    return all;
+  };
+  const auto in_float = gradients(0.0F), in_double = gradients(0.0);
+  for (int i = 0; i < 11; ++i) {
+    CAPTURE(i);
+    CHECK(in_float[i] == Approx(in_double[i]).epsilon(1e-5));
+  }
+}
+
 }  // namespace test_orbits

@@ -79,7 +79,9 @@ class ChargeAlongPath {
   /// K, to all its digits for charges that are nearly as fast as light and β = 1.
   Scalar energy(const Scalar& s, const In<Scalar, 3>& q, const In<Scalar, 3>& p) const {
     const Motion m = motion(s, q, p);
-    const Scalar behind = (m.across_square() - 2 * rest_ * m.w) / (m.w + m.along);  // w - π_s
+    const Scalar inverse = 1 / m.scale;
+    const Scalar behind = m.scale * (m.across_square() - 2 * (rest_ * inverse) * (m.w * inverse)) /
+                          ((m.w + m.along) * inverse);  // w - π_s
     return behind - curvature_ * q[0] * m.along - m.stretch * charge_ * m.a[2] + m.electric / c_ +
            (Scalar(1) - clock_) * p[2];
   }
@@ -104,7 +106,8 @@ class ChargeAlongPath {
     dKdp[0] = m.stretch * slopes[0];
     dKdp[1] = m.stretch * slopes[1];
     // (1 + κx) E/(cπ_s) - 1/β, E with the rest energy
-    const Scalar behind = (rest_ * rest_ + m.across_square()) / (m.along * (m.along + m.w + rest_));
+    const Scalar inverse = 1 / m.scale, rest = rest_ * inverse, along = m.along * inverse;
+    const Scalar behind = (rest * rest + m.across_square()) / (along * (along + 1));
     dKdp[2] = m.stretch * behind + curvature_ * q[0] + (Scalar(1) - clock_);
     return by_place[2] + clock_ / c_ * by_time;
   }
@@ -177,9 +180,14 @@ class ChargeAlongPath {
     Scalar t, stretch, electric;  ///< time, 1 + κx, eφ
     Column place, a;              ///< (x, y, s), A
     Scalar w, along;              ///< kinetic energy/c, π_s
-    Vector<Scalar, 2> across;     ///< π_x, π_y
+    Scalar scale;  ///< all energy/c: what is squared is over it, as p² is nothing in SI and float
+    Vector<Scalar, 2> across;  ///< π_x, π_y
 
-    Scalar across_square() const { return across[0] * across[0] + across[1] * across[1]; }
+    /// Over scale².
+    Scalar across_square() const {
+      const Scalar x = across[0] / scale, y = across[1] / scale;
+      return x * x + y * y;
+    }
   };
   Motion motion(const Scalar& s, const auto& q, const auto& p) const {
     using std::sqrt;
@@ -191,10 +199,12 @@ class ChargeAlongPath {
     m.a = fields_.potential(m.t, m.place);
     m.across = {p[0] - charge_ * m.a[0], p[1] - charge_ * m.a[1]};
     m.w = -p[2] - m.electric / c_;
+    m.scale = m.w + rest_;
     // The square is also positive for energies below -mc², which no charge has.
-    m.along = m.w > Scalar(0) && m.stretch > Scalar(0)
-                  ? Scalar(sqrt(m.w * (m.w + 2 * rest_) - m.across_square()))
-                  : std::numeric_limits<Scalar>::quiet_NaN();
+    m.along =
+        m.w > Scalar(0) && m.stretch > Scalar(0)
+            ? Scalar(m.scale * sqrt((m.w / m.scale) * ((m.w + 2 * rest_) / m.scale) - m.across_square()))
+            : std::numeric_limits<Scalar>::quiet_NaN();
     return m;
   }
 

@@ -14,7 +14,9 @@ struct Kinetic {
   static constexpr const char* about = "p²/(2m), without magnetic fields";
   Scalar mass = Scalar(1);
 
-  Scalar energy(const auto& p) const { return (p[0] * p[0] + p[1] * p[1] + p[2] * p[2]) / (2 * mass); }
+  Scalar energy(const auto& p) const {  // p² is nothing in SI units and float
+    return (p[0] * (p[0] / mass) + p[1] * (p[1] / mass) + p[2] * (p[2] / mass)) / 2;
+  }
   void add_gradient(const auto& p, auto& dHdp) const {
     for (int i = 0; i < 3; ++i) dHdp[i] += p[i] / mass;
   }

@@ -213,7 +213,8 @@ struct Kinetic {
     auto sum = 0 * p[0];
     for (Eigen::Index i = 1; i < bodies.size(); ++i) {
       const auto w = detail::triple(p, i);
-      sum += detail::dot(w, w) / (2 * bodies.reduced(i));
+      const Scalar m = bodies.reduced(i);  // w² has no room in SI units and float
+      sum += (w[0] * (w[0] / m) + w[1] * (w[1] / m) + w[2] * (w[2] / m)) / 2;
     }
     return sum;
   }
@@ -304,7 +305,7 @@ struct Oblateness {
         [&](Eigen::Index j, Eigen::Index k, const auto& d) {
           if (j > 0) return;
           const auto r2 = detail::dot(d, d), along = d[0] * axis[0] + d[1] * axis[1] + d[2] * axis[2];
-          sum += semiexplicit::detail::over_cube(strength(k), r2) * (3 * along * along / r2 - 1);
+          sum += over_cube(k, r2) * (3 * along * along / r2 - 1);
         },
         [](Eigen::Index) {});
     return sum;
@@ -316,7 +317,7 @@ struct Oblateness {
           detail::Triple<Number> f{Number(0), Number(0), Number(0)};
           if (j > 0) return f;
           const Number r2 = detail::dot(d, d), along = d[0] * axis[0] + d[1] * axis[1] + d[2] * axis[2];
-          const Number k5 = 3 * semiexplicit::detail::over_cube(strength(k), r2) / r2;
+          const Number k5 = 3 * over_cube(k, r2) / r2;
           for (Eigen::Index i = 0; i < 3; ++i)
             f[i] = k5 * ((1 - 5 * along * along / r2) * d[i] + 2 * along * axis[i]);
           return f;
@@ -324,7 +325,11 @@ struct Oblateness {
   }
 
  private:
-  Scalar strength(Eigen::Index k) const { return bodies.gm(0) * bodies.gm(k) * j2 * radius * radius / 2; }
+  /// GM₀ GM_k J₂ R²/(2r³); R² last, as it has no room beside the masses in SI units and float.
+  auto over_cube(Eigen::Index k, const auto& r2) const {
+    const Scalar strength = bodies.gm(0) * bodies.gm(k) * j2 / 2;
+    return semiexplicit::detail::over_cube(strength, r2) * radius * radius;
+  }
 };
 
 }  // namespace semiexplicit::effects::nbody

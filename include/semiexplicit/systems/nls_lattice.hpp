@@ -235,6 +235,7 @@ class NlsLattice {
   template <class T>
   void gradient_range(Eigen::Index begin, Eigen::Index end, const T* __restrict q, const T* __restrict p,
                       T* __restrict dHdq, T* __restrict dHdp) const {
+    if (begin >= end) return;
     const auto put = [&](Eigen::Index i, const T& sum_u, const T& sum_v) {
       site(q[i], p[i], sum_u, sum_v, dHdq[i - begin], dHdp[i - begin]);
     };

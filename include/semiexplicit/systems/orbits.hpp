@@ -122,9 +122,9 @@ struct Oblateness {
   }
 
  private:
-  /// GM J₂ R²/(2r³)
+  /// GM J₂ R²/(2r³); R² last, as it has no room beside GM in cm and float.
   auto over_cube(const auto& r2) const {
-    return semiexplicit::detail::over_cube(Scalar(gm * j2 * radius * radius / 2), r2);
+    return semiexplicit::detail::over_cube(Scalar(gm * j2 / 2), r2) * radius * radius;
   }
 };
 

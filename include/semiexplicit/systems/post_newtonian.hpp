@@ -86,25 +86,24 @@ struct PostNewtonian2 {
   Scalar nu = Scalar(0);
 
   auto energy(const auto& q, const auto& p) const {
-    const auto [inverse_r, square, u, s] = detail::radial_form<Dim>(gm, q, p);
+    const auto form = detail::radial_form<Dim>(gm, q, p);
     const auto [a, b, d] = coefficients();
-    const auto ss = nu * s * s;
+    // Over c², for c⁴ has no room in cm/s and float.
     const Scalar c2 = c * c;
-    return (a * square * square * square / 16 +
-            u * (b * square * square - 2 * nu * ss * square - 3 * ss * ss) / 8 +
-            u * u * (d * square + 3 * ss) / 2 - (1 + 3 * nu) * u * u * u / 4) /
-           (c2 * c2);
+    const auto square = form.square / c2, u = form.u / c2, ss = nu * form.s * form.s / c2;
+    return c2 * (a * square * square * square / 16 +
+                 u * (b * square * square - 2 * nu * ss * square - 3 * ss * ss) / 8 +
+                 u * u * (d * square + 3 * ss) / 2 - (1 + 3 * nu) * u * u * u / 4);
   }
   void add_gradient(const auto& q, const auto& p, auto& dHdq, auto& dHdp) const {
     const auto form = detail::radial_form<Dim>(gm, q, p);
-    const auto& [inverse_r, square, u, s] = form;
     const auto [a, b, d] = coefficients();
-    const auto ss = nu * s * s;
-    const Scalar k = 1 / (c * c * c * c);
-    form.add_gradient(k * (3 * a * square * square / 16 + u * (b * square - nu * ss) / 4 + d * u * u / 2),
-                      k * ((b * square * square - 2 * nu * ss * square - 3 * ss * ss) / 8 +
-                           u * (d * square + 3 * ss) - (3 + 9 * nu) * u * u / 4),
-                      k * nu * s * u * (3 * u - (nu * square + 3 * ss) / 2), q, p, dHdq, dHdp);
+    const Scalar c2 = c * c;
+    const auto square = form.square / c2, u = form.u / c2, ss = nu * form.s * form.s / c2;
+    form.add_gradient(3 * a * square * square / 16 + u * (b * square - nu * ss) / 4 + d * u * u / 2,
+                      (b * square * square - 2 * nu * ss * square - 3 * ss * ss) / 8 +
+                          u * (d * square + 3 * ss) - (3 + 9 * nu) * u * u / 4,
+                      nu * form.s * u * (3 * u - (nu * square + 3 * ss) / 2), q, p, dHdq, dHdp);
   }
 
  private:

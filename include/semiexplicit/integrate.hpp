@@ -531,12 +531,12 @@ IntegrationReport integrate_checked(S& stepper, typename S::State& state,
 /// that fails leaves `state` at the last good one and throws IntegrationError, or ends the run
 /// (OnFailure::stop). An exception of a gradient, an observer or an event's action passes through, with the
 /// state likewise: that of the last whole step, or of the last event in the step behind it, before an action
-/// that throws. A new run from there, with t0 the time that observers were shown with it, goes on with the
-/// same observers, and calls that action again.
-/// Throws std::invalid_argument for a negative number of steps, a t_end that dt leads away from, a senseless
-/// `subdivide`, one with an observer that changes the state (ChangesState), and a run to be gone on with that
-/// ended at an event within a step (`done.at_event`), or that another stepper made that ChoosesSteps. With a
-/// stepper that ChoosesSteps no observer may change the state; the compiler says so.
+/// that throws, or behind which a surface does. A new run from there, with t0 the time that observers were
+/// shown with it, goes on with the same observers, and calls that action again. Throws std::invalid_argument
+/// for a negative number of steps, a t_end that dt leads away from, a senseless `subdivide`, one with an
+/// observer that changes the state (ChangesState), and a run to be gone on with that ended at an event within
+/// a step (`done.at_event`), or that another stepper made that ChoosesSteps. With a stepper that ChoosesSteps
+/// no observer may change the state; the compiler says so.
 template <class S, class State, class... Observers>
 IntegrationReport integrate(
     S&& stepper, State& state,

@@ -61,7 +61,9 @@ consteval bool is_observer() {
   static_assert(
       Observer<O, Scalar, State>,
       "this observer cannot be called: write `void operator()(const Scalar& t, const State& state)`, "
-      "or a third parameter `const StepReport&` or `const IntegrationReport&`; the state is const");
+      "or a third parameter `const StepReport&` or `const IntegrationReport&`; the state is const (an action "
+      "of events() that is to change it takes the very State& of the stepper, which may have the time in "
+      "it)");
   return Observer<O, Scalar, State>;
 }
 

@@ -33,6 +33,7 @@ struct Destination {
 
   explicit Destination(const std::filesystem::path& name) : path(fixed(name)) {
     namespace fs = std::filesystem;
+    if (name.empty()) throw std::runtime_error("a file to be written has no name; give one");
     std::error_code failure;
     for (int links = 0;; ++links) {
       if (in_folder_of_descriptors()) return;

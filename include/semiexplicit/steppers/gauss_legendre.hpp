@@ -12,7 +12,8 @@ namespace semiexplicit {
 /// The implicit Gauss-Legendre Runge-Kutta method: symplectic, symmetric, keeps quadratic invariants, order
 /// 2s. The strongest general rival of the semiexplicit method, and therefore written to win: extrapolated
 /// starting values, Gauss-Seidel iteration that stops at the rounding floor, compensated update. The
-/// coefficients are symplectic as they are rounded: errors by rounding are a random walk, without a drift.
+/// coefficients are symplectic as they are rounded: errors of the energy by rounding are a random walk,
+/// without a drift (the phase drifts by some ε of itself, for Σb is rounded).
 ///
 /// Newton's method takes the Hessian of H where it has one (HasHessian), else central differences of the
 /// gradient (4d calls a stage). Memory: (3s + 10) vectors of length 2d; Newton's method 2 (2ds)² numbers

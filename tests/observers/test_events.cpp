@@ -930,12 +930,15 @@ struct FailsOnce {
 
 TEST_CASE("A step that fails while an event is looked for is that failure, wherever it is", "[events]") {
   int failed = 0;
-  for (int k = 1; k < 120; ++k) {
+  for (int k = 1; k < 400; ++k) {
     CAPTURE(k);
     FailsOnce stepper{Semiexplicit(Ball(), schemes::strang<double>()), k};
     PhasePoint<double, 1> z(0.3, 0), shown = z;
-    auto bounces = events(Ball(), on_event([](const auto& q, const auto&) { return q[0]; },
-                                           [](double, PhasePoint<double, 1>& at) { at.p() *= -1; }));
+    auto bounces = events(Ball(),
+                          on_event([](const auto& q, const auto&) { return q[0]; },
+                                   [](double, PhasePoint<double, 1>& at) { at.p() *= -1; }),
+                          on_event([](const auto& q, const auto&) { return q[0] - 0.15; },
+                                   [](double, PhasePoint<double, 1>& at) { at.p() *= 1.01; }));
     IntegrationReport report;
     CHECK_NOTHROW(report = integrate(stepper, z, {.dt = 0.2, .steps = 20, .on_failure = OnFailure::stop},
                                      bounces, [&](double, const auto& at) { shown = at; }));

@@ -586,7 +586,7 @@ typename H::Scalar energy_rounding(const H& hamiltonian, const typename H::Scala
 /// double. (But for a z within some 1e-5 of its size, 1e-3 in float, of a kink of the energy, of which it may
 /// tell the other side. An energy that is computed in single precision and returned as double is less exact
 /// than its rounding shows, and about one right gradient in a hundred is refused.) Costs some sixty energies
-/// an entry, up to five times that where they say little or the entry is wrong, and three gradients, whose
+/// an entry, up to eight times that where they say little or the entry is wrong, and three gradients, whose
 /// outputs hold different numbers before; with a gradient for packs four more of both kinds, at z and near
 /// it.
 ///

@@ -219,7 +219,7 @@ TEST_CASE("Devices and pipes are written to and stay what they are", "[io]") {
 
   CHECK(says(complaint([&] { CsvWriter writer(folder.path, {"t"}); }),
              folder.path.string() + ": is a folder; give the name of a file in it"));
-  CHECK(says(complaint([&] { CsvWriter writer("", {"t"}); }), "is a folder"));
+  CHECK(says(complaint([&] { CsvWriter writer("", {"t"}); }), "a file to be written has no name"));
   DurableFile::remove(fifo);
   CHECK(fs::is_fifo(fifo));
 }

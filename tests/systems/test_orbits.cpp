@@ -231,6 +231,9 @@ TEST_CASE("Relativity and oblateness have room in float and cm", "[systems]") {
         static_cast<double>(second.energy(q, p)), static_cast<double>(sun.energy(far));
     return all;
   };
+  // Without a limit to speeds there is no relativity.
+  CHECK(PostNewtonian2<double, 2>{.c = INFINITY}.energy(Vector<double, 2>(1, 0), Vector<double, 2>(0, 1)) ==
+        0);
   const auto in_float = gradients(0.0F), in_double = gradients(0.0);
   for (int i = 0; i < 11; ++i) {
     CAPTURE(i);

@@ -91,9 +91,9 @@ struct PostNewtonian2 {
     // Over c², for c⁴ has no room in cm/s and float.
     const Scalar c2 = c * c;
     const auto square = form.square / c2, u = form.u / c2, ss = nu * form.s * form.s / c2;
-    return c2 * (a * square * square * square / 16 +
-                 u * (b * square * square - 2 * nu * ss * square - 3 * ss * ss) / 8 +
-                 u * u * (d * square + 3 * ss) / 2 - (1 + 3 * nu) * u * u * u / 4);
+    return form.square * (a * square * square / 16) +
+           form.u * ((b * square * square - 2 * nu * ss * square - 3 * ss * ss) / 8 +
+                     u * (d * square + 3 * ss) / 2 - (1 + 3 * nu) * u * u / 4);
   }
   void add_gradient(const auto& q, const auto& p, auto& dHdq, auto& dHdp) const {
     const auto form = detail::radial_form<Dim>(gm, q, p);

@@ -79,9 +79,8 @@ class ChargeAlongPath {
   /// K, to all its digits for charges that are nearly as fast as light and β = 1.
   Scalar energy(const Scalar& s, const In<Scalar, 3>& q, const In<Scalar, 3>& p) const {
     const Motion m = motion(s, q, p);
-    const Scalar inverse = 1 / m.scale;
-    const Scalar behind = m.scale * (m.across_square() - 2 * (rest_ * inverse) * (m.w * inverse)) /
-                          ((m.w + m.along) * inverse);  // w - π_s
+    const Scalar behind = (m.across_square() - 2 * (rest_ * m.inverse) * (m.w * m.inverse)) /
+                          ((m.w + m.along) * m.inverse) / m.inverse;  // w - π_s
     return behind - curvature_ * q[0] * m.along - m.stretch * charge_ * m.a[2] + m.electric / c_ +
            (Scalar(1) - clock_) * p[2];
   }
@@ -106,7 +105,7 @@ class ChargeAlongPath {
     dKdp[0] = m.stretch * slopes[0];
     dKdp[1] = m.stretch * slopes[1];
     // (1 + κx) E/(cπ_s) - 1/β, E with the rest energy
-    const Scalar inverse = 1 / m.scale, rest = rest_ * inverse, along = m.along * inverse;
+    const Scalar rest = rest_ * m.inverse, along = m.along * m.inverse;
     const Scalar behind = (rest * rest + m.across_square()) / (along * (along + 1));
     dKdp[2] = m.stretch * behind + curvature_ * q[0] + (Scalar(1) - clock_);
     return by_place[2] + clock_ / c_ * by_time;
@@ -180,12 +179,12 @@ class ChargeAlongPath {
     Scalar t, stretch, electric;  ///< time, 1 + κx, eφ
     Column place, a;              ///< (x, y, s), A
     Scalar w, along;              ///< kinetic energy/c, π_s
-    Scalar scale;  ///< all energy/c: what is squared is over it, as p² is nothing in SI and float
+    Scalar inverse;  ///< of all energy/c: what is squared is over that, as p² is nothing in SI and float
     Vector<Scalar, 2> across;  ///< π_x, π_y
 
-    /// Over scale².
+    /// Over the square of all energy/c.
     Scalar across_square() const {
-      const Scalar x = across[0] / scale, y = across[1] / scale;
+      const Scalar x = across[0] * inverse, y = across[1] * inverse;
       return x * x + y * y;
     }
   };
@@ -199,12 +198,12 @@ class ChargeAlongPath {
     m.a = fields_.potential(m.t, m.place);
     m.across = {p[0] - charge_ * m.a[0], p[1] - charge_ * m.a[1]};
     m.w = -p[2] - m.electric / c_;
-    m.scale = m.w + rest_;
+    m.inverse = 1 / (m.w + rest_);
     // The square is also positive for energies below -mc², which no charge has.
-    m.along =
-        m.w > Scalar(0) && m.stretch > Scalar(0)
-            ? Scalar(m.scale * sqrt((m.w / m.scale) * ((m.w + 2 * rest_) / m.scale) - m.across_square()))
-            : std::numeric_limits<Scalar>::quiet_NaN();
+    m.along = m.w > Scalar(0) && m.stretch > Scalar(0)
+                  ? Scalar(sqrt((m.w * m.inverse) * ((m.w + 2 * rest_) * m.inverse) - m.across_square()) /
+                           m.inverse)
+                  : std::numeric_limits<Scalar>::quiet_NaN();
     return m;
   }
 

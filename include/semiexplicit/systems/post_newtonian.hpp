@@ -89,8 +89,8 @@ struct PostNewtonian2 {
     const auto form = detail::radial_form<Dim>(gm, q, p);
     const auto [a, b, d] = coefficients();
     // Over c², for c⁴ has no room in cm/s and float.
-    const Scalar c2 = c * c;
-    const auto square = form.square / c2, u = form.u / c2, ss = nu * form.s * form.s / c2;
+    const Scalar k = 1 / (c * c);
+    const auto square = k * form.square, u = k * form.u, ss = k * nu * form.s * form.s;
     return form.square * (a * square * square / 16) +
            form.u * ((b * square * square - 2 * nu * ss * square - 3 * ss * ss) / 8 +
                      u * (d * square + 3 * ss) / 2 - (1 + 3 * nu) * u * u / 4);
@@ -98,8 +98,8 @@ struct PostNewtonian2 {
   void add_gradient(const auto& q, const auto& p, auto& dHdq, auto& dHdp) const {
     const auto form = detail::radial_form<Dim>(gm, q, p);
     const auto [a, b, d] = coefficients();
-    const Scalar c2 = c * c;
-    const auto square = form.square / c2, u = form.u / c2, ss = nu * form.s * form.s / c2;
+    const Scalar k = 1 / (c * c);
+    const auto square = k * form.square, u = k * form.u, ss = k * nu * form.s * form.s;
     form.add_gradient(3 * a * square * square / 16 + u * (b * square - nu * ss) / 4 + d * u * u / 2,
                       (b * square * square - 2 * nu * ss * square - 3 * ss * ss) / 8 +
                           u * (d * square + 3 * ss) - (3 + 9 * nu) * u * u / 4,

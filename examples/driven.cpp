@@ -51,13 +51,12 @@ void go(Semiexplicit<Pendulum>& stepper, State& Z, const IntegrationOptions<doub
 /// Half the trace of the derivative of the motion over a period, at the upper position: between -1 and 1 it
 /// is stable.
 double half_trace(const Semiexplicit<Pendulum>& method, double period, std::int64_t steps) {
-  auto stepper = method;
-  TangentMap tangent(stepper);
+  TangentMap tangent(method);
   Eigen::Matrix2d product = Eigen::Matrix2d::Identity();
   const double dt = period / static_cast<double>(steps);
   for (std::int64_t n = 0; n < steps; ++n) {
     // Not by a run, whose rounding would leave that position.
-    const auto Z = stepper.hamiltonian().extended({pi, 0}, static_cast<double>(n) * dt);
+    const auto Z = method.hamiltonian().extended({pi, 0}, static_cast<double>(n) * dt);
     const Status status = tangent.at(Z, dt);
     if (status != Status::success) throw failed("the tangent map", status);
     const auto& m =

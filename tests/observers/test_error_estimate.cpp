@@ -103,6 +103,35 @@ TEST_CASE("The estimate of a driven system is that of its state, whatever work t
   CHECK(error < 3 * *estimate.error());
 }
 
+TEST_CASE("The rounding of a step's weights, which the companion shares, is in the estimate",
+          "[error estimate]") {
+  const auto oscillator = [](auto number) {
+    using T = decltype(number);
+    return make_hamiltonian<T, 1>(
+        [](const auto& q, const auto& p) { return (q[0] * q[0] + p[0] * p[0]) / 2; },
+        [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+          dHdq[0] = q[0];
+          dHdp[0] = p[0];
+        });
+  };
+  GaussLegendre stepper(oscillator(0.0), {.stages = 6});
+  auto estimate = with_error_estimate(stepper);
+  PhasePoint<double, 1> z(1, 0);
+  integrate(stepper, z, {.dt = 0.0625, .t_end = 6250}, estimate);
+  const double error = std::hypot(z.q()[0] - std::cos(6250.0), z.p()[0] + std::sin(6250.0));
+  CHECK(error > 1e-12);
+  REQUIRE(estimate.error());
+  CHECK(*estimate.error() >= error / 3);
+  CHECK(*estimate.error() <= error * 3);
+  // That alone parts nobody.
+  Semiexplicit in_float(oscillator(0.0F), schemes::low_defect6_s13<float>());
+  auto strict = with_error_estimate(in_float, {.parted = 2e-5});
+  PhasePoint<float, 1> x(1, 0);
+  integrate(in_float, x, {.dt = 0.1F, .steps = 5000}, strict);
+  REQUIRE(strict.error());
+  CHECK(*strict.error() > 4e-5F);
+}
+
 TEST_CASE("Where orbits part the estimate says nothing, and when", "[error estimate]") {
   const HenonHeiles h;
   Semiexplicit stepper(h, schemes::blanes_moan6());

@@ -179,8 +179,9 @@ class ErrorEstimate {
   void judge(const Scalar& t) {
     if (parted_) return;
     difference_.vector() = last_.vector() - companion_.vector();
-    error_ = factor() * size(difference_) + Eigen::NumTraits<Scalar>::epsilon() * path_;
-    if (failed_ || !(error_ <= Scalar(options_.parted) * size(last_))) {
+    const Scalar apart = factor() * size(difference_);
+    error_ = apart + Eigen::NumTraits<Scalar>::epsilon() * path_;
+    if (failed_ || !(apart <= Scalar(options_.parted) * size(last_))) {
       parted_ = true;
       parted_at_ = t;
       failed_ = false;

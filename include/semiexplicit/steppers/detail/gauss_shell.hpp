@@ -155,10 +155,14 @@ class GaussShell {
     Scalar previous(0), least = std::numeric_limits<Scalar>::infinity();
     int since_least = 0;
     int feels = 0;
-    Scalar felt_at(0);
+    Scalar felt_at(0);  // displaced() then
     const auto feel = [&] {
       felt_at = displaced();
       feel_rounding(z, feels++, report);
+    };
+    const auto is_to_feel = [&] {  // what Newton's method met on its way far out says nothing of here
+      if (feels > 0 && displaced() < felt_at / 4) feels = 0;
+      return feels == 0;
     };
     bool entries_left = false;
     const Status at_rounding = options_.tolerance == 0 ? Status::success : Status::rounding_limited;
@@ -178,10 +182,8 @@ class GaussShell {
         // A change grows by rounding. That of a state far from the origin, as of an angle that has wound up,
         // or of a late time, may be above that of the displacements, or nowhere at all: it is measured.
         if (since_least >= (options_.solver == StageSolver::newton ? 1 : 3)) {
-          // What Newton's method met on its way far out says nothing of here.
-          if (feels > 0 && displaced() < felt_at / 4) feels = 0;
           // Where that did not suffice it is measured again: some roundings cancel each other.
-          if (feels == 0 || (since_least >= 12 && since_least % 4 == 0)) feel();
+          if (is_to_feel() || (since_least >= 12 && since_least % 4 == 0)) feel();
           if (is_within_felt(since_least < 12 ? 1 : 100)) return at_rounding;
         }
         const bool grows = previous > Scalar(0) && change >= previous;
@@ -193,7 +195,7 @@ class GaussShell {
         previous = change;
       }
       if (report.evaluations < options_.max_iterations) continue;
-      if (seen && (feels == 0 || displaced() < felt_at / 4)) feels = 0, feel();
+      if (seen && is_to_feel()) feel();
       return seen && is_within_felt(100) ? at_rounding : Status::no_convergence;
     }
   }

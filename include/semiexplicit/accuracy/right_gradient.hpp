@@ -68,8 +68,7 @@ SEMIEXPLICIT_COLD GradientGlance<typename H::Scalar> glance_at_gradient(
         result.noise =
             std::min(result.noise, noise_near<Scalar>(along, Scalar(0), Scalar(expected.steps_from / 1024)));
     }
-    wrong =
-        !isfinite(slope) || (expected.judges && abs(slope - expected.value) > expected.uncertainty + slack);
+    wrong = !isfinite(slope) || (expected.judges && !expected.admits(slope, slack));
   }
   if (!wrong) return result;
   result.complaint = "a slope of the energy is not the one that the gradient gives";

@@ -161,6 +161,11 @@ struct Slope {
   Scalar value, uncertainty;
   bool judges = false;
   Scalar steps_from = Scalar(0);  ///< the largest of the steps that it was looked for with
+
+  bool admits(const Scalar& given, const Scalar& slack = Scalar(0)) const {
+    using std::abs;
+    return abs(given - value) <= uncertainty + slack;
+  }
 };
 
 /// A function of one number; what takes it is compiled once.
@@ -316,9 +321,7 @@ SEMIEXPLICIT_COLD Slope<Scalar> judging_slope(const ScalarFunction<Scalar>& f, c
         f, x, std::min<Scalar>(1000000 * std::max(own, widest), (std::numeric_limits<Scalar>::max)()));
   const Scalar noise = isfinite(grid) ? std::max<Scalar>(rounding, grid / 4) : rounding;
   const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon(), tiny = sqrt(epsilon);
-  const auto agrees = [&](const Slope<Scalar>& slope) {
-    return abs(given - slope.value) <= slope.uncertainty + slack;
-  };
+  const auto agrees = [&](const Slope<Scalar>& slope) { return slope.admits(given, slack); };
   const auto confirmed = [&](Slope<Scalar> slope) {
     if (!slope.judges || agrees(slope)) return slope;
     const auto acquitted_by = [&](const Scalar& steps, const Scalar& most) {
@@ -643,12 +646,10 @@ SEMIEXPLICIT_COLD GradientCheck<typename detail::EnergyDoor<H>::Scalar> check_gr
     }
     // Beside energies elsewhere an oscillation may be too small to tell its size; the given slope may.
     const Scalar entry_size = abs(given.vector()[i]), implied = rounding / epsilon / entry_size;
-    const auto agrees = [&](const detail::Slope<Scalar>& by) {
-      return abs(given.vector()[i] - by.value) <= by.uncertainty;
-    };
-    if (at_zero && slope.judges && !agrees(slope) && isfinite(implied) && implied > Scalar(0))
+    if (at_zero && slope.judges && !slope.admits(given.vector()[i]) && isfinite(implied) &&
+        implied > Scalar(0))
       if (const auto other = slope_within(implied, implied);
-          agrees(other) && other.uncertainty <= entry_size / 1000)
+          other.admits(given.vector()[i]) && other.uncertainty <= entry_size / 1000)
         slope = other;
     at.vector()[i] = z.vector()[i];
     typename GradientCheck<Scalar>::Entry entry{

@@ -41,6 +41,49 @@ TEST_CASE("A geodesic of Kerr keeps energy, angular momentum and Carter's consta
   CHECK(z.p()[3] == start.p()[3]);
 }
 
+TEST_CASE("Far from a spinning hole its pull has all digits", "[systems]") {
+  const auto slopes = [](auto scene, double r) {
+    using Scalar = typename decltype(scene)::Scalar;
+    const auto z = black_hole::Kerr<>{.mass = 2, .spin = 1.5}.body(r, 1.1, 0.01, 0.3 * std::sqrt(r), 1.3);
+    PhasePoint<Scalar, 4> of(z.q().cast<Scalar>(), z.p().cast<Scalar>()), gradient(of);
+    // Rounded to float for all.
+    of.vector() = of.vector().template cast<float>().template cast<Scalar>();
+    scene.gradient(of.q(), of.p(), gradient.q(), gradient.p());
+    return Vector<double, 2>(double(gradient.q()[1]), double(gradient.q()[2]));
+  };
+  for (const double r : {30.0, 3e3, 3e5, 3e7}) {
+    CAPTURE(r);
+    const auto exact = slopes(Scene(black_hole::Kerr<long double>{.mass = 2, .spin = 1.5L}), r);
+    CHECK(exact[0] > 0.5 * 2 / (r * r));
+    const auto check = [&](const auto& found, double epsilon) {
+      CHECK(std::abs(found[0] / exact[0] - 1) < 16 * epsilon);
+      CHECK(std::abs(found[1] / exact[1] - 1) < 16 * epsilon);
+    };
+    check(slopes(Scene(black_hole::Kerr<float>{.mass = 2, .spin = 1.5F}), r), 6e-8);
+    check(slopes(Scene(black_hole::Kerr<>{.mass = 2, .spin = 1.5}), r), 1.1e-16);
+    check(
+        slopes(Scene(geodesics::Geodesic<geodesics::KerrMetric<float>, float>({.mass = 2, .spin = 1.5F})), r),
+        6e-8);
+  }
+}
+
+TEST_CASE("Next to the horizon of a fast spinning hole the gradient keeps its digits", "[systems]") {
+  const double spin = 1 - 1e-7, r = 1 + 1e-3;
+  const auto at = [&](auto number) {
+    using Scalar = decltype(number);
+    const Scene scene(black_hole::Kerr<Scalar>{.spin = Scalar(spin)});
+    const PhasePoint<Scalar, 4> z({0, Scalar(r), 1, 0}, {-1, 200, 1.5, 1});
+    auto gradient = z;
+    scene.gradient(z.q(), z.p(), gradient.q(), gradient.p());
+    Vector<long double, 9> all;
+    all << gradient.vector().template cast<long double>(),
+        static_cast<long double>(scene.energy(z.q(), z.p()));
+    return all;
+  };
+  const auto exact = at(1.0L), found = at(1.0);
+  for (const int i : {1, 2, 4, 5, 6, 7, 8}) CHECK(std::abs(double(found[i] / exact[i] - 1)) < 2e-14);
+}
+
 TEST_CASE("The innermost stable orbit of Kerr: its radius and its frequency", "[systems]") {
   CHECK(black_hole::Kerr<>{}.innermost_stable_orbit() == Approx(6));
   CHECK(black_hole::Kerr<>{.spin = 0.9}.innermost_stable_orbit() == Approx(2.32088).epsilon(1e-5));

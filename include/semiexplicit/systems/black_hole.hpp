@@ -25,22 +25,24 @@ struct Kerr {
   Scalar spin = Scalar(0);  ///< a, a length; the angular momentum is aM
 
   Scalar energy(const auto& q, const auto& p) const {
-    const Parts parts(*this, q, p);
-    return parts.n / (2 * parts.sigma);
+    const Parts f(*this, q, p);
+    return ((f.delta * p[1] * p[1] + f.n) / f.sigma - p[0] * p[0]) / 2;
   }
 
   void add_gradient(const auto& q, const auto& p, auto& dHdq, auto& dHdp) const {
     const Parts f(*this, q, p);
-    const Scalar r = q[1], e = -p[0], r2a2 = r * r + spin * spin;
-    const Scalar inverse = 1 / f.sigma, h = f.n * inverse / 2, slope = 2 * (r - mass);
-    const Scalar by_r = slope * p[1] * p[1] + f.k * (slope * f.k / f.delta - 4 * r * e) / f.delta;
-    const Scalar by_theta = -2 * f.w * f.cos / (f.sin2 * f.sin) * (2 * spin * e * f.sin2 + f.w);
-    dHdq[1] += (by_r / 2 - 2 * h * r) * inverse;
-    dHdq[2] += (by_theta / 2 + 2 * h * spin * spin * f.sin * f.cos) * inverse;
-    dHdp[0] += (spin * f.w + f.k * r2a2 / f.delta) * inverse;
+    const Scalar r = q[1], e = -p[0], a2 = spin * spin, m_over_delta = f.m / f.delta;
+    const Scalar inverse = 1 / f.sigma, pr2 = p[1] * p[1], l_over_sin2 = p[3] / f.sin2;
+    // Δ p_r²/Σ - E² is p_r² - E² but for terms that vanish far out: only those are differentiated.
+    const Scalar weak = f.n + (a2 * f.sin2 - 2 * mass * r) * pr2;
+    dHdq[1] += ((r - mass) * m_over_delta * m_over_delta - mass * (pr2 + e * (e + 2 * m_over_delta)) -
+                r * inverse * weak) *
+               inverse;
+    dHdq[2] += f.sin * f.cos * (a2 * inverse * (f.delta * pr2 + f.n) - l_over_sin2 * l_over_sin2) * inverse;
+    dHdp[0] += e + 2 * mass * r * (e + m_over_delta) * inverse;
     dHdp[1] += f.delta * p[1] * inverse;
     dHdp[2] += p[2] * inverse;
-    dHdp[3] += (f.w / f.sin2 + spin * f.k / f.delta) * inverse;
+    dHdp[3] += (l_over_sin2 + spin * m_over_delta) * inverse;
   }
 
   /// Carter's constant Q = p_θ² + cos²θ (a²(μ² - E²) + L²/sin²θ), for rest mass μ = 1.
@@ -58,11 +60,10 @@ struct Kerr {
     using std::sin;
     using std::sqrt;
     const Scalar s2 = sin(theta) * sin(theta), a2 = spin * spin, r2a2 = r * r + a2;
-    const Scalar delta = r2a2 - 2 * mass * r, sigma = r2a2 - a2 * s2;
+    const Scalar d = delta(r), sigma = r2a2 - a2 * s2;
     // αE² + 2βE + γ = 0
-    const Scalar alpha = a2 * s2 - r2a2 * r2a2 / delta, beta = spin * p_phi * (r2a2 / delta - 1);
-    const Scalar gamma =
-        delta * p_r * p_r + p_theta * p_theta + p_phi * p_phi * (1 / s2 - a2 / delta) + sigma;
+    const Scalar alpha = a2 * s2 - r2a2 * r2a2 / d, beta = spin * p_phi * (r2a2 / d - 1);
+    const Scalar gamma = d * p_r * p_r + p_theta * p_theta + p_phi * p_phi * (1 / s2 - a2 / d) + sigma;
     const Scalar e = (-beta - sqrt(beta * beta - alpha * gamma)) / alpha;
     return {{Scalar(0), r, theta, Scalar(0)}, {-e, p_r, p_theta, p_phi}};
   }
@@ -97,22 +98,24 @@ struct Kerr {
   }
 
  private:
-  /// H = n/(2Σ), n = Δp_r² + p_θ² + w²/sin²θ - k²/Δ.
+  /// Δ = r² - 2Mr + a², by differences that are exact next to the horizon.
+  Scalar delta(const Scalar& r) const { return (r - mass) * (r - mass) - (mass - spin) * (mass + spin); }
+
+  /// H = (Δp_r² + n)/(2Σ) - E²/2, n = p_θ² + L²/sin²θ - 2MrE² - m²/Δ, m = 2MrE - aL.
   struct Parts {
     Parts(const Kerr& hole, const auto& q, const auto& p) {
       using std::cos;
       using std::sin;
-      const Scalar r = q[1], a = hole.spin, e = -p[0], r2a2 = r * r + a * a;
+      const Scalar r = q[1], e = -p[0], twice = 2 * hole.mass * r;
       this->sin = sin(q[2]);
       this->cos = cos(q[2]);
       sin2 = this->sin * this->sin;
-      delta = r2a2 - 2 * hole.mass * r;
-      sigma = r2a2 - a * a * sin2;
-      w = p[3] - a * e * sin2;
-      k = r2a2 * e - a * p[3];
-      n = delta * p[1] * p[1] + p[2] * p[2] + w * w / sin2 - k * k / delta;
+      delta = hole.delta(r);
+      sigma = r * r + hole.spin * hole.spin * this->cos * this->cos;
+      m = twice * e - hole.spin * p[3];
+      n = p[2] * p[2] + p[3] * p[3] / sin2 - twice * e * e - m * m / delta;
     }
-    Scalar sin, cos, sin2, delta, sigma, w, k, n;
+    Scalar sin, cos, sin2, delta, sigma, m, n;
   };
 };
 

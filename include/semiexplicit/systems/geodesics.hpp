@@ -156,13 +156,14 @@ struct KerrMetric {
     using std::sin;
     Components g(x);
     const auto r = x[1], s = sin(x[2]), c = cos(x[2]), s2 = s * s;
-    const auto r2a2 = r * r + spin * spin, delta = r2a2 - 2 * mass * r, sigma = r * r + spin * spin * c * c;
-    const auto both = sigma * delta;
-    g(0, 0) = spin * spin * s2 / sigma - r2a2 * r2a2 / both;
-    g(0, 3) = -2 * mass * spin * r / both;
-    g(1, 1) = delta / sigma;
+    const auto r2a2 = r * r + spin * spin, sigma = r * r + spin * spin * c * c;
+    const auto delta = (r - mass) * (r - mass) - (mass - spin) * (mass + spin), pull = 2 * mass * r / delta;
+    // Beginning with what they are far out, g^{tt} and g^{rr} have derivatives that lose nothing there.
+    g(0, 0) = -1 - pull * r2a2 / sigma;
+    g(0, 3) = -spin * pull / sigma;
+    g(1, 1) = 1 - (2 * mass * r - spin * spin * s2) / sigma;
     g(2, 2) = 1 / sigma;
-    g(3, 3) = (delta - spin * spin * s2) / (both * s2);
+    g(3, 3) = (1 - spin * spin * s2 / delta) / (sigma * s2);
     return g;
   }
 };

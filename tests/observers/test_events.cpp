@@ -320,6 +320,125 @@ TEST_CASE("Of two kinds on one surface both have their events, in either order",
   }
 }
 
+TEST_CASE("A floor written in another form is crossed by the same falls, and by no rise", "[events]") {
+  for (const double dt : {0.1, 0.01, 0.001})
+    for (const double floor : {0.3, 0.7, 1.3}) {
+      CAPTURE(dt, floor);
+      const auto fall = [=](const auto& q, const auto&) { return q[0] - floor; };
+      const auto scaled = [=](const auto& q, const auto&) { return 10 * q[0] - 10 * floor; };
+      const auto squared = [=](const auto& q, const auto&) { return q[0] * q[0] - floor * floor; };
+      const auto nothing = [](double, const Point&) {};
+      const auto watch_all = [&](auto bounce) {
+        return events(Ball(), on_event(fall, bounce, CrossingDirection::falling),
+                      on_event(scaled, nothing, CrossingDirection::falling), on_event(scaled, nothing),
+                      on_event(squared, nothing, CrossingDirection::rising),
+                      on_event(squared, nothing, CrossingDirection::falling));
+      };
+      const auto bounce = [](double, Point& at) { at.p()[0] *= -0.99; };
+      auto watch = watch_all(bounce);
+      auto section = poincare_section(Ball(), scaled, [](double, const Point&) {});
+      auto stepper = semiexplicit_of(Ball());
+      Point z(floor + 0.2, 0);
+      integrate(stepper, z, {.dt = dt, .t_end = 50}, watch, section);
+      section.finish();
+      REQUIRE(watch.count(0) > 30);
+      CHECK(watch.count(1) == watch.count(0));
+      CHECK(watch.count(2) == watch.count(0));
+      CHECK(watch.count(3) == 0);
+      CHECK(watch.count(4) == watch.count(0));
+      CHECK(section.count() == 0);
+    }
+}
+
+TEST_CASE("A wall that is hit at the end of a step is only touched for a section", "[events]") {
+  using Flat = PhasePoint<double, 2>;
+  for (const double unit : {0.1, 0.2, 0.3})
+    for (const int width : {10, 12, 13})
+      for (const int y : {1, 3, 5}) {
+        CAPTURE(unit, width, y);
+        // Between two walls, at the height y; the section is a line through where it hits the right one.
+        const auto turn = [](double, Flat& at) { at.p()[0] = -at.p()[0]; };
+        auto watch = events(
+            Free(),
+            on_event([](const auto& q, const auto&) { return q[0]; }, turn, CrossingDirection::falling),
+            on_event([=](const auto& q, const auto&) { return q[0] - unit * width; }, turn,
+                     CrossingDirection::rising));
+        auto section = poincare_section(
+            Free(), [=](const auto& q, const auto&) { return 2 * q[0] + q[1] - unit * (2 * width + y); },
+            [](double, const Flat&) {}, {.direction = CrossingDirection::both});
+        GaussLegendre stepper(Free(), {.stages = 2});
+        Flat z({3 * unit, y * unit}, {-24 * unit, 0});
+        integrate(stepper, z, {.dt = 1.0 / 24, .steps = 173}, watch, section);
+        section.finish();
+        CHECK(watch.count() > 10);
+        CHECK(section.count() == 0);
+      }
+}
+
+TEST_CASE("Bodies that meet at the same time collide as those that meet one by one", "[events]") {
+  using Row = PhasePoint<double, 3>;
+  using Pair = PhasePoint<double, 2>;
+  const auto run = [](const auto& H, auto& watch, auto z) {
+    auto stepper = semiexplicit_of(H);
+    integrate(stepper, z, {.dt = 0.125, .t_end = 3}, watch);
+    return z;
+  };
+  // Two bodies of width 1: the first comes to the wall q = 0 when the second comes to it.
+  for (const double apart : {0.0, 1e-12, -1e-12}) {
+    CAPTURE(apart);
+    auto watch = events(
+        Free(),
+        on_event([](const auto& q, const auto&) { return q[0]; },
+                 [](double, Pair& at) { at.p()[0] = -at.p()[0]; }, CrossingDirection::falling),
+        on_event([](const auto& q, const auto&) { return q[1] - q[0] - 1; },
+                 [](double, Pair& at) { std::swap(at.p()[0], at.p()[1]); }, CrossingDirection::falling));
+    const Pair z = run(Free(), watch, Pair({1, 3 + apart}, {-1, -2}));
+    CHECK(watch.count() == 4);
+    CHECK((z.vector() - Eigen::Vector4d(2, 5, 1, 2)).norm() < 1e-10);
+  }
+  // Three, of which the outer ones come to the middle one: it is hit from both sides, and they turn.
+  const auto H = make_hamiltonian<double, 3>([](const auto&, const auto& p) { return p.squaredNorm() / 2; },
+                                             [](const auto&, const auto& p, auto& dHdq, auto& dHdp) {
+                                               dHdq.setZero();
+                                               dHdp = p;
+                                             });
+  auto watch =
+      events(H,
+             on_event([](const auto& q, const auto&) { return q[1] - q[0] - 1; },
+                      [](double, Row& at) { std::swap(at.p()[0], at.p()[1]); }, CrossingDirection::falling),
+             on_event([](const auto& q, const auto&) { return q[2] - q[1] - 1; },
+                      [](double, Row& at) { std::swap(at.p()[1], at.p()[2]); }, CrossingDirection::falling));
+  const Row z = run(H, watch, Row({-2, 0, 2}, {1, 0, -1}));
+  CHECK(watch.count() == 3);
+  CHECK((z.p() - Eigen::Vector3d(-1, 0, 1)).norm() < 1e-12);
+}
+
+TEMPLATE_TEST_CASE("A ball whose bounces pile up never falls through the floor", "[events]", float, double) {
+  using Scalar = TestType;
+  using Fall = PhasePoint<Scalar, 1>;
+  const auto H =
+      make_hamiltonian<Scalar, 1>([](const auto& q, const auto& p) { return p[0] * p[0] / 2 + q[0]; },
+                                  [](const auto&, const auto& p, auto& dHdq, auto& dHdp) {
+                                    dHdq[0] = 1;
+                                    dHdp[0] = p[0];
+                                  });
+  for (const double kept : {0.1, 0.25, 0.5, 0.75})
+    for (const double dt : {0.2, 0.05, 0.01})
+      for (const double floor : {0.0, 0.3, 2.0, 5.0})
+        for (const double drop : {0.5, 1.0, 2.0}) {
+          CAPTURE(kept, dt, floor, drop);
+          auto bounce = [&](Scalar, Fall& at) { at.p()[0] *= -Scalar(kept); };
+          auto watch =
+              events(H, on_event([&](const auto& q, const auto&) { return Scalar(q[0] - Scalar(floor)); },
+                                 bounce, CrossingDirection::falling));
+          Semiexplicit stepper(H, schemes::strang<Scalar>());
+          Fall z(Scalar(floor + drop), 0);
+          CHECK_THROWS_AS(integrate(stepper, z, {.dt = Scalar(dt), .t_end = Scalar(30)}, watch),
+                          std::runtime_error);
+          CHECK(double(z.q()[0]) > floor - 1e-4);
+        }
+}
+
 TEST_CASE("A ball that hits a corner bounces off both walls", "[events]") {
   // Free flight along the diagonal of a box, whose walls are crossed at once but for rounding.
   using Flat = PhasePoint<double, 2>;

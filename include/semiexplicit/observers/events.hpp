@@ -185,7 +185,6 @@ class Events {
   template <class Move>
   Found first_event(const State& start, const State& end, const Scalar& h, const Move& move) {
     using std::abs;
-    if (const Found found = next_pending()) return found;
     lengthen(h);
     const Scalar near = shortly(h == Scalar(0) ? longest_ : h);
     const auto along = [&](const auto& kind) {
@@ -194,10 +193,16 @@ class Events {
         return value(kind, at_event_);
       };
     };
+    // Beside others that wait the one that acted is settled first: what they make of its way is theirs.
+    const Found waiting = next_pending();
+    std::array<Leaving, number> gone{};
     each([&](std::size_t k, auto& kind) {
-      if (known_[k].open) known_[k].pending = settle(k, kind, start, end, near, longest_, along(kind));
+      Known& own = known_[k];
+      if (own.open && !own.pending && (own.fired || !waiting))
+        own.pending = settle(k, kind, start, end, near, longest_, along(kind), gone[k]);
     });
     if (const Found found = next_pending()) return found;
+    for (Known& own : known_) own.noted = own.noted && own.open;
     if (h == Scalar(0)) return {};
     Found first;
     std::array<int, number> after{};
@@ -206,7 +211,7 @@ class Events {
     each([&](std::size_t k, auto& kind) {
       after[k] = known_[k].side;
       if (known_[k].open) return;
-      const auto crossing = leaves_side(k, kind, start, end, h, near, along(kind));
+      const auto crossing = leaves_side(k, kind, start, end, h, near, along(kind), gone[k]);
       if (!crossing.to) return;
       after[k] = crossing.to;
       if (!kind.counts(crossing.to)) return;
@@ -220,20 +225,28 @@ class Events {
       return first;
     }
     known_[first.kind].cross(after[first.kind]);
-    crossed[first.kind] = false;
-    // Rounding decides on which side of a surface that is crossed at the same time the state at the event is,
-    // and the action may turn it back: these events are noted before it.
-    bool others = false;
-    for (const bool one : crossed) others = others || one;
-    if (others) {
+    // Of another surface that is crossed at the same time rounding decides on which side the state at the
+    // event is, and in which step it is crossed; and the action may turn the orbit back. Its crossing is
+    // noted before, by the orbit as it comes.
+    each([&](std::size_t k, auto& kind) {
+      Known& own = known_[k];
+      if (k == first.kind || own.open) return;
+      const auto small = [&](const State& z) { return !(abs(value(kind, z)) > own.size() / 1000); };
+      if (after[k] == own.side && !small(start) && !small(end)) return;
       move(first.x, at_event_);
-      const Scalar same = 16 * Eigen::NumTraits<Scalar>::epsilon() * abs(longest_);
-      each([&](std::size_t k, auto& kind) {
-        known_[k].pending = crossed[k] && (abs(Scalar(when[k] - first.x)) <= same ||
-                                           detail::side_of(value(kind, at_event_)) == after[k]);
-        if (known_[k].pending) known_[k].cross(after[k]);
-      });
-    }
+      const Scalar from = value(kind, at_event_), noise = rounding_at_event(k, kind);
+      int to = crossed[k] && detail::side_of(from) == after[k] ? after[k] : 0;
+      if (abs(from) <= noise) {
+        const auto off = [&](const Scalar& x) { return along(kind)(Scalar(first.x + x)); };
+        const Leaving gone = leaving(from, noise, near, longest_, off);
+        own.noted = gone.side != 0 && abs(gone.x) <= abs(longest_) / 64 &&
+                    detail::side_of(Scalar(off(Scalar(-gone.x)) - from)) == -gone.side;
+        if (own.noted) to = gone.side;
+      }
+      if (to == 0 || to == own.side) return;
+      own.cross(to);
+      own.pending = kind.counts(to);
+    });
     known_[first.kind].pending = true;
     return first;
   }
@@ -298,7 +311,8 @@ class Events {
     bool open = true;      ///< an orbit or what follows an event has begun: see settle()
     bool pending = false;  ///< crossed where the orbit is, and not yet acted upon
     bool fired = false;    ///< open since its own event, which left it on its surface
-    bool rests = false;    ///< open, and s has not moved off `level` yet
+    bool noted = false;  ///< passed through its surface at the last event, as far as is known, before actions
+    bool rests = false;  ///< open, and s has not moved off `level` yet
     Scalar level = Scalar(0);
     Scalar noise = Scalar(0);         ///< the largest rounding of s since it rests
     Scalar scale = Scalar(0);         ///< the largest |s| since the last crossing
@@ -322,6 +336,7 @@ class Events {
       visit(open);
       visit(pending);
       visit(fired);
+      visit(noted);
       visit(rests);
       visit(level);
       visit(noise);
@@ -363,16 +378,19 @@ class Events {
   /// its way here, from where a coordinate that is small by now has its rounding.
   template <class Kind>
   Scalar rounding(std::size_t k, const Kind& kind, const State& z) {
-    using std::abs;
-    const Scalar s = value(kind, z);
-    Scalar sum = 16 * Eigen::NumTraits<Scalar>::epsilon() * known_[k].size();
     at_event_ = z;
-    for (Eigen::Index i = 0; i < z.vector().size(); ++i) {
-      Scalar& x = at_event_.vector()[i];
-      x *= 1 + 16 * Eigen::NumTraits<Scalar>::epsilon();
+    return rounding_at_event(k, kind);
+  }
+  template <class Kind>
+  Scalar rounding_at_event(std::size_t k, const Kind& kind) {
+    using std::abs;
+    const Scalar s = value(kind, at_event_);
+    Scalar sum = 16 * Eigen::NumTraits<Scalar>::epsilon() * known_[k].size();
+    for (Scalar& x : at_event_.vector()) {
+      const Scalar kept = std::exchange(x, Scalar(x * (1 + 16 * Eigen::NumTraits<Scalar>::epsilon())));
       const Scalar moved = abs(Scalar(value(kind, at_event_) - s));
       if (moved > Scalar(0)) sum += moved;  // none where it is NaN, beyond the edge of what s is defined on
-      x = z.vector()[i];
+      x = kept;
     }
     return sum;
   }
@@ -385,15 +403,23 @@ class Events {
   }
 
   /// To which side of s = from it goes, at(x) being s at the time x: seen at `near` or, where s does not move
-  /// by more than `noise` until then, later, up to `most`.
+  /// by more than `noise` until then, later, up to `most`. A short flight to the side `expected` may begin
+  /// and end between these times: it is looked for.
   template <class At>
   static Leaving leaving(const Scalar& from, const Scalar& noise, const Scalar& near, const Scalar& most,
-                         const At& at) {
+                         const At& at, int expected = 0) {
     using std::abs;
     for (Scalar x = near;; x *= 8) {
       if (abs(x) > abs(most)) x = most;
       const Scalar s = at(x), moved = s - from;
-      if (!(abs(moved) <= noise)) return {detail::side_of(moved), x, s};
+      if (!(abs(moved) <= noise)) {
+        const int side = detail::side_of(moved);
+        if (side == -expected && x != near)
+          for (const int part : {4, 2})
+            if (const Scalar between = at(x / part); expected * Scalar(between - from) > noise)
+              return {expected, x / part, between};
+        return {side, x, s};
+      }
       if (x == most) return {0, x, s};
     }
   }
@@ -403,7 +429,7 @@ class Events {
   /// crossing that counts, of which no event told.
   template <class Kind, class At>
   bool settle(std::size_t k, const Kind& kind, const State& start, const State& end, const Scalar& near,
-              const Scalar& most, const At& at) {
+              const Scalar& most, const At& at, Leaving& gone) {
     using std::abs;
     Known& own = known_[k];
     const Scalar from = value(kind, start), now = rounding(k, kind, start);
@@ -415,10 +441,13 @@ class Events {
       own.enlarge(value(kind, end));
     else
       own.enlarge(at(near));  // costs no step, and both ends may be on the surface
-    const bool on = own.rests || abs(from) <= noise || is_near(k, from, same_time(near), at);
+    const bool on = own.rests ||
+                    abs(from) <= (own.noted ? 4 * noise : noise) ||  // what it was may have been more
+                    is_near(k, from, same_time(near), at);
     const Scalar level = own.rests ? own.level : from;
-    const Leaving gone =
-        on ? leaving(level, noise, near, most, at) : Leaving{detail::side_of(from), near, from};
+    const int turned = acts<Kind> && own.fired ? -own.side : 0;
+    gone =
+        on ? leaving(level, noise, near, most, at, turned) : Leaving{detail::side_of(from), Scalar(0), from};
     if (on) own.enlarge(gone.s);
     own.rests = gone.side == 0;
     own.level = level;
@@ -427,7 +456,7 @@ class Events {
     // action has left it no speed, and more where it comes back.
     if constexpr (acts<Kind>)
       if (own.fired && gone.side == own.side) {
-        const auto moved = [&](const Scalar& x) { return abs(Scalar(at(x) - level)); };
+        const auto moved = [&](const Scalar& x) { return Scalar(gone.side * (at(x) - level)); };
         Scalar x = gone.x;
         while (abs(x) > 2 * abs(near) && moved(x / 2) > noise) x /= 2;
         if (abs(since_) >= steps_at_rest * abs(longest_) || !(moved(since_ + 2 * x) <= 3 * moved(x)))
@@ -439,7 +468,12 @@ class Events {
       }
     own.open = false;
     const int before = own.side;
-    const bool crossed = !std::exchange(own.fired, false) && on && before != 0 && before != gone.side;
+    if (std::exchange(own.fired, false)) {
+      own.side = gone.side;
+      own.noted = gone.side == before;  // it goes on through
+      return false;
+    }
+    const bool crossed = !own.noted && on && before != 0 && before != gone.side;
     if (crossed)
       own.cross(gone.side);
     else
@@ -449,10 +483,12 @@ class Events {
 
   /// Where in the interval from `start` to `end` the orbit leaves the side that it is on; the time only of
   /// what counts, or where it is `timed`. at_once: the orbit does not begin at `start`, nor is there an
-  /// event, so that a start on the surface is the crossing.
+  /// event, so that a start on the surface is the crossing. `settled` is what settle() has seen from `start`,
+  /// if that was on the surface.
   template <class Kind, class At>
   Crossing leaves_side(std::size_t k, const Kind& kind, const State& start, const State& end, const Scalar& h,
-                       const Scalar& near, const At& at, bool timed = false, bool at_once = false) {
+                       const Scalar& near, const At& at, const Leaving& settled, bool timed = false,
+                       bool at_once = false) {
     Known& own = known_[k];
     const Scalar to = value(kind, end);
     const int after = detail::side_of(to);
@@ -461,19 +497,28 @@ class Events {
     // was.
     using std::abs;
     const Scalar small = own.size() / 1000;
-    const bool stays = after == 0 || after == own.side;
+    bool stays = after == 0 || after == own.side;
     if (stays && abs(to) > small) return {};
     const Scalar from = value(kind, start);
+    // Nor is it to rounding, where another observer's event may turn the orbit back in the next step.
+    if constexpr (!changes_state)
+      if (const Scalar part = abs(Scalar(to - from)) / 64; !stays && abs(to) <= part) {
+        const Scalar noise = rounding(k, kind, end);
+        stays = abs(to) <= noise && noise <= part;
+      }
     if (stays) {
       // From the surface to the surface: the signs at the ends are rounding.
       if (abs(from) > small || !is_near(k, from, near, at)) return {};
-      const int side = leaving(from, rounding(k, kind, start), near, h, at).side;
+      const Scalar noise = rounding(k, kind, start);
+      const int side = abs(from) <= noise ? leaving(from, noise, near, h, at).side : 0;
       return side == -own.side ? Crossing{side, Scalar(0)} : Crossing{};
     }
     if (at_once && from == Scalar(0)) return {after, Scalar(0)};
     const bool beyond = detail::side_of(from) != own.side;
     if (beyond || (!at_once && is_near(k, from, near, at))) {
-      const Leaving gone = leaving(from, rounding(k, kind, start), near, h, at);
+      const Leaving gone =
+          settled.x != Scalar(0) ? settled : leaving(from, rounding(k, kind, start), near, h, at, own.side);
+      if (!(abs(gone.x) < abs(h)) && gone.side != after) return {};
       const Scalar level = beyond ? from : Scalar(0);
       if (gone.side == 0 || (gone.side != after && detail::side_of(Scalar(to - level)) != after)) return {};
       if (gone.side != after)  // away from the surface, and back to it
@@ -537,11 +582,13 @@ class Events {
         return value(kind, at_event_);
       };
       const bool begins = own.open;
-      if (begins && settle(k, kind, start, end, near, h, at)) go_on = tell(k, i, Scalar(0), run) && go_on;
+      Leaving gone{};
+      if (begins && settle(k, kind, start, end, near, h, at, gone))
+        go_on = tell(k, i, Scalar(0), run) && go_on;
       if (own.open) return;
       const bool cut = intervals_.cut(i);
       own.open = true;  // where the search throws the next interval has to find the side anew
-      const Crossing crossing = leaves_side(k, kind, start, end, h, near, at, cut, !begins);
+      const Crossing crossing = leaves_side(k, kind, start, end, h, near, at, gone, cut, !begins);
       own.open = false;
       // On the surface of an event that changed the state it is the way on that decides.
       if (!crossing.to || (cut && (abs(Scalar(h - crossing.x)) <= abs(same_time(near)) ||
@@ -631,7 +678,8 @@ class Events {
 /// exponents refuse such a run. With a TimeTransformed p_t takes up what the action does to H.
 ///
 /// Surfaces crossed at the same time, to rounding, all have their events, in order of kinds behind the first,
-/// each action seeing what the one before made of the state. What then counts on the surface where the state
+/// each action seeing what the one before made of the state; one that has turned the orbit back is met again
+/// where another of these sends it there. What then counts on the surface where the state
 /// is changed: the kinds of this observer are told of the orbit as it comes, before any action, so that a
 /// ball that bounces falls through the floor once and never rises through it; a section, and any other
 /// events(), see the orbit as it goes on: a bounce only touches the floor, a kick lets it go through, once,

@@ -104,7 +104,8 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
         : s.over_a_pole
             ? "the orbit goes over a pole, where phi does not count the half turns; give another --l"
         : farthest - nearest < 1e-6 * farthest
-            ? "r stays the same: a circle, or too short a run; give another --e, --r or --l, or more --time"
+            ? "r stays the same: a circle, or too short a run; give another " +
+                  std::string(ellipse ? "--e" : "--r or --l") + ", or more --time"
             : too_coarse(s.turn);
     const std::int64_t orbits = s.apoapsides - 1;
     if (turns.missing.empty() && orbits < 1) turns.missing = "the run has no whole orbit; give more --time";
@@ -113,10 +114,11 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
     turns.uncertain = 2 * s.open / angle;
     turns.beside = "mean of " + std::to_string(orbits) + (orbits == 1 ? " orbit" : " orbits");
     if (ellipse) {  // Cutler, Kennefick, Poisson, Phys. Rev. D 50 (1994) 3816, section II
-      const double width = ellipse->p - 6 + 2 * ellipse->e;
-      // Next to the separatrix they are as many as the rounding of the start makes them; the factor is
-      // measured.
-      const double by_start = 30 * std::numeric_limits<double>::epsilon() / (width * width);
+      const double width = ellipse->p - 6 + 2 * ellipse->e, apart = ellipse->p - 6 - 2 * ellipse->e;
+      // Next to the separatrix, p = 6 + 2e, they are as many as the rounding of the start makes them: it
+      // moves E by ε, and E has a maximum there. The factor is measured.
+      const double by_start =
+          60 * std::numeric_limits<double>::epsilon() / (apart * apart * std::sqrt(width));
       turns.uncertain += by_start;
       if (by_start > 0.1 && turns.missing.empty())
         turns.missing = "rounding decides how often it turns so near to the separatrix; give a larger --p";
@@ -140,8 +142,8 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
     if (!(s.last_r_momentum < 0)) return "";
     return formatted(
         "the body falls into the hole, from r = %.4g on nothing turns it back before the horizon, r = %.4g; "
-        "give another --r or --l, or a --time that ends before",
-        s.last_r, horizon);
+        "give %s, or a --time that ends before",
+        s.last_r, horizon, ellipse ? "a larger --p" : "another --r or --l");
   };
   return {observe, memory_of(seen), figures, {}, heading, ending};
 }

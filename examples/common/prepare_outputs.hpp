@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <iostream>
 #include <stdexcept>
+#include <string>
 #include <system_error>
 #include <vector>
 
@@ -46,9 +47,10 @@ inline void prepare_outputs(const Settings& settings, const std::vector<std::fil
   };
   for (std::size_t i = 0; i < all.size(); ++i) {
     for (const auto& input : settings.inputs)
-      if (one_file(input, all[i]))
-        throw std::invalid_argument("--output: " + all[i].string() +
-                                    " is a file that the run reads; give another folder");
+      for (const std::string& written : {all[i].string(), all[i].string() + ".part"})  // until it is whole
+        if (one_file(input, written))
+          throw std::invalid_argument("--output: " + written +
+                                      " is a file that the run reads; give another folder");
     if (!checkpoint.empty() && one_file(checkpoint, all[i]))
       throw std::invalid_argument("--checkpoint: '" + checkpoint.string() + "' is where " + all[i].string() +
                                   " goes, a result of the run; give another name");

@@ -207,7 +207,6 @@ class Events {
     Found first;
     std::array<int, number> after{};
     std::array<bool, number> crossed{};
-    std::array<Scalar, number> when{};
     each([&](std::size_t k, auto& kind) {
       after[k] = known_[k].side;
       if (known_[k].open) return;
@@ -216,7 +215,6 @@ class Events {
       after[k] = crossing.to;
       if (!kind.counts(crossing.to)) return;
       crossed[k] = true;
-      when[k] = crossing.x;
       if (!first || abs(crossing.x) < abs(first.x)) first = {k, crossing.x};
     });
     if (!first) {

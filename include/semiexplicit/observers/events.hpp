@@ -195,11 +195,11 @@ class Events {
     };
     // Beside others that wait the one that acted is settled first: what they make of its way is theirs.
     const Found waiting = next_pending();
-    std::array<Leaving, number> gone{};
+    std::array<Leaving, number> settled{};
     each([&](std::size_t k, auto& kind) {
       Known& own = known_[k];
       if (own.open && !own.pending && (own.fired || !waiting))
-        own.pending = settle(k, kind, start, end, near, longest_, along(kind), gone[k]);
+        own.pending = settle(k, kind, start, end, near, longest_, along(kind), settled[k]);
     });
     if (const Found found = next_pending()) return found;
     for (Known& own : known_) own.noted = own.noted && own.open;
@@ -210,7 +210,7 @@ class Events {
     each([&](std::size_t k, auto& kind) {
       after[k] = known_[k].side;
       if (known_[k].open) return;
-      const auto crossing = leaves_side(k, kind, start, end, h, near, along(kind), gone[k]);
+      const auto crossing = leaves_side(k, kind, start, end, h, near, along(kind), settled[k]);
       if (!crossing.to) return;
       after[k] = crossing.to;
       if (!kind.counts(crossing.to)) return;
@@ -413,9 +413,9 @@ class Events {
       if (!(abs(moved) <= noise)) {
         const int side = detail::side_of(moved);
         if (side == -expected && x != near)
-          for (const int part : {4, 2})
-            if (const Scalar between = at(x / part); expected * Scalar(between - from) > noise)
-              return {expected, x / part, between};
+          for (const Scalar earlier : {Scalar(x / 4), Scalar(x / 2)})
+            if (const Scalar between = at(earlier); Scalar(expected) * (between - from) > noise)
+              return {expected, earlier, between};
         return {side, x, s};
       }
       if (x == most) return {0, x, s};
@@ -454,7 +454,7 @@ class Events {
     // action has left it no speed, and more where it comes back.
     if constexpr (acts<Kind>)
       if (own.fired && gone.side == own.side) {
-        const auto moved = [&](const Scalar& x) { return Scalar(gone.side * (at(x) - level)); };
+        const auto moved = [&](const Scalar& x) { return Scalar(Scalar(gone.side) * (at(x) - level)); };
         Scalar x = gone.x;
         while (abs(x) > 2 * abs(near) && moved(x / 2) > noise) x /= 2;
         if (abs(since_) >= steps_at_rest * abs(longest_) || !(moved(since_ + 2 * x) <= 3 * moved(x)))

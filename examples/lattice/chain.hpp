@@ -7,6 +7,7 @@
 #include <memory>
 #include <ostream>
 #include <random>
+#include <utility>
 
 #include <Eigen/Eigenvalues>
 #include <semiexplicit/checkpoint.hpp>
@@ -100,12 +101,14 @@ inline Measurement<Eigen::Dynamic> localisation(const Choice& c) {
 inline Measurement<Eigen::Dynamic> trapping(const Choice& c) {
   struct Seen {
     Largest below;  // of -share
-    // The integral by trapezoids, and up to the last even step by those, and by half as many.
+    // The integral by trapezoids, and up to the last even step by those, and by half as many; by how much the
+    // share bends at the end.
     double sum = 0, even = 0, coarse = 0, last_even = 1;
-    double steps = -1, last = 1, change = 0;
+    double steps = -1, last = 1, last_change = 0, bend = 0, change = 0;
     void visit_memory(CheckpointMemory& visit) {
       below.visit_memory(visit);
-      for (double* number : {&sum, &even, &coarse, &last_even, &steps, &last, &change}) visit(*number);
+      for (double* number : {&sum, &even, &coarse, &last_even, &steps, &last, &last_change, &bend, &change})
+        visit(*number);
     }
   };
   const auto seen = std::make_shared<Seen>();
@@ -122,7 +125,9 @@ inline Measurement<Eigen::Dynamic> trapping(const Choice& c) {
               seen->even = seen->sum;
               seen->last_even = share;
             }
-            seen->change = std::max(seen->change, std::abs(share - seen->last));
+            const double change = share - seen->last;
+            seen->change = std::max(seen->change, std::abs(change));
+            seen->bend = std::abs(change - std::exchange(seen->last_change, change));
             seen->last = share;
           },
           memory_of(seen),
@@ -133,7 +138,7 @@ inline Measurement<Eigen::Dynamic> trapping(const Choice& c) {
                                    "it changes by more than a tenth in a step; give a smaller --dt")};
             Figure least{what + "at least", -seen->below.value(), seen->below.uncertain()},
                 mean{what + "in the mean", seen->sum / seen->steps,
-                     std::abs(seen->coarse - seen->even) / seen->steps};
+                     (std::abs(seen->coarse - seen->even) + seen->bend / 6) / seen->steps};
             if (std::isfinite(strength)) {
               least.beside = formatted("g|ψ|²/J = %g", strength);
               // Nearer to the separatrix than the energy is kept, a run may be on either side of it.

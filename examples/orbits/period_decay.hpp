@@ -75,7 +75,8 @@ inline Measurement<3> period_decay(const Choice& c) {
                     orbits::PostNewtonian2<double, 3>{.gm = gm, .c = light_of("2pn"), .nu = nu},
                     orbits::RadiationReaction<double, 3>{gm, light, nu});
   const auto seen = std::make_shared<Seen>(Seen{{Books<double, 3>(scene)}, {Books<double, 3>(scene)}});
-  const double relativity = c.on("1pn") ? (nu - 15) / (4 * light * light) : 0;
+  const double first = (nu - 15) / (4 * light * light), relativity = c.on("1pn") ? first : 0,
+               next = c.on("1pn") || c.on("2pn") ? first : 0;
   return {
       [=](double t, const In<double, 3>& q, const In<double, 3>& p) {
         if (!seen->all.begun) seen->energy = scene.energy(q, p);
@@ -98,10 +99,11 @@ inline Measurement<3> period_decay(const Choice& c) {
         const auto shrinks = [&](const WorkBetweenApoapsides& by) {
           return -by.period() * growth * by.per_time();
         };
-        // That relation is of first order; measured, its second is some four squares of the first.
+        // That relation is of first order; measured, the second, 2PN's own, is some four squares of the
+        // first.
         const double value = shrinks(seen->all),
                      uncertain = std::abs(shrinks(seen->every_other) - value) +
-                                 10 * std::pow(relativity * energy, 2) * std::abs(value);
+                                 10 * std::pow(next * energy, 2) * std::abs(value);
         if (!(uncertain <= 0.1 * std::abs(value)))
           return {not_measured(name,
                                formatted("steps leave %.2g ± %.1g; give a smaller --dt", value, uncertain))};

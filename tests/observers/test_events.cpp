@@ -350,6 +350,35 @@ TEST_CASE("A floor written in another form is crossed by the same falls, and by 
     }
 }
 
+TEMPLATE_TEST_CASE("Two actions on one wall both happen, however small the steps are", "[events]", float,
+                   double) {
+  using Scalar = TestType;
+  using Flat = PhasePoint<Scalar, 2>;
+  const auto H =
+      from_energy<2, Scalar>([](const auto&, const auto& p) { return (p[0] * p[0] + p[1] * p[1]) / 2; });
+  for (const double dt : {0.01, 0.002, 0.0005})
+    for (const bool other_form : {false, true}) {
+      CAPTURE(dt, other_form);
+      const auto left = [](const auto& q, const auto&) { return q[0]; };
+      const auto right = [](const auto& q, const auto&) { return 1 - q[0]; };
+      const auto also_right = [=](const auto& q, const auto&) {
+        return other_form ? 3 - 3 * q[0] : 1 - q[0];
+      };
+      const auto turn = [](Scalar, Flat& z) { z.p()[0] = -z.p()[0]; };
+      auto watch =
+          events(H, on_event(right, turn, CrossingDirection::falling),
+                 on_event(left, turn, CrossingDirection::falling),
+                 on_event(
+                     also_right, [](Scalar, Flat& z) { z.p()[1] /= 2; }, CrossingDirection::falling));
+      Semiexplicit stepper(H, schemes::low_defect6_s13<Scalar>());
+      Flat z({Scalar(0.5), 0}, {1, 1});
+      integrate(stepper, z, {.dt = Scalar(dt), .t_end = Scalar(10)}, watch);
+      CHECK(watch.count(0) == 5);
+      CHECK(watch.count(2) == 5);
+      CHECK(z.p()[1] == std::ldexp(Scalar(1), -5));
+    }
+}
+
 TEST_CASE("A wall that is hit at the end of a step is only touched for a section", "[events]") {
   using Flat = PhasePoint<double, 2>;
   for (const double unit : {0.1, 0.2, 0.3})

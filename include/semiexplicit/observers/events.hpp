@@ -237,8 +237,7 @@ class Events {
       if (abs(from) <= noise) {
         const auto off = [&](const Scalar& x) { return along(kind)(Scalar(first.x + x)); };
         const Leaving gone = leaving(from, noise, near, longest_, off);
-        own.noted = gone.side != 0 && abs(gone.x) <= abs(longest_) / 64 &&
-                    detail::side_of(Scalar(off(Scalar(-gone.x)) - from)) == -gone.side;
+        own.noted = gone.side != 0 && detail::side_of(Scalar(off(Scalar(-gone.x)) - from)) == -gone.side;
         if (own.noted) to = gone.side;
       }
       if (to == 0 || to == own.side) return;

@@ -590,8 +590,10 @@ typename H::Scalar energy_rounding(const H& hamiltonian, const typename H::Scala
 /// Compares the gradient of H at z, entry by entry, with differences of its energy, and takes no right
 /// gradient for a wrong one: the differences come with their uncertainty, typically 1e-12 of the energy in
 /// double. (But for a z within some 1e-5 of its size, 1e-3 in float, of a kink of the energy, of which it may
-/// tell the other side. An energy that is computed in single precision and returned as double is less exact
-/// than its rounding shows, and about one right gradient in a hundred is refused.) Costs some sixty energies
+/// tell the other side; and where a term of the energy drowns in the rounding of the others, or oscillates
+/// often within the size of a coordinate: of random sums with such terms one right gradient in 10,000 is
+/// refused in float, one in 100,000 in double. An energy that is computed in single precision and returned as
+/// double is less exact than its rounding shows, and it is one in a hundred.) Costs some sixty energies
 /// an entry, up to eight times that where they say little or the entry is wrong, and three gradients, whose
 /// outputs hold different numbers before; with a gradient for packs four more of both kinds, at z and near
 /// it.

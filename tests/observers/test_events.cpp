@@ -379,6 +379,24 @@ TEMPLATE_TEST_CASE("Two actions on one wall both happen, however small the steps
     }
 }
 
+TEST_CASE("An action that carries the state away from a wall takes no event of it from the other kinds",
+          "[events]") {
+  const auto H = from_energy<1>([](const auto&, const auto& p) { return p[0] * p[0] / 2; });
+  const auto wall = [](const auto& q, const auto&) { return q[0] - 1; };
+  const auto scaled = [](const auto& q, const auto&) { return 3 * q[0] - 3; };
+  const auto nothing = [](double, const Point&) {};
+  for (const double jump : {1.0, 0.7, 0.11}) {
+    CAPTURE(jump);
+    const auto back = [=](double, Point& z) { z.q()[0] -= jump; };
+    auto watch = events(H, on_event(wall, nothing, CrossingDirection::rising), on_event(wall, back),
+                        on_event(wall, nothing, CrossingDirection::rising), on_event(scaled, nothing));
+    auto stepper = semiexplicit_of(H);
+    Point z(0.5, 1);
+    integrate(stepper, z, {.dt = 0.013, .t_end = 10.}, watch);
+    for (std::size_t k = 0; k < 4; ++k) CHECK(watch.count(k) == std::int64_t(std::floor(9.5 / jump)) + 1);
+  }
+}
+
 TEST_CASE("A wall that is hit at the end of a step is only touched for a section", "[events]") {
   using Flat = PhasePoint<double, 2>;
   for (const double unit : {0.1, 0.2, 0.3})

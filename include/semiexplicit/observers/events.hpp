@@ -253,15 +253,20 @@ class Events {
   /// Calls its action; false: it wants the run to stop.
   bool act(const Found& found, const Scalar& t, State& z, const IntegrationReport& run) {
     bool go_on = true;
+    // Those that wait keep their s of before the first action.
+    each([&](std::size_t k, auto& kind) {
+      Known& own = known_[k];
+      if (own.pending && !own.open) own.level = value(kind, z);
+      own.open = true;
+    });
     known_[found.kind].pending = false;
-    for (Known& one : known_) one.open = true;
     since_ = Scalar(0);
     each([&](std::size_t k, auto& kind) {
       if (k != found.kind) return;
       using std::abs;
       Known& own = known_[k];
       ++counts_[k];
-      const Scalar before = value(kind, z);
+      const Scalar before = own.level;
       if constexpr (acts<decltype(kind)>) {
         last_ = z;
         if constexpr (std::same_as<std::invoke_result_t<decltype(kind.action)&, const Scalar&, State&>, bool>)

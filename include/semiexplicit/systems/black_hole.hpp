@@ -31,18 +31,18 @@ struct Kerr {
 
   void add_gradient(const auto& q, const auto& p, auto& dHdq, auto& dHdp) const {
     const Parts f(*this, q, p);
-    const Scalar r = q[1], e = -p[0], a2 = spin * spin, m_over_delta = f.m / f.delta;
-    const Scalar inverse = 1 / f.sigma, pr2 = p[1] * p[1], l_over_sin2 = p[3] / f.sin2;
+    const Scalar r = q[1], e = -p[0], a2 = spin * spin, inverse = 1 / f.sigma, pr2 = p[1] * p[1];
     // Δ p_r²/Σ - E² is p_r² - E² but for terms that vanish far out: only those are differentiated.
     const Scalar weak = f.n + (a2 * f.sin2 - 2 * mass * r) * pr2;
-    dHdq[1] += ((r - mass) * m_over_delta * m_over_delta - mass * (pr2 + e * (e + 2 * m_over_delta)) -
+    dHdq[1] += ((r - mass) * f.m_over_delta * f.m_over_delta - mass * (pr2 + e * (e + 2 * f.m_over_delta)) -
                 r * inverse * weak) *
                inverse;
-    dHdq[2] += f.sin * f.cos * (a2 * inverse * (f.delta * pr2 + f.n) - l_over_sin2 * l_over_sin2) * inverse;
-    dHdp[0] += e + 2 * mass * r * (e + m_over_delta) * inverse;
+    dHdq[2] +=
+        f.sin * f.cos * (a2 * inverse * (f.delta * pr2 + f.n) - f.l_over_sin2 * f.l_over_sin2) * inverse;
+    dHdp[0] += e + 2 * mass * r * (e + f.m_over_delta) * inverse;
     dHdp[1] += f.delta * p[1] * inverse;
     dHdp[2] += p[2] * inverse;
-    dHdp[3] += (l_over_sin2 + spin * m_over_delta) * inverse;
+    dHdp[3] += (f.l_over_sin2 + spin * f.m_over_delta) * inverse;
   }
 
   /// Carter's constant Q = p_θ² + cos²θ (a²(μ² - E²) + L²/sin²θ), for rest mass μ = 1.
@@ -112,10 +112,12 @@ struct Kerr {
       sin2 = this->sin * this->sin;
       delta = hole.delta(r);
       sigma = r * r + hole.spin * hole.spin * this->cos * this->cos;
-      m = twice * e - hole.spin * p[3];
-      n = p[2] * p[2] + p[3] * p[3] / sin2 - twice * e * e - m * m / delta;
+      l_over_sin2 = p[3] / sin2;
+      const Scalar m = twice * e - hole.spin * p[3];
+      m_over_delta = m / delta;
+      n = p[2] * p[2] + p[3] * l_over_sin2 - twice * e * e - m * m_over_delta;
     }
-    Scalar sin, cos, sin2, delta, sigma, m, n;
+    Scalar sin, cos, sin2, delta, sigma, l_over_sin2, m_over_delta, n;
   };
 };
 

@@ -4,6 +4,7 @@
 #include <limits>
 #include <locale>
 #include <sstream>
+#include <stdexcept>
 #include <string>
 
 #include <semiexplicit/accuracy/cost_of_accuracy.hpp>
@@ -453,6 +454,35 @@ TEST_CASE("where the motion gets harder along the way advice holds to the end, o
     integrate(gauss, exact, {.dt = 0.05, .t_end = T});
     CHECK(std::abs(z.q()[0] - exact.q()[0]) < 3e-4);
   }
+}
+
+TEST_CASE("a trial that leaves the domain of H fails, whatever H says there") {
+  // A fall from 1 in the potential ln q, which ends in q = 0 at 1.2533.
+  enum class Outside { is_nan, throws, throws_other };
+  const auto search = [](Outside says) {
+    const auto guard = [says](double q) {
+      if (q > 0) return q;
+      if (says == Outside::throws) throw std::domain_error("q is not positive");
+      if (says == Outside::throws_other) throw std::runtime_error("q is not positive");
+      return std::numeric_limits<double>::quiet_NaN();
+    };
+    const auto H = make_hamiltonian<double, 1>(
+        [=](const auto& q, const auto& p) { return p[0] * p[0] / 2 + std::log(guard(q[0])); },
+        [=](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+          dHdq[0] = 1 / guard(q[0]);
+          dHdp[0] = p[0];
+        });
+    const auto cost = cost_of_accuracy(H, PhasePoint<double, 1>(1, 0), 0.9,
+                                       {.observable = [](const auto& q, const auto&) { return q[0]; }});
+    PhasePoint<double, 1> z(1, 0);
+    const auto advice = cost.cheapest(1e-9);
+    REQUIRE(advice.has_value());
+    cost.run(z, *advice);
+    CHECK(std::abs(z.q()[0] - 0.5604904) < 1e-6);
+    return cost.spent_gradients;
+  };
+  CHECK(search(Outside::throws) == search(Outside::is_nan));
+  CHECK_THROWS_WITH(search(Outside::throws_other), "q is not positive");
 }
 
 TEST_CASE("an observable that is NaN somewhere on the orbit is refused with the time") {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <limits>
 #include <stdexcept>
 #include <type_traits>
 #include <utility>
@@ -66,16 +68,26 @@ class AnyHamiltonian : public std::conditional_t<Timed, ExtendedPhaseSpace<Scala
   bool takes_packs() const { return packs_ != nullptr; }
   bool is_separable() const { return splitting_ != nullptr; }
 
+  /// As trials take it: NaN where it throws std::domain_error, out of its domain.
+  AnyHamiltonian for_trials() const {
+    AnyHamiltonian copy = *this;
+    copy.nan_outside_ = true;
+    return copy;
+  }
+
   Scalar energy(const In<Scalar, Dof>& q, const In<Scalar, Dof>& p) const {
-    return energy_(hamiltonian_, q.data(), p.data(), dof_);
+    Scalar energy;
+    call([&] { energy = energy_(hamiltonian_, q.data(), p.data(), dof_); }, &energy, 1);
+    return energy;
   }
   void gradient(const In<Scalar, Dof>& q, const In<Scalar, Dof>& p, Out<Scalar, Dof> dHdq,
                 Out<Scalar, Dof> dHdp) const {
-    gradient_(hamiltonian_, q.data(), p.data(), dHdq.data(), dHdp.data(), dof_);
+    gradient_into(q.data(), p.data(), dHdq.data(), dHdp.data());
   }
   /// Lane by lane where H has no gradient for packs, the lanes in use only.
   void gradient(const Many* q, const Many* p, Many* dHdq, Many* dHdp) const {
-    if (lanes_ == 0 && takes_packs()) return packs_(hamiltonian_, q, p, dHdq, dHdp);
+    if (lanes_ == 0 && takes_packs())
+      return call([&] { packs_(hamiltonian_, q, p, dHdq, dHdp); }, dHdq, dof_, dHdp);
     const std::size_t lanes = lanes_ == 0 ? Many::size() : lanes_;
     const auto d = static_cast<std::size_t>(dof_);
     lane_.resize(4 * d);
@@ -83,9 +95,7 @@ class AnyHamiltonian : public std::conditional_t<Timed, ExtendedPhaseSpace<Scala
       bool same = k > 0;  // as the lane before, as where an iteration starts: one call for all
       const auto load = [&](Scalar& to, const Scalar& from) { same = same && to == from, to = from; };
       for (std::size_t i = 0; i < d; ++i) load(lane_[i], q[i][k]), load(lane_[d + i], p[i][k]);
-      if (!same)
-        gradient_(hamiltonian_, lane_.data(), lane_.data() + d, lane_.data() + 2 * d, lane_.data() + 3 * d,
-                  dof_);
+      if (!same) gradient_into(lane_.data(), lane_.data() + d, lane_.data() + 2 * d, lane_.data() + 3 * d);
       for (std::size_t i = 0; i < d; ++i) dHdq[i][k] = lane_[2 * d + i], dHdp[i][k] = lane_[3 * d + i];
     }
   }
@@ -141,16 +151,36 @@ class AnyHamiltonian : public std::conditional_t<Timed, ExtendedPhaseSpace<Scala
       h.gradient(q, p, dHdq, dHdp);
     }
     void position_gradient(const In<Scalar, Dof>& q, Out<Scalar, Dof> half) const {
-      h.half_gradient_(h.hamiltonian_, false, q.data(), half.data(), h.dof_);
+      h.half_gradient(false, q.data(), half.data());
     }
     void momentum_gradient(const In<Scalar, Dof>& p, Out<Scalar, Dof> half) const {
-      h.half_gradient_(h.hamiltonian_, true, p.data(), half.data(), h.dof_);
+      h.half_gradient(true, p.data(), half.data());
     }
   };
   static constexpr double any_correction = 1e300;
 
+  void gradient_into(const Scalar* q, const Scalar* p, Scalar* dHdq, Scalar* dHdp) const {
+    call([&] { gradient_(hamiltonian_, q, p, dHdq, dHdp, dof_); }, dHdq, dof_, dHdp);
+  }
+  void half_gradient(bool of_momentum, const Scalar* at, Scalar* half) const {
+    call([&] { half_gradient_(hamiltonian_, of_momentum, at, half, dof_); }, half, dof_);
+  }
+  /// A call that writes `length` numbers, and as many others.
+  template <class Call, class Number>
+  void call(const Call& write, Number* numbers, Eigen::Index length, Number* others = nullptr) const {
+    if (!nan_outside_) return write();
+    try {
+      write();
+    } catch (const std::domain_error&) {
+      const Number nan(std::numeric_limits<Scalar>::quiet_NaN());
+      std::fill_n(numbers, length, nan);
+      if (others) std::fill_n(others, length, nan);
+    }
+  }
+
   const void* hamiltonian_;
   Eigen::Index dof_;
+  bool nan_outside_ = false;
   std::size_t lanes_ = 0;  ///< that gradients of packs are called for one by one; 0: H takes packs
   mutable std::vector<Scalar> lane_{};
   Scalar (*energy_)(const void*, const Scalar*, const Scalar*, Eigen::Index) = nullptr;

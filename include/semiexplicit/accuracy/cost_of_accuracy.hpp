@@ -115,7 +115,8 @@ SEMIEXPLICIT_COLD CostOptionsOf<Scalar, Dof> options_for(const CostOptionsOf<Sca
 /// zero: for the energy of its H give that as the observable. z0 is not changed. Throws
 /// std::invalid_argument, naming the quantity and the remedy, unless T is finite and positive, z0 finite and
 /// of the size of H and not at rest, the targets positive, the observable finite at z0, and something is left
-/// to try. An exception of the gradient or the observable passes through.
+/// to try. An exception of the gradient or the observable passes through, but for a std::domain_error of the
+/// gradient or the energy, which says that a trial has left their domain and fails.
 template <class H>
 auto cost_of_accuracy(
     const H& hamiltonian,
@@ -138,7 +139,7 @@ auto cost_of_accuracy(
     const double start = detail::cpu_seconds();
     PhasePoint<typename H::Scalar, Eigen::Dynamic> at(z0.dof());
     at.vector() = z0.vector();
-    detail::Problem<Any> problem(Any(hamiltonian), at, T,
+    detail::Problem<Any> problem(Any(hamiltonian).for_trials(), at, T,
                                  detail::options_for<H, typename H::Scalar, Eigen::Dynamic>(options));
     detail::Search<Any>(problem).run();
     problem.table.spent_seconds = detail::cpu_seconds() - start;

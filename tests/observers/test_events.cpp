@@ -973,6 +973,25 @@ struct Quarters {
 
 }  // namespace
 
+TEST_CASE("Where a ball thrown up to a ceiling touches it rounding makes no event", "[events]") {
+  for (int i = 0; i < 100; ++i) {
+    const double speed = 0.3 + 0.017 * i, start = 0.01 * i - 0.7;
+    CAPTURE(speed, start);
+    const double top = start + speed * speed / 2, dt = speed / (7 + i % 5);
+    const auto ceiling = [=](const auto& q, const auto&) { return std::exp(q[0]) - std::exp(top); };
+    const auto stop = [](double, Point& z) { z.p()[0] = 0; };
+    const auto nothing = [](double, const Point&) {};
+    auto stopping = events(Ball(), on_event(ceiling, stop), on_event(height, nothing));
+    auto told = events(Ball(), on_event(ceiling, nothing));
+    auto stepper = semiexplicit_of(Ball());
+    Point z(start, speed);
+    integrate(stepper, z, {.dt = dt, .t_end = 2 * speed}, stopping, told);
+    told.finish();
+    CHECK(stopping.count(0) == 0);
+    CHECK(told.count() == 0);
+  }
+}
+
 TEST_CASE("A step of the search for an event that fails ends the run at the last good step", "[events]") {
   const systems::Product<double> any;
   Quarters stepper;

@@ -502,12 +502,17 @@ class Events {
     bool stays = after == 0 || after == own.side;
     if (stays && abs(to) > small) return {};
     const Scalar from = value(kind, start);
-    // Nor is it to rounding, where another observer's event may turn the orbit back in the next step.
-    if constexpr (!changes_state)
-      if (const Scalar part = abs(Scalar(to - from)) / 64; !stays && abs(to) <= part) {
-        const Scalar noise = rounding(k, kind, end);
-        stays = abs(to) <= noise && noise <= part;
-      }
+    // Nor is it to rounding: it may be a touch, or another observer's event may turn the orbit back in the
+    // next step. An action is not to wait for that, and a step beyond the end tells it from a touch.
+    if (const Scalar part = abs(Scalar(to - from)) / 64; !stays && abs(to) <= part) {
+      const Scalar noise = rounding(k, kind, end);
+      stays = abs(to) <= noise && noise <= part;
+      if constexpr (changes_state)
+        if (stays) {
+          const auto beyond = [&](const Scalar& x) { return at(Scalar(h + x)); };
+          stays = leaving(to, noise, near, longest_, beyond).side == -after;
+        }
+    }
     if (stays) {
       // From the surface to the surface: the signs at the ends are rounding.
       if (abs(from) > small || !is_near(k, from, near, at)) return {};

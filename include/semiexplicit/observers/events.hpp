@@ -234,8 +234,8 @@ class Events {
       move(first.x, at_event_);
       const Scalar from = value(kind, at_event_), noise = rounding_at_event(k, kind);
       int to = crossed[k] && detail::side_of(from) == after[k] ? after[k] : 0;
-      if (abs(from) <= noise) {
-        const auto off = [&](const Scalar& x) { return along(kind)(Scalar(first.x + x)); };
+      const auto off = [&](const Scalar& x) { return along(kind)(Scalar(first.x + x)); };
+      if (abs(from) <= noise || is_near(k, from, same_time(near), off)) {
         const Leaving gone = leaving(from, noise, near, longest_, off);
         own.noted = gone.side != 0 && detail::side_of(Scalar(off(Scalar(-gone.x)) - from)) == -gone.side;
         if (own.noted) to = gone.side;
@@ -279,12 +279,9 @@ class Events {
         go_on = told(kind, t, z, run);
       }
       own.level = value(kind, z);
-      own.fired = abs(own.level) <= 2 * abs(before) || abs(own.level) <= rounding(k, kind, z);
-      own.rests = own.fired;
+      own.fired = true;
+      own.rests = abs(own.level) <= 2 * abs(before) || abs(own.level) <= rounding(k, kind, z);
       own.noise = Scalar(0);
-      if (own.rests) return;
-      own.open = false;  // the action has moved it off the surface
-      own.side = detail::side_of(own.level);
     });
     return go_on;
   }
@@ -312,7 +309,7 @@ class Events {
     int side = 0;          ///< on which it is, also at a state on the surface: -1, 1; 0 before it is known
     bool open = true;      ///< an orbit or what follows an event has begun: see settle()
     bool pending = false;  ///< crossed where the orbit is, and not yet acted upon
-    bool fired = false;    ///< open since its own event, which left it on its surface
+    bool fired = false;    ///< open since its own event
     bool noted = false;  ///< passed through its surface at the last event, as far as is known, before actions
     bool rests = false;  ///< open, and s has not moved off `level` yet
     Scalar level = Scalar(0);
@@ -457,7 +454,7 @@ class Events {
     // On its way through the surface s doubles in twice the time since the event; it grows fourfold where the
     // action has left it no speed, and more where it comes back.
     if constexpr (acts<Kind>)
-      if (own.fired && gone.side == own.side) {
+      if (own.fired && on && gone.side == own.side) {
         const auto moved = [&](const Scalar& x) { return Scalar(Scalar(gone.side) * (at(x) - level)); };
         Scalar x = gone.x;
         while (abs(x) > 2 * abs(near) && moved(x / 2) > noise) x /= 2;

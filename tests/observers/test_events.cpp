@@ -397,6 +397,28 @@ TEST_CASE("An action that carries the state away from a wall takes no event of i
   }
 }
 
+TEST_CASE("An action that changes the scale of another s takes no event from it", "[events]") {
+  using Flat = PhasePoint<double, 2>;
+  const auto H =
+      from_energy<2>([](const auto& q, const auto& p) { return (p[0] * p[0] + p[1] * p[1]) / 2 + q[1]; });
+  const auto floor = [](const auto& q, const auto&) { return q[1]; };
+  const auto scaled = [](const auto& q, const auto& p) { return std::atan(q[1] * (1 + p[0] * p[0])); };
+  const auto push = [](double, Flat& z) { z.p() = Vector<double, 2>(100, -z.p()[1]); };
+  const auto nothing = [](double, const Flat&) {};
+  for (int i = 0; i < 200; ++i) {
+    CAPTURE(i);
+    auto watch = events(H, on_event(floor, push, CrossingDirection::falling),
+                        on_event(scaled, nothing, CrossingDirection::falling),
+                        on_event(scaled, nothing, CrossingDirection::falling));
+    GaussLegendre stepper(H, {.stages = 2});
+    Flat z({0.5, 0.2 + 0.004 * i}, {-0.9 + 0.0077 * i, -0.3});
+    integrate(stepper, z, {.dt = 0.05 + 0.0007 * i, .t_end = 2.5}, watch);
+    CHECK(watch.count(0) > 0);
+    CHECK(watch.count(1) == watch.count(0));
+    CHECK(watch.count(2) == watch.count(0));
+  }
+}
+
 TEST_CASE("A wall that is hit at the end of a step is only touched for a section", "[events]") {
   using Flat = PhasePoint<double, 2>;
   for (const double unit : {0.1, 0.2, 0.3})

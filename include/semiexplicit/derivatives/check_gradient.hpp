@@ -306,7 +306,8 @@ bool compatible(const Slope<Scalar>& a, const Slope<Scalar>& b) {
 /// of two that contradict each other the smaller ones are right. Where all drown in rounding, as at x = 1e-8
 /// beside terms of size one, larger ones follow, which must not contradict the others. Entries of a tableau
 /// may agree by chance: what speaks against `given` is to do so by other steps as well, and larger ones by
-/// such that are 30 times smaller: they do not see what f does near x.
+/// such that are 30 times smaller, in float not at all: they do not see what f does near x. Where f moves
+/// nowhere it may oscillate below its rounding.
 template <class Scalar>
 SEMIEXPLICIT_COLD Slope<Scalar> judging_slope(const ScalarFunction<Scalar>& f, const Scalar& x,
                                               const Scalar& given, const Scalar& own, const Scalar& size,
@@ -324,15 +325,13 @@ SEMIEXPLICIT_COLD Slope<Scalar> judging_slope(const ScalarFunction<Scalar>& f, c
   const auto agrees = [&](const Slope<Scalar>& slope) { return slope.admits(given, slack); };
   const auto confirmed = [&](Slope<Scalar> slope) {
     if (!slope.judges || agrees(slope)) return slope;
-    const auto acquitted_by = [&](const Scalar& steps) {
-      const auto other = extrapolated_slope<Scalar>(f, x, steps, noise);
-      if (!agrees(other) || !(other.uncertainty <= 64 * slope.uncertainty)) return false;
+    for (const double part : {0.71, 0.59, 0.83}) {
+      const auto other = extrapolated_slope<Scalar>(f, x, Scalar(part) * slope.steps_from, noise);
+      if (!agrees(other) || !(other.uncertainty <= 64 * slope.uncertainty)) continue;
       slope.uncertainty += abs(other.value - slope.value) + other.uncertainty;
       slope.judges = false;
-      return true;
-    };
-    for (const double part : {0.71, 0.59, 0.83})
-      if (acquitted_by(Scalar(part) * slope.steps_from)) return slope;
+      break;
+    }
     return slope;
   };
   const auto variation = [&](const Scalar& h) -> Scalar {
@@ -389,14 +388,17 @@ SEMIEXPLICIT_COLD Slope<Scalar> judging_slope(const ScalarFunction<Scalar>& f, c
     best.judges = judges(best, h, reach <= std::max(own, size));
     if (best.judges && !agrees(best)) refine(h);
     if (best.judges && !agrees(best)) {
-      const auto smaller = extrapolated_slope<Scalar>(f, x, Scalar(best.steps_from / 30), noise);
-      best.judges = epsilon < Scalar(1e-12) && !agrees(smaller) && compatible(smaller, best);
+      best.judges = epsilon < Scalar(1e-12);
+      if (best.judges) {
+        const auto smaller = extrapolated_slope<Scalar>(f, x, Scalar(best.steps_from / 30), noise);
+        best.judges = !agrees(smaller) && compatible(smaller, best);
+      }
     }
     best = confirmed(best);
     if (best.judges) return best;
   }
   // f does not depend on x.
-  best.uncertainty = std::max<Scalar>(best.uncertainty, varies ? Scalar(0) : Scalar(1000 * noise / own));
+  if (!varies) best.uncertainty = std::max<Scalar>(best.uncertainty, 1000 * noise / own);
   best.judges = !varies && isfinite(best.uncertainty) && (given == Scalar(0) || !agrees(best));
   return best;
 }

@@ -683,11 +683,11 @@ class Events {
 ///
 /// Surfaces crossed at the same time, to rounding, all have their events, in order of kinds behind the first,
 /// each action seeing what the one before made of the state; one that has turned the orbit back is met again
-/// where another of these sends it there. What then counts on the surface where the state
-/// is changed: the kinds of this observer are told of the orbit as it comes, before any action, so that a
-/// ball that bounces falls through the floor once and never rises through it; a section, and any other
-/// events(), see the orbit as it goes on: a bounce only touches the floor, a kick lets it go through, once,
-/// at the changed state. A jump over a surface crosses it for none of them.
+/// where another of these sends it there. What then counts on the surface where the state is changed: the
+/// kinds of this observer are told of the orbit as it comes, before any action, so that a ball that bounces
+/// falls through the floor once and never rises through it; a section, and any other events(), see the orbit
+/// as it goes on: a bounce only touches the floor, a kick lets it go through, once, at the changed state. A
+/// jump over a surface crosses it for none of them.
 ///
 /// An action on a ball whose bounces pile up is to end the run: an orbit that an action leaves no speed off
 /// the surface, or that is back on it within 1e-6 of a step (in float 3e-4), or before s has moved by more

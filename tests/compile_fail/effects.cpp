@@ -3,7 +3,11 @@
 // case without_name: an effect has a name: static constexpr const char* name =
 // case without_gradient: an effect on one half needs energy(x) const and add_gradient(x, dHdx) const
 // case without_force: an effect OnMotion needs add_force(q, p, force) const
+// case gradient_by_value: takes by value what it adds to, so that it adds nothing: write `auto& dHdq`
+// case force_by_value: takes by value what it adds to, so that it adds nothing: write `auto& dHdq`
+// case any_by_value: takes by value what it adds to, so that it adds nothing: write `auto& dHdq`
 // case disagree: must agree on the degrees of freedom
+#include <semiexplicit/scene/any_effect.hpp>
 #include <semiexplicit/scene/scene.hpp>
 #include <semiexplicit/systems/orbits.hpp>
 
@@ -17,7 +21,9 @@ struct Mine {
   static constexpr const char* name = "mine";
 #endif
   double energy(const auto& q) const { return q[0]; }
-#ifndef without_gradient
+#if defined(gradient_by_value) || defined(any_by_value)
+  void add_gradient(const Eigen::Vector2d&, Eigen::Vector2d dHdq) const { dHdq[0] += 1; }
+#elif !defined(without_gradient)
   void add_gradient(const auto&, auto& dHdq) const { dHdq[0] += 1; }
 #endif
 };
@@ -25,13 +31,17 @@ struct Mine {
 struct Wind {
   using Acts = OnMotion<double, 2>;
   static constexpr const char* name = "wind";
-#ifndef without_force
+#ifdef force_by_value
+  void add_force(In<double, 2>, In<double, 2>, Eigen::Vector2d force) const { force[0] += 1; }
+#elif !defined(without_force)
   void add_force(const auto&, const auto&, auto& force) const { force[0] += 1; }
 #endif
 };
 
 int main() {
-#ifdef disagree
+#if defined(any_by_value)
+  const AnyEffect<double, 2> any(Mine{});
+#elif defined(disagree)
   Scene scene(effects::orbits::Kinetic<double, 2>{}, effects::orbits::Attraction<double, 3>{});
 #else
   Scene scene(Mine{}, effects::orbits::Kinetic<double, 2>{}, Wind{});

@@ -4,6 +4,7 @@
 // case twice_there: exactly<...>() names an effect that is there more than once
 // case nothing_named: exactly<...>() names the effects that have an exact flow together
 // case without_increments: this ExactFlow has no `Status increments
+// case increments_by_value: take dq or dp by value, so that nothing moves: write `auto& dq, auto& dp`
 #include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
@@ -14,7 +15,10 @@ template <>
 struct semiexplicit::ExactFlow<Oblateness<double, 2>> {
   static constexpr const char* name = "a kick";
   explicit ExactFlow(const Oblateness<double, 2>&) {}
-#ifndef without_increments
+#ifdef increments_by_value
+  using Column = Eigen::Vector2d;
+  Status increments(double, const Column&, const Column&, Column, Column) const { return Status::success; }
+#elif !defined(without_increments)
   Status increments(const double&, const auto&, const auto&, auto&, auto&) const { return Status::success; }
 #endif
 };

@@ -13,9 +13,16 @@
 // case gradient_of_other_size: takes columns of another size or of other numbers than its Dof and Scalar: write
 // case gradient_of_floats: takes columns of another size or of other numbers than its Dof and Scalar: write
 // case time_dependent: depends on the time: give the stepper Autonomous(H)
+// case hessian_by_value: takes an output by value, so what it writes is lost: take it as
+// case driven_by_value: takes dHdq or dHdp by value, so what it writes is lost: take both as
+// case driven_of_vectors: cannot be called with the time: write `void gradient(const Scalar& t, In<Scalar
+// case driven_not_const: cannot be called with the time: write `void gradient(const Scalar& t, In<Scalar
+// case driven_without_time: does not depend on the time: give the stepper H itself
+// case driven_of_other_size: takes columns of another size or of other numbers than its Dof and Scalar: write
 // case lambda_by_value: takes dHdq or dHdp by value, so what it writes is lost: take both as
 #include <semiexplicit/schemes/named.hpp>
 #include <semiexplicit/steppers/semiexplicit.hpp>
+#include <semiexplicit/time/autonomous.hpp>
 
 using namespace Eigen;  // whose names are others
 using namespace semiexplicit;
@@ -66,9 +73,39 @@ struct Mine {
 #else
   void gradient(Column q, Column p, Half dHdq, Half dHdp) const { dHdq = p, dHdp = q; }
 #endif
+#ifdef hessian_by_value
+  void hessian_times(Column, Column, Column dq, Column dp, Eigen::Vector2d hq, Eigen::Vector2d hp) const {
+    hq = dp, hp = dq;
+  }
+#endif
+};
+
+struct Driven {
+  using Scalar = double;
+  static constexpr int Dof = 2;
+#if defined(driven_by_value)
+  void gradient(double t, Column q, Column p, Eigen::Vector2d dHdq, Eigen::Vector2d dHdp) const {
+    dHdq = t * p, dHdp = q;
+  }
+#elif defined(driven_of_vectors)
+  void gradient(double t, Column q, Column p, Eigen::Vector2d& dHdq, Eigen::Vector2d& dHdp) const {
+    dHdq = t * p, dHdp = q;
+  }
+#elif defined(driven_not_const)
+  void gradient(double t, Column q, Column p, Half dHdq, Half dHdp) { dHdq = t * p, dHdp = q; }
+#elif defined(driven_without_time)
+  void gradient(Column q, Column p, Half dHdq, Half dHdp) const { dHdq = p, dHdp = q; }
+#elif defined(driven_of_other_size)
+  void gradient(double t, In<double, 3> q, In<double, 3> p, Out<double, 3> dHdq, Out<double, 3> dHdp) const {
+    dHdq = t * p, dHdp = q;
+  }
+#else
+  void gradient(double t, Column q, Column p, Half dHdq, Half dHdp) const { dHdq = t * p, dHdp = q; }
+#endif
 };
 
 int main() {
+  Autonomous driven(Driven{});
 #ifdef lambda_by_value
   auto mine = make_hamiltonian<double, 2>(
       [](const auto& q, const auto& p) { return q.dot(p); },

@@ -6,6 +6,7 @@
 // case solver_without_solve: this solver has no `template <class Residual, class Vec> SolverReport
 // case stepper_without_state: this stepper does not say what it moves: write `using Scalar = double; using State =
 // case stepper_without_step: this stepper has no step: write `StepReport step(State& state, const Scalar& dt)`
+// case step_of_a_copy: takes the state by value, so that it stays where it is: write `StepReport step(State&
 // case state_of_other_size: the state is of another type than the one that the stepper moves
 // case const_state: the state is const, and a run moves it: leave `const` out, or give it a copy
 // case const_stepper: the stepper is const, and a step changes it: leave `const` out
@@ -18,6 +19,7 @@
 // case monitor_of_one_argument: this monitor function cannot be called: write `double operator()(const auto& q, const auto& p) const`
 // case monitor_without_gradient: this monitor function cannot be called: write `double operator()(const auto& q, auto&& dgdq) const`
 // case transformed_without_energy: has no public energy, by which the run is to be judged: write `Scalar energy(
+// case surface_without_on_event: events() takes kinds of events: write `on_event(surface, action)`
 // case surface_of_one_argument: this surface cannot be called, or tells no more than true and false: write `[](const auto& q, const auto& p) { return q[0]; }`
 // case surface_of_no_number: this surface cannot be called, or tells no more than true and false: write `[](const auto& q, const auto& p) { return q[0]; }`
 // case section_of_one_argument: this surface cannot be called, or tells no more than true and false: write `[](const auto& q, const auto& p) { return q[0]; }`
@@ -86,7 +88,11 @@ struct MyStepper {
   using State = Point;
 #endif
 #ifndef stepper_without_step
+#ifdef step_of_a_copy
+  StepReport step(Point z, const double& dt) {
+#else
   StepReport step(Point& z, const double& dt) {
+#endif
     z.q()[0] += dt;
     return {};
   }
@@ -138,7 +144,7 @@ int main() {
 #if defined(saved_without_memory) || defined(saved_without_options)
   MyStepper stepper;
   Checkpoints checkpoints("file", {}, stepper, options);
-#elif defined(stepper_without_state) || defined(stepper_without_step)
+#elif defined(stepper_without_state) || defined(stepper_without_step) || defined(step_of_a_copy)
   MyStepper stepper;
   integrate(stepper, z, options, right);
 #elif defined(solver_without_options)
@@ -160,6 +166,8 @@ int main() {
       H, [](const auto& q) { return q[0]; }, 1.0);
 #elif defined(transformed_without_energy)
   TimeTransformed transformed(NoEnergy(), monitors::Distance(), 1.0);
+#elif defined(surface_without_on_event)
+  auto watch = events(H, first, right);
 #elif defined(surface_of_one_argument)
   auto watch = events(H, on_event([](const auto& q) { return q[0]; }, right));
 #elif defined(surface_of_no_number)

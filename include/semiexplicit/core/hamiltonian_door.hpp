@@ -3,37 +3,13 @@
 #include <type_traits>
 
 #include <semiexplicit/core/hamiltonian.hpp>
+#include <semiexplicit/core/parameters.hpp>
 
 // What the library says of a class that is no Hamiltonian, in one line: the mistake and the remedy. A class
 // or a function that takes an H takes Scalar and Dof from HamiltonianDoor<H>, so that this line is the
 // compiler's first error.
 
 namespace semiexplicit::detail {
-
-/// The parameters of a member function that is neither overloaded nor a template.
-template <class F>
-struct Parameters {
-  static constexpr bool known = false;
-};
-template <class R, class Q, class P, class OutQ, class OutP>
-struct Parameters<R(Q, P, OutQ, OutP)> {
-  static constexpr bool known = true;
-  using First = Q;
-  using Output = OutQ;
-  using LastOutput = OutP;
-};
-#define SEMIEXPLICIT_PARAMETERS_OF(qualifiers)                          \
-  template <class R, class C, class Q, class P, class OutQ, class OutP> \
-  struct Parameters<R (C::*)(Q, P, OutQ, OutP) qualifiers> : Parameters<R(Q, P, OutQ, OutP)> {};
-SEMIEXPLICIT_PARAMETERS_OF()
-SEMIEXPLICIT_PARAMETERS_OF(noexcept)
-SEMIEXPLICIT_PARAMETERS_OF(const)
-SEMIEXPLICIT_PARAMETERS_OF(const noexcept)
-SEMIEXPLICIT_PARAMETERS_OF(const&)
-SEMIEXPLICIT_PARAMETERS_OF(const& noexcept)
-#undef SEMIEXPLICIT_PARAMETERS_OF
-template <class R, class Q, class P, class OutQ, class OutP, bool Noexcept>
-struct Parameters<R (*)(Q, P, OutQ, OutP) noexcept(Noexcept)> : Parameters<R(Q, P, OutQ, OutP)> {};
 
 template <class H>
 concept NamesGradient = requires {
@@ -53,14 +29,6 @@ requires requires { &Gradient::operator(); }
 struct GradientParameters<LambdaHamiltonian<Scalar, Dof, Energy, Gradient>>
     : Parameters<decltype(&Gradient::operator())> {};
 
-/// An Eigen matrix by value: what is written into it is lost.
-template <class T>
-inline constexpr bool is_matrix_by_value =
-    !std::is_reference_v<T> &&
-    std::is_base_of_v<Eigen::PlainObjectBase<std::remove_cv_t<T>>, std::remove_cv_t<T>>;
-template <class T>
-requires(!std::is_class_v<std::remove_cv_t<T>>) inline constexpr bool is_matrix_by_value<T> = false;
-
 /// A column of a number of entries that is fixed and not H::Dof, or of other numbers.
 template <class T, class H>
 constexpr bool does_not_fit() {
@@ -78,19 +46,12 @@ constexpr bool does_not_fit() {
 template <class H>
 constexpr bool gradient_does_not_fit() {
   using Found = GradientParameters<H>;
-  if constexpr (Found::known)
-    return does_not_fit<typename Found::First, H>() || does_not_fit<typename Found::Output, H>();
+  if constexpr (Found::count >= 4)
+    return does_not_fit<typename Found::template FromLast<3>, H>() ||
+           does_not_fit<typename Found::template FromLast<1>, H>();
   else
     return false;
 }
-template <class Found>
-constexpr bool writes_into_copies() {
-  if constexpr (Found::known)
-    return is_matrix_by_value<typename Found::Output> || is_matrix_by_value<typename Found::LastOutput>;
-  else
-    return false;
-}
-
 template <class H>
 concept HasMutableGradient = requires(H& h, const InColumn<H>& q, const InColumn<H>& p, OutColumn<H>& dHdq,
                                       OutColumn<H>& dHdp) {
@@ -109,6 +70,21 @@ template <class H>
 concept NamesDof = requires(H& h) {
   h.Dof;
 };
+
+/// Whether one of the members that a Hamiltonian may have takes an output by value.
+template <class H>
+constexpr bool optional_member_writes_into_copies() {
+  bool copies = false;
+  if constexpr (requires { &H::hessian; })
+    copies = copies || writes_into_copies<Parameters<decltype(&H::hessian)>, 1>();
+  if constexpr (requires { &H::hessian_times; })
+    copies = copies || writes_into_copies<Parameters<decltype(&H::hessian_times)>, 2>();
+  if constexpr (requires { &H::position_gradient; })
+    copies = copies || writes_into_copies<Parameters<decltype(&H::position_gradient)>, 1>();
+  if constexpr (requires { &H::momentum_gradient; })
+    copies = copies || writes_into_copies<Parameters<decltype(&H::momentum_gradient)>, 1>();
+  return copies;
+}
 
 /// Compiles for a Hamiltonian, and what it gives is true. For anything else the compiler says what is
 /// missing, and how to write it; of several mistakes the first.
@@ -157,8 +133,8 @@ consteval bool is_hamiltonian() {
                     "const`, or take from_energy()");
     }
     return false;
-  } else if constexpr (writes_into_copies<GradientParameters<H>>()) {
-    static_assert(!writes_into_copies<GradientParameters<H>>(),
+  } else if constexpr (writes_into_copies<GradientParameters<H>, 2>()) {
+    static_assert(!writes_into_copies<GradientParameters<H>, 2>(),
                   "the gradient of this Hamiltonian takes dHdq or dHdp by value, so what it writes is lost: "
                   "take both as Out<Scalar, Dof>");
     return false;
@@ -166,7 +142,34 @@ consteval bool is_hamiltonian() {
     static_assert(std::copy_constructible<H>,
                   "a Hamiltonian is copied into the stepper, and this one cannot be: give it a copy "
                   "constructor, or hold what cannot be copied by a std::shared_ptr");
+    static_assert(!optional_member_writes_into_copies<H>(),
+                  "hessian, hessian_times, position_gradient or momentum_gradient of this Hamiltonian takes "
+                  "an output by value, so what it writes is lost: take it as Out<Scalar, Dof>, a Hessian as "
+                  "Eigen::Ref");
     return std::copy_constructible<H>;
+  }
+}
+
+/// The same for one that depends on the time, which Autonomous takes.
+template <class H>
+consteval bool is_time_dependent() {
+  if constexpr (!HasScalar<H> || !HasDof<H> || gradient_does_not_fit<H>()) {
+    return is_hamiltonian<H>();
+  } else if constexpr (TimeDependentHamiltonian<H>) {
+    constexpr bool copies = writes_into_copies<GradientParameters<H>, 2>();
+    static_assert(!copies,
+                  "the gradient of this Hamiltonian takes dHdq or dHdp by value, so what it writes is lost: "
+                  "take both as Out<Scalar, Dof>");
+    return !copies;
+  } else {
+    static_assert(!Hamiltonian<H>,
+                  "this Hamiltonian does not depend on the time: give the stepper H itself, not "
+                  "Autonomous(H)");
+    static_assert(Hamiltonian<H>,
+                  "the gradient of this Hamiltonian cannot be called with the time: write `void "
+                  "gradient(const Scalar& t, In<Scalar, Dof> q, In<Scalar, Dof> p, Out<Scalar, Dof> dHdq, "
+                  "Out<Scalar, Dof> dHdp) const`, and dof() where Dof is Eigen::Dynamic");
+    return false;
   }
 }
 
@@ -204,6 +207,12 @@ struct HamiltonianDoor<H, true> {
   using Scalar = typename H::Scalar;
   static constexpr int Dof = H::Dof;
 };
+
+/// The same of a Hamiltonian that depends on the time.
+template <class H, bool = is_time_dependent<H>()>
+struct TimeDependentDoor : HamiltonianDoor<H, false> {};
+template <class H>
+struct TimeDependentDoor<H, true> : HamiltonianDoor<H, true> {};
 
 /// The same of a Hamiltonian whose energy is needed.
 template <class H, bool = has_energy<H>()>

@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include <Eigen/Core>
+#include <semiexplicit/core/parameters.hpp>
 #include <semiexplicit/core/report.hpp>
 
 namespace semiexplicit {
@@ -76,6 +77,16 @@ concept ChoosesSteps = Stepper<S> && requires(S& s, const S& c, typename S::Stat
 
 namespace detail {
 
+/// Whether a step moves a copy of the state.
+template <class S>
+constexpr bool moves_a_copy() {
+  if constexpr (requires { &S::step; }) {
+    using Found = Parameters<decltype(&S::step)>;
+    if constexpr (Found::count == 2) return !std::is_reference_v<typename Found::template FromLast<1>>;
+  }
+  return false;
+}
+
 /// Compiles for a stepper; of anything else the compiler says what is missing.
 template <class S>
 consteval bool is_stepper() {
@@ -87,6 +98,10 @@ consteval bool is_stepper() {
     static_assert(HasStep<S>,
                   "this stepper has no step: write `StepReport step(State& state, const Scalar& dt)` in it, "
                   "not const");
+  if constexpr (NamesScalarAndState<S>)
+    static_assert(!moves_a_copy<S>(),
+                  "the step of this stepper takes the state by value, so that it stays where it is: write "
+                  "`StepReport step(State& state, const Scalar& dt)`");
   return Stepper<S> && !std::is_const_v<S>;
 }
 /// The same for one that moves such a state.

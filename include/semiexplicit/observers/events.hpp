@@ -78,12 +78,23 @@ OnEvent<Surface, Action> on_event(Surface surface, Action&& action,
   return {std::move(surface), std::forward<Action>(action), direction};
 }
 
+namespace detail {
+
+template <class T>
+inline constexpr bool is_on_event = false;
+template <class Surface, class Action>
+inline constexpr bool is_on_event<OnEvent<Surface, Action>> = true;
+
+}  // namespace detail
+
 /// Watches several surfaces in one run; see events().
 template <class H, class... Kinds>
 class Events {
  public:
   using Scalar = typename DenseOutput<H>::Scalar;
   using State = typename DenseOutput<H>::State;
+  static_assert((detail::is_on_event<Kinds> && ...),
+                "events() takes kinds of events: write `on_event(surface, action)` for each");
   static_assert((detail::is_surface<decltype(std::declval<Kinds&>().surface), State>() && ...));
   static constexpr const char* name = "events";
   static constexpr bool interpolates = true;

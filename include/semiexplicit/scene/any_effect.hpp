@@ -28,7 +28,9 @@ class AnyEffect {
         on_momentum_(!PositionEffect<E>),
         coupled_(detail::couples<E>),
         motion_(MotionEffect<E>),
-        effect_(std::make_shared<Model<E>>(std::move(effect))) {}
+        effect_(std::make_shared<Model<E>>(std::move(effect))) {
+    static_assert(detail::is_effect<E>());
+  }
 
   const std::string& name() const { return name_; }
   const std::string& about() const { return about_; }

@@ -4,6 +4,7 @@
 #include <string>
 
 #include <semiexplicit/core/hamiltonian.hpp>
+#include <semiexplicit/core/parameters.hpp>
 
 namespace semiexplicit {
 
@@ -168,6 +169,18 @@ concept HasName = requires(const E& effect) {
   { effect.name } -> std::convertible_to<std::string>;
 };
 
+/// Whether what an effect adds goes into a copy.
+template <class E>
+constexpr bool adds_to_copies() {
+  if constexpr (ActsAs<E, OnMotion>) {
+    if constexpr (requires { &E::add_force; })
+      return writes_into_copies<Parameters<decltype(&E::add_force)>, 1>();
+  } else if constexpr (requires { &E::add_gradient; }) {
+    return writes_into_copies < Parameters<decltype(&E::add_gradient)>, ActsAs<E, OnBoth> ? 2 : 1 > ();
+  }
+  return false;
+}
+
 /// Compiles for an effect; for what is none the compiler says what is missing, and only that.
 template <class E>
 consteval bool is_effect() {
@@ -186,6 +199,9 @@ consteval bool is_effect() {
     else
       static_assert(HasHalfMembers<E>,
                     "an effect on one half needs energy(x) const and add_gradient(x, dHdx) const");
+    static_assert(!adds_to_copies<E>(),
+                  "this effect takes by value what it adds to, so that it adds nothing: write `auto& dHdq`, "
+                  "or Out<Scalar, Dof>");
   }
   return true;
 }

@@ -60,6 +60,10 @@ consteval bool can_be_exact(std::type_identity<Scene<Effects...>>) {
             HasIncrements<Flow, Scalar, Dof>,
             "this ExactFlow has no `Status increments(const Scalar& t, const auto& q, const auto& p, "
             "auto& dq, auto& dp) const`; see scene/exact_flow.hpp");
+        if constexpr (requires { &Flow::increments; })
+          static_assert(!writes_into_copies<Parameters<decltype(&Flow::increments)>, 2>(),
+                        "the increments of this ExactFlow take dq or dp by value, so that nothing moves: "
+                        "write `auto& dq, auto& dp`, or Vector<Scalar, Dof>&");
         return HasIncrements<Flow, Scalar, Dof>;
       }
     }

@@ -53,6 +53,18 @@ template <class H>
 concept NamesCoupledRest = requires {
   &H::coupled_rest;
 };
+/// Whether the flow or a gradient of the rest takes an output by value.
+template <class H>
+constexpr bool part_writes_into_copies() {
+  bool copies = false;
+  if constexpr (requires { &H::flow; })
+    copies = copies || writes_into_copies<Parameters<decltype(&H::flow)>, 2>();
+  if constexpr (NamesPositionRest<H>)
+    copies = copies || writes_into_copies<Parameters<decltype(&H::rest_position_gradient)>, 1>();
+  if constexpr (NamesMomentumRest<H>)
+    copies = copies || writes_into_copies<Parameters<decltype(&H::rest_momentum_gradient)>, 1>();
+  return copies;
+}
 template <class H>
 concept HasPreparedFlow = requires(const H& h, const typename H::Scalar& t) {
   h.prepared(t);
@@ -142,6 +154,9 @@ class FlowSplitting {
       detail::HasCoupledRest<H> || !detail::NamesCoupledRest<H>,
       "coupled_rest of this Hamiltonian cannot be called: write `const C& coupled_rest() const`, with a "
       "Hamiltonian C that this one keeps");
+  static_assert(!detail::part_writes_into_copies<H>(),
+                "flow, rest_position_gradient or rest_momentum_gradient of this Hamiltonian takes an output "
+                "by value, so what it writes is lost: take it as `auto& dq`, or Out<Scalar, Dof>");
   using State = PhasePoint<Scalar, Dof>;
   static constexpr const char* name = "FlowSplitting";
   static constexpr bool has_position = detail::HasPositionRest<H>, has_momentum = detail::HasMomentumRest<H>,

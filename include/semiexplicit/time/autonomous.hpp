@@ -5,7 +5,7 @@
 #include <utility>
 
 #include <semiexplicit/core/extended_phase_space.hpp>
-#include <semiexplicit/core/hamiltonian.hpp>
+#include <semiexplicit/core/hamiltonian_door.hpp>
 #include <semiexplicit/core/phase_point.hpp>
 #include <semiexplicit/core/ranks.hpp>
 
@@ -33,11 +33,12 @@ namespace semiexplicit {
 ///
 /// Source: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, 2nd ed., section VIII.2.1 (with
 /// g = 1).
-template <TimeDependentHamiltonian H>
-class Autonomous : public ExtendedPhaseSpace<typename H::Scalar, H::Dof> {
+template <class H>
+class Autonomous : public ExtendedPhaseSpace<typename detail::TimeDependentDoor<H>::Scalar,
+                                             detail::TimeDependentDoor<H>::Dof> {
  public:
-  using Scalar = typename H::Scalar;
-  using Space = ExtendedPhaseSpace<Scalar, H::Dof>;
+  using Scalar = typename detail::TimeDependentDoor<H>::Scalar;
+  using Space = ExtendedPhaseSpace<Scalar, detail::TimeDependentDoor<H>::Dof>;
   using typename Space::Point;
   using typename Space::State;
   static constexpr int Dof = Space::Dof;

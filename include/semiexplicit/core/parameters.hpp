@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstddef>
+#include <tuple>
+#include <type_traits>
+#include <utility>
+
+#include <Eigen/Core>
+
+// What a user's member function takes, as far as its type tells: one that takes an output by value can be
+// called, and what it writes is lost.
+
+namespace semiexplicit::detail {
+
+/// The parameters of a function, a member or static; of one that is overloaded or a template nothing is
+/// known, as of any other F.
+template <class F>
+struct Parameters {
+  static constexpr std::size_t count = 0;
+};
+template <class R, class... T>
+struct Parameters<R(T...)> {
+  static constexpr std::size_t count = sizeof...(T);
+  /// Counted from the last one, 0.
+  template <std::size_t back>
+  using FromLast = std::tuple_element_t<count - 1 - back, std::tuple<T...>>;
+};
+#define SEMIEXPLICIT_PARAMETERS_OF(qualifiers) \
+  template <class R, class C, class... T>      \
+  struct Parameters<R (C::*)(T...) qualifiers> : Parameters<R(T...)> {};
+SEMIEXPLICIT_PARAMETERS_OF()
+SEMIEXPLICIT_PARAMETERS_OF(noexcept)
+SEMIEXPLICIT_PARAMETERS_OF(const)
+SEMIEXPLICIT_PARAMETERS_OF(const noexcept)
+SEMIEXPLICIT_PARAMETERS_OF(const&)
+SEMIEXPLICIT_PARAMETERS_OF(const& noexcept)
+#undef SEMIEXPLICIT_PARAMETERS_OF
+template <class R, class... T, bool Noexcept>
+struct Parameters<R (*)(T...) noexcept(Noexcept)> : Parameters<R(T...)> {};
+
+/// An Eigen matrix by value: what is written into it is lost.
+template <class T>
+inline constexpr bool is_matrix_by_value =
+    std::is_base_of_v<Eigen::PlainObjectBase<std::remove_cv_t<T>>, std::remove_cv_t<T>>;
+template <class T>
+requires(!std::is_class_v<std::remove_cv_t<T>>) inline constexpr bool is_matrix_by_value<T> = false;
+
+/// Whether one of the last parameters, the outputs, is a matrix by value.
+template <class Found, std::size_t outputs>
+constexpr bool writes_into_copies() {
+  if constexpr (Found::count < outputs)
+    return false;
+  else
+    return []<std::size_t... k>(std::index_sequence<k...>) {
+      return (is_matrix_by_value<typename Found::template FromLast<k>> || ...);
+    }
+  (std::make_index_sequence<outputs>());
+}
+
+}  // namespace semiexplicit::detail

@@ -49,9 +49,12 @@ class Passages {
   int orbits() const { return std::max(passages_ - 1, 0); }
   double per_time() const { return turned_ / passed_; }
   /// What steps of such an angle leave open of that at both ends, about this part of what an order more
-  /// changed, and the rounding of directions and of the gradient, which is the companion's as well.
-  double uncertain(double step) const {
-    const double rounding = 4e-15 + 4 * std::numbers::pi * std::numeric_limits<double>::epsilon() * orbits();
+  /// changed, and the rounding of directions and of the gradient, which is the companion's as well. That of
+  /// the state turns what is so long beside 1, as an eccentricity, by one over that.
+  double uncertain(double step, double length) const {
+    const double epsilon = std::numeric_limits<double>::epsilon();
+    const double rounding = 4e-15 + 4 * std::numbers::pi * epsilon * orbits() +
+                            epsilon / 2 * std::sqrt(static_cast<double>(orbits())) / length;
     return (2 * std::min(1.0, 2 * step) * (open_ + std::abs(per_time()) * open_time_) + rounding) / passed_;
   }
   /// Is it plain which way round the direction went in an orbit?
@@ -140,14 +143,16 @@ inline Measurement<3> turning_orbit(const Choice& c, const std::string& unit, do
   struct Seen {
     Passages along, from_node, node;
     Eigen::Vector3d last = Eigen::Vector3d::Zero();
-    double step = 0;     // the largest angle from one step to the next
-    double upright = 1;  // the smallest sine of the inclination
-    TurnRates swing{};   // from the start: how far the rates of first order go, which are for mean elements
+    double step = 0;       // the largest angle from one step to the next
+    double upright = 1;    // the smallest sine of the inclination
+    double eccentric = 1;  // and eccentricity
+    TurnRates swing{};     // from the start: how far the rates of first order go, which are for mean elements
     void visit_memory(CheckpointMemory& visit) {
       for (Passages* passages : {&along, &from_node, &node}) passages->visit_memory(visit);
       visit(last);
       visit(step);
       visit(upright);
+      visit(eccentric);
       for (double* number : {&swing.node, &swing.from_node, &swing.along}) visit(*number);
     }
   };
@@ -162,6 +167,7 @@ inline Measurement<3> turning_orbit(const Choice& c, const std::string& unit, do
     seen->from_node.see(t, x.dot(v), {std::cos(omega), std::sin(omega), 0}, axis);
     seen->node.see(t, x[2], node, axis);
     seen->upright = std::min(seen->upright, node.norm() / momentum.norm());
+    seen->eccentric = std::min(seen->eccentric, laplace.norm());
     if (!seen->last.isZero()) seen->step = std::max(seen->step, angle_between(seen->last, x));
     seen->last = x;
     const TurnRates now = expected.rates(1 / (2 / x.norm() - v.squaredNorm() / gm), laplace.norm(),
@@ -174,13 +180,16 @@ inline Measurement<3> turning_orbit(const Choice& c, const std::string& unit, do
   const auto figures = [=](const Run&) {
     std::vector<Figure> list;
     const bool has_node = seen->upright > 1e-3;
-    const auto add = [&](const char* what, const Passages& passages) {
+    const auto add = [&](const char* what, const Passages& passages, double length) {
       if (passages.orbits() >= 2)
-        list.push_back({what, passages.per_time() * factor, passages.uncertain(seen->step) * factor});
+        list.push_back({what, passages.per_time() * factor, passages.uncertain(seen->step, length) * factor});
     };
-    add("perihelion advance", with_node && has_node ? seen->from_node : seen->along);
-    add("perihelion and node, along the orbit", seen->along);
-    add("node", seen->node);
+    if (with_node && has_node)
+      add("perihelion advance", seen->from_node, std::min(seen->eccentric, seen->upright));
+    else
+      add("perihelion advance", seen->along, seen->eccentric);
+    add("perihelion and node, along the orbit", seen->along, seen->eccentric);
+    add("node", seen->node, seen->upright);
     return list;
   };
   const auto report = [=](std::ostream& out, const Run& run) {

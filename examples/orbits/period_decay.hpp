@@ -100,10 +100,10 @@ inline Measurement<3> period_decay(const Choice& c) {
           return -by.period() * growth * by.per_time();
         };
         // That relation is of first order; measured, the second, 2PN's own, is some four squares of the
-        // first.
-        const double value = shrinks(seen->all),
+        // first. What is lost of the energy meanwhile leaves open by its square which mean that is.
+        const double value = shrinks(seen->all), lost = (seen->all.work1 - seen->all.work0) / energy,
                      uncertain = std::abs(shrinks(seen->every_other) - value) +
-                                 10 * std::pow(next * energy, 2) * std::abs(value);
+                                 (10 * std::pow(next * energy, 2) + lost * lost) * std::abs(value);
         if (!(uncertain <= 0.1 * std::abs(value)))
           return {not_measured(name,
                                formatted("steps leave %.2g ± %.1g; give a smaller --dt", value, uncertain))};

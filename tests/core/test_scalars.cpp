@@ -9,6 +9,7 @@
 
 #include <semiexplicit/semiexplicit.hpp>
 #include <semiexplicit/systems.hpp>
+#include <semiexplicit/time.hpp>
 
 namespace test_scalars {
 
@@ -116,6 +117,22 @@ TEST_CASE("Fifty decimal digits", "[scalars][long]") {
   Tao tao(H{}, schemes::strang<Wide>(), Wide(10));
   CHECK(integrate(tao, zeta, {.dt = -0.01, .steps = 5}).ok());
   CHECK((zeta.q() - start<Wide>().q()).norm() <= Wide(1e-3));
+
+  // Transformed time, and steps that follow a monitor function.
+  const auto pace = [](const auto& q, const auto&) { return 1 / (1 + q.squaredNorm()); };
+  const TimeTransformed k(
+      H{},
+      [&](const auto& q, auto& dgdq) {
+        const Wide g = pace(q, q);
+        dgdq = -2 * g * g * q;
+        return g;
+      },
+      H{}.energy(z.q(), z.p()));
+  auto extended = k.extended(z, Wide(0));
+  CHECK(integrate(Semiexplicit(k, schemes::strang<Wide>()), extended, {.dt = 0.01, .steps = 5}).ok());
+  CHECK(abs(k.energy(extended.q(), extended.p())) <= Wide(1e-3));
+  ReversibleSteps adapted(Semiexplicit(H{}, schemes::strang<Wide>()), pace);
+  CHECK(integrate(adapted, z, {.dt = 0.01, .t_end = 0.1}).ok());
 }
 
 TEST_CASE("Numbers beyond the range of double", "[scalars]") {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -72,8 +73,8 @@ class TimeTransformed
     State extended = Space::join(z, t, Scalar(0));
     const Scalar energy = energy_of_system(extended.q(), extended.p());
     auto&& dg = work();
-    dg.q().setConstant(Eigen::NumTraits<Scalar>::quiet_NaN());
-    if constexpr (PhaseMonitor<G, Scalar, own>) dg.p().setConstant(Eigen::NumTraits<Scalar>::quiet_NaN());
+    dg.q().setConstant(std::numeric_limits<Scalar>::quiet_NaN());
+    if constexpr (PhaseMonitor<G, Scalar, own>) dg.p().setConstant(std::numeric_limits<Scalar>::quiet_NaN());
     const Scalar g = pace(z.q(), z.p(), dg);
     if (!detail::all_finite(dg.vector()))
       throw std::invalid_argument(

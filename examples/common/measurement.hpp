@@ -177,7 +177,8 @@ inline std::string too_coarse(double angle, double limit = std::acos(-1.0) / 4) 
 
 /// Between two vectors in space, in radians; 0 where one of them is zero.
 inline double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b));
+  const double along = a.dot(b);  // of zeros -0, which is on the other side
+  return std::atan2(a.cross(b).norm(), along == 0 ? 0.0 : along);
 }
 
 /// Where the first of some values goes up through zero: by the cubic through the two steps before it and the

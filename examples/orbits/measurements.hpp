@@ -216,7 +216,7 @@ inline Measurement<3> turning_orbit(const Choice& c, const std::string& unit, do
                           formatted("a companion run leaves ± %.2g ", uncertain) + unit +
                               " open; give a smaller --dt, or a --scheme of higher order");
       const int digits =
-          uncertain < 1 ? std::clamp(-static_cast<int>(std::floor(std::log10(uncertain))), 4, 15) : 0;
+          uncertain < 1 ? std::clamp(-static_cast<int>(std::floor(std::log10(uncertain))), 0, 15) : 0;
       const auto decimals = [&](double x) {
         const double last = std::pow(10, -digits);
         return formatted("%.*f", digits, std::round(x / last) * last + 0.0);

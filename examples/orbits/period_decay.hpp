@@ -90,8 +90,10 @@ inline Measurement<3> period_decay(const Choice& c) {
         const std::string name = "period derivative", coarse = too_coarse(seen->turn);
         if (!c.only_of({"kinetic", "attraction", "1pn", "2pn", "2.5pn"}))
           return {not_measured(name, "that is for kinetic, attraction, 1pn, 2pn and 2.5pn only")};
-        if (seen->all.apoapsides < 3)
-          return {not_measured(name, "the run has no two whole orbits; give more --time")};
+        if (std::min(seen->all.apoapsides, seen->every_other.apoapsides) < 3)
+          return {not_measured(name,
+                               "the run has no two whole orbits from apoapsis to apoapsis; give more --time, "
+                               "or a larger --e, as a circle that shrinks has none")};
         if (!coarse.empty()) return {not_measured(name, coarse)};
         // Of the middle of these orbits, as their mean period is.
         const double energy = seen->energy + (seen->all.work0 + seen->all.work1) / 2,

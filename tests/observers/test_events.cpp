@@ -482,6 +482,36 @@ TEST_CASE("Bodies that meet at the same time collide as those that meet one by o
   CHECK((z.p() - Eigen::Vector3d(-1, 0, 1)).norm() < 1e-12);
 }
 
+TEST_CASE("Two bodies that meet shortly before a wall meet again behind it, in float, too", "[events]") {
+  const auto h = make_hamiltonian<float, 2>([](const auto&, const auto& p) { return p.squaredNorm() / 2; },
+                                            [](const auto&, const auto& p, auto& dHdq, auto& dHdp) {
+                                              dHdq.setZero();
+                                              dHdp = p;
+                                            });
+  const auto apart = [](const auto& q, const auto&) { return q[1] - q[0]; };
+  const auto to_wall = [](const auto& q, const auto&) { return 1 - q[1]; };
+  const auto collide = [](float, PhasePoint<float, 2>& z) { std::swap(z.p()[0], z.p()[1]); };
+  const auto bounce = [](float, PhasePoint<float, 2>& z) { z.p()[1] *= -1; };
+  // The flight between the two is 1e-5 to 1e-4 long, the rounding of their distance as much.
+  for (const float before : {1e-6F, 2e-6F, 3.8e-6F, 8e-6F, 1.5e-5F, 3e-5F})
+    for (const float dt : {0.1F, 0.01F}) {
+      CAPTURE(before, dt);
+      const float T = 1.03F;
+      PhasePoint<float, 2> z({1 - before - 0.3F * T, 1 - before - 0.2F * T}, {0.3F, 0.2F});
+      Semiexplicit stepper(h);
+      auto watch = events(h, on_event(apart, collide, CrossingDirection::falling),
+                          on_event(to_wall, bounce, CrossingDirection::falling));
+      REQUIRE(integrate(stepper, z, {.dt = dt, .t_end = 2}, watch).ok());
+      CHECK(watch.count(0) == 2);
+      CHECK(watch.count(1) == 2);
+      // Equal bodies pass through each other, but for the names.
+      CHECK(z.q()[0] == Approx(1 + before - 0.3F * (2 - T)).margin(1e-5));
+      CHECK(z.q()[1] == Approx(1 + before - 0.2F * (2 - T)).margin(1e-5));
+      CHECK(z.p()[0] == -0.3F);
+      CHECK(z.p()[1] == -0.2F);
+    }
+}
+
 TEMPLATE_TEST_CASE("A ball whose bounces pile up never falls through the floor", "[events]", float, double) {
   using Scalar = TestType;
   using Fall = PhasePoint<Scalar, 1>;

@@ -213,7 +213,8 @@ class Events {
         own.pending = settle(k, kind, start, end, near, longest_, along(kind), settled[k]);
     });
     if (const Found found = next_pending()) return found;
-    for (Known& own : known_) own.noted = own.noted && own.open;
+    for (Known& own : known_)
+      if (own.way == through && !own.open) own.way = 0;
     if (h == Scalar(0)) return {};
     Found first;
     std::array<int, number> after{};
@@ -245,15 +246,19 @@ class Events {
       move(first.x, at_event_);
       const Scalar from = value(kind, at_event_), noise = rounding_at_event(k, kind);
       int to = crossed[k] && detail::side_of(from) == after[k] ? after[k] : 0;
+      bool passes = false;
       const auto off = [&](const Scalar& x) { return along(kind)(Scalar(first.x + x)); };
       if (abs(from) <= noise || is_near(k, from, same_time(near), off)) {
         const Leaving gone = leaving(from, noise, near, longest_, off);
-        own.noted = gone.side != 0 && detail::side_of(Scalar(off(Scalar(-gone.x)) - from)) == -gone.side;
-        if (own.noted) to = gone.side;
+        passes = gone.side != 0 && !(own.way == back && gone.side == own.side) &&
+                 detail::side_of(Scalar(off(Scalar(-gone.x)) - from)) == -gone.side;
+        if (passes) to = gone.side;
       }
-      if (to == 0 || to == own.side) return;
-      own.cross(to);
-      own.pending = kind.counts(to);
+      if (to != 0 && to != own.side) {
+        own.cross(to);
+        own.pending = kind.counts(to);
+      }
+      if (passes) own.way = through;
     });
     known_[first.kind].pending = true;
     return first;
@@ -315,14 +320,17 @@ class Events {
     int side;
     Scalar x, s;
   };
+  /// How the orbit came off a surface on which it was: through it at the last event, as far as is known
+  /// before the actions, or back from its own.
+  static constexpr int through = 1, back = -1;
   /// What it knows of the orbit beside the surface of one kind.
   struct Known {
     int side = 0;          ///< on which it is, also at a state on the surface: -1, 1; 0 before it is known
     bool open = true;      ///< an orbit or what follows an event has begun: see settle()
     bool pending = false;  ///< crossed where the orbit is, and not yet acted upon
     bool fired = false;    ///< open since its own event
-    bool noted = false;  ///< passed through its surface at the last event, as far as is known, before actions
-    bool rests = false;  ///< open, and s has not moved off `level` yet
+    int way = 0;           ///< `through`, `back`, or neither
+    bool rests = false;    ///< open, and s has not moved off `level` yet
     Scalar level = Scalar(0);
     Scalar noise = Scalar(0);         ///< the largest rounding of s since it rests
     Scalar scale = Scalar(0);         ///< the largest |s| since the last crossing
@@ -337,6 +345,7 @@ class Events {
     void cross(int to) {
       if (to == side) return;
       side = to;
+      way = 0;
       // Where steps go from surface to surface no state shows how large it was.
       if (scale > scale_before / 1000) scale_before = std::exchange(scale, Scalar(0));
     }
@@ -346,7 +355,7 @@ class Events {
       visit(open);
       visit(pending);
       visit(fired);
-      visit(noted);
+      visit(way);
       visit(rests);
       visit(level);
       visit(noise);
@@ -451,9 +460,10 @@ class Events {
       own.enlarge(value(kind, end));
     else
       own.enlarge(at(near));  // costs no step, and both ends may be on the surface
-    const bool on = own.rests ||
-                    abs(from) <= (own.noted ? 4 * noise : noise) ||  // what it was may have been more
-                    is_near(k, from, same_time(near), at);
+    const bool on =
+        own.rests ||
+        abs(from) <= (own.way == through ? 4 * noise : noise) ||  // what it was may have been more
+        is_near(k, from, same_time(near), at);
     const Scalar level = own.rests ? own.level : from;
     const int turned = acts<Kind> && own.fired ? -own.side : 0;
     gone =
@@ -480,10 +490,10 @@ class Events {
     const int before = own.side;
     if (std::exchange(own.fired, false)) {
       own.side = gone.side;
-      own.noted = gone.side == before;  // it goes on through
+      own.way = gone.side == before ? through : back;
       return false;
     }
-    const bool crossed = !own.noted && on && before != 0 && before != gone.side;
+    const bool crossed = own.way != through && on && before != 0 && before != gone.side;
     if (crossed)
       own.cross(gone.side);
     else

@@ -8,6 +8,7 @@
 
 #include <semiexplicit/chaos.hpp>
 #include <semiexplicit/checkpoint.hpp>
+#include <semiexplicit/derivatives.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 #include <semiexplicit/systems.hpp>
 
@@ -222,6 +223,20 @@ TEST_CASE("Every option of the library's observers counts", "[checkpoint]") {
   differs(file("energy"), file("mass"), "observer 1 columns: t,energy");
   auto stepper = usual();
   differs(LyapunovExponents(stepper, 1), LyapunovExponents(stepper, 2), "observer 1 exponents: 1");
+
+  // What has a Hamiltonian of its own, beside that of the stepper.
+  const auto stretched = [](double k) {
+    return from_energy<1>([k](const auto& q, const auto& p) { return (k * q[0] * q[0] + p[0] * p[0]) / 2; });
+  };
+  const std::string other = "another Hamiltonian";
+  differs(at_times(stretched(1), {0.0, 0.5}, nothing), at_times(stretched(2), {0.0, 0.5}, nothing), other);
+  differs(poincare_section(stretched(1), q_of, nothing), poincare_section(stretched(2), q_of, nothing),
+          other);
+  differs(events(stretched(1), on_event(q_of, nothing)), events(stretched(2), on_event(q_of, nothing)),
+          other);
+  const auto of = [&](double k) { return Semiexplicit(stretched(k), schemes::strang<double>()); };
+  differs(LyapunovExponents(of(1), 1), LyapunovExponents(of(2), 1), other);
+  differs(AlignmentIndex(of(1), 2), AlignmentIndex(of(2), 2), other);
 }
 
 TEST_CASE("Another Hamiltonian of the same kind is refused", "[checkpoint]") {

@@ -7,6 +7,7 @@
 
 #include <semiexplicit/chaos/detail/tangent_run.hpp>
 #include <semiexplicit/core/checkpointable.hpp>
+#include <semiexplicit/core/gradient_size.hpp>
 
 namespace semiexplicit {
 
@@ -67,6 +68,7 @@ class AlignmentIndex {
   template <class List>
   void describe(List& list) const {
     list("vectors", run_.count());
+    list.function("Hamiltonian", detail::GradientSize(run_.hamiltonian()));
     list("scheme", run_.scheme());
   }
   /// The vectors that it carries along; see CheckpointMemory.

@@ -7,6 +7,7 @@
 
 #include <semiexplicit/chaos/detail/tangent_run.hpp>
 #include <semiexplicit/core/checkpointable.hpp>
+#include <semiexplicit/core/gradient_size.hpp>
 
 namespace semiexplicit {
 
@@ -80,6 +81,7 @@ class LyapunovExponents {
   template <class List>
   void describe(List& list) const {
     list("exponents", run_.count());
+    list.function("Hamiltonian", detail::GradientSize(run_.hamiltonian()));
     list("scheme", run_.scheme());
   }
   /// The vectors that it carries along, what they have grown, and the series; see CheckpointMemory.

@@ -14,6 +14,7 @@
 
 #include <semiexplicit/core/checkpointable.hpp>
 #include <semiexplicit/core/extended_phase_space.hpp>
+#include <semiexplicit/core/gradient_size.hpp>
 #include <semiexplicit/core/hamiltonian_door.hpp>
 #include <semiexplicit/core/observer.hpp>
 #include <semiexplicit/core/phase_point.hpp>
@@ -147,6 +148,7 @@ class DenseOutput {
   template <class List>
   void describe(List& list) const {
     list("nodes", wanted_);
+    list.function("Hamiltonian", detail::GradientSize(hamiltonian_));
   }
   /// The states that it keeps; see CheckpointMemory.
   template <class Visitor>

@@ -128,6 +128,7 @@ class TangentRun {
   Eigen::Index count() const { return tangents_.count(); }
   const auto& vectors() const { return tangents_.vectors(); }
   const auto& scheme() const { return tangents_.scheme(); }
+  const auto& hamiltonian() const { return tangents_.hamiltonian(); }
   /// The time of the run so far, with its sign, and its steps.
   double elapsed() const { return elapsed_; }
   std::int64_t steps() const { return steps_; }

@@ -285,7 +285,7 @@ class ReversibleSteps {
     const Scalar time = dt / clock.density;
     Scalar change(0);
     int sides = 0;
-    for (const Scalar side : {Scalar(1), Scalar(-1)}) {
+    for (const Scalar& side : {Scalar(1), Scalar(-1)}) {
       trial_ = z;
       StepReport one = stepper_.step(trial_, side * time);
       const Scalar density = one.ok() ? density_at(trial_, one) : Scalar(0);

@@ -434,7 +434,7 @@ class Events {
       if (!(abs(moved) <= noise)) {
         const int side = detail::side_of(moved);
         if (side == -expected && x != near)
-          for (const Scalar earlier : {Scalar(x / 4), Scalar(x / 2)})
+          for (const Scalar& earlier : {Scalar(x / 4), Scalar(x / 2)})
             if (const Scalar between = at(earlier); Scalar(expected) * (between - from) > noise)
               return {expected, earlier, between};
         return {side, x, s};

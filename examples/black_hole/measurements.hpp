@@ -129,17 +129,18 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
     list.push_back(turns);
     return list;
   };
-  // Inwards, and no turning point ahead, where the radial potential of Carter (1968), eq. (62), is zero.
+  // Inwards, and no turning point on the way from where it was farthest, where the radial potential of Carter
+  // (1968), eq. (62), is zero: one that is behind it was jumped over by a step.
   const auto ending = [=]() -> std::string {
     const Seen& s = *seen;
-    const double a = hole.spin, horizon = outer_horizon(hole);
+    if (!(s.last_r_momentum < 0)) return "";
+    const double a = hole.spin, horizon = outer_horizon(hole), farthest = s.distance.value();
     const double rest = s.carter + std::pow(s.momentum - a * s.energy, 2);
-    for (int i = 1; i <= 1000; ++i) {
-      const double r = horizon + (s.last_r - horizon) * i / 1000;
+    for (int i = 1; i < 10'000; ++i) {
+      const double r = 1 / (1 / horizon + (1 / farthest - 1 / horizon) * i / 10'000);
       const double k = (r * r + a * a) * s.energy - a * s.momentum;
       if (!(k * k > (r * r - 2 * hole.mass * r + a * a) * (r * r + rest))) return "";
     }
-    if (!(s.last_r_momentum < 0)) return "";
     return formatted(
         "the body falls into the hole, from r = %.4g on nothing turns it back before the horizon, r = %.4g; "
         "give %s, or a --time that ends before",

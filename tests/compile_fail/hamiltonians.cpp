@@ -9,6 +9,7 @@
 // case gradient_returned: the gradient of this Hamiltonian takes other arguments: write `void gradient(
 // case gradient_of_vectors: the gradient of this Hamiltonian takes other arguments: write `void gradient(
 // case gradient_by_value: takes dHdq or dHdp by value, so what it writes is lost: take both as
+// case gradient_by_temporary: takes dHdq or dHdp by value, so what it writes is lost: take both as
 // case static_gradient_by_value: takes dHdq or dHdp by value, so what it writes is lost: take both as
 // case gradient_of_other_size: takes columns of another size or of other numbers than its Dof and Scalar: write
 // case gradient_of_floats: takes columns of another size or of other numbers than its Dof and Scalar: write

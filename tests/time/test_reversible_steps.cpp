@@ -597,6 +597,19 @@ TEST_CASE(
   CHECK(invariants["energy"].worst < 1e-7);
 }
 
+TEST_CASE("The time scale of a driven system is known at late times, too", "[reversible steps]") {
+  const Autonomous k(from_energy<1>([](const auto& t, const auto& q, const auto& p) {
+    using std::cos;
+    return (p[0] * p[0] + q[0] * q[0]) / 2 + q[0] * q[0] * q[0] * q[0] / 4 - 0.5 * q[0] * cos(3 * t);
+  }));
+  for (const double t0 : {0.0, 1e9}) {
+    CAPTURE(t0);
+    ReversibleSteps stepper(Semiexplicit(k, schemes::low_defect6_s13()), monitors::TimeScale(k));
+    auto z = k.extended(PhasePoint<double, 1>(0.7, 0.2), t0);
+    CHECK(integrate(stepper, z, {.dt = 0.003, .t0 = t0, .t_end = t0 + 20}).ok());
+  }
+}
+
 TEST_CASE("The ready monitor functions have the values and gradients that they say", "[reversible steps]") {
   const Eigen::Vector4d q(0.3, -0.4, 1.2, 0.5), p(0.1, 0.2, -0.3, 0.7);
   const double r = std::hypot(0.9, 0.9);

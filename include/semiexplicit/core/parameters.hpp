@@ -38,12 +38,15 @@ SEMIEXPLICIT_PARAMETERS_OF(const& noexcept)
 template <class R, class... T, bool Noexcept>
 struct Parameters<R (*)(T...) noexcept(Noexcept)> : Parameters<R(T...)> {};
 
-/// An Eigen matrix by value: what is written into it is lost.
+/// An Eigen matrix by value, or by T&&, for which one is made: what is written into it is lost.
 template <class T>
-inline constexpr bool is_matrix_by_value =
-    std::is_base_of_v<Eigen::PlainObjectBase<std::remove_cv_t<T>>, std::remove_cv_t<T>>;
-template <class T>
-requires(!std::is_class_v<std::remove_cv_t<T>>) inline constexpr bool is_matrix_by_value<T> = false;
+constexpr bool is_matrix_by_value() {
+  using Plain = std::remove_cvref_t<T>;
+  if constexpr (std::is_class_v<Plain> && !std::is_lvalue_reference_v<T>)
+    return std::is_base_of_v<Eigen::PlainObjectBase<Plain>, Plain>;
+  else
+    return false;
+}
 
 /// Whether one of the last parameters, the outputs, is a matrix by value.
 template <class Found, std::size_t outputs>
@@ -52,7 +55,7 @@ constexpr bool writes_into_copies() {
     return false;
   else
     return []<std::size_t... k>(std::index_sequence<k...>) {
-      return (is_matrix_by_value<typename Found::template FromLast<k>> || ...);
+      return (is_matrix_by_value<typename Found::template FromLast<k>>() || ...);
     }
   (std::make_index_sequence<outputs>());
 }

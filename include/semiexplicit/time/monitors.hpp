@@ -203,11 +203,17 @@ class TimeScale {
 
   template <class Q, class P>
   Scalar value(const Q& q, const P& p) const {
+    using std::abs;
     using std::sqrt;
     at_.q() = q;
     at_.p() = p;
     field(here_);
-    const Scalar speed = size(here_), h = 100 * sqrt(Eigen::NumTraits<Scalar>::epsilon()) / speed;
+    const Scalar speed = size(here_), epsilon = Eigen::NumTraits<Scalar>::epsilon();
+    Scalar h = 100 * sqrt(epsilon) / speed;
+    if constexpr (InExtendedPhaseSpace<H>) {  // so that the rounding of a late time does not show
+      const Scalar late = 10 * sqrt(epsilon * abs(at_.q()[at_.dof() - 1]) / speed);
+      if (late > h) h = late;
+    }
     at_.vector() += h * here_.vector();
     field(ahead_);
     ahead_.vector() -= here_.vector();

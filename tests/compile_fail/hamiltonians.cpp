@@ -19,6 +19,8 @@
 // case driven_of_vectors: cannot be called with the time: write `void gradient(const Scalar& t, In<Scalar
 // case driven_not_const: cannot be called with the time: write `void gradient(const Scalar& t, In<Scalar
 // case driven_without_time: does not depend on the time: give the stepper H itself
+// case driven_returns_float: returns another number than a Scalar: let it return dH/dt as a Scalar, or nothing
+// case time_derivative_not_const: time_derivative of this Hamiltonian cannot be called: write `Scalar time_derivative(const
 // case driven_of_other_size: takes columns of another size or of other numbers than its Dof and Scalar: write
 // case lambda_by_value: takes dHdq or dHdp by value, so what it writes is lost: take both as
 #include <semiexplicit/schemes/named.hpp>
@@ -59,6 +61,10 @@ struct Mine {
   }
 #elif defined(gradient_by_value)
   void gradient(Column q, Column p, Eigen::Vector2d dHdq, Eigen::Vector2d dHdp) const { dHdq = p, dHdp = q; }
+#elif defined(gradient_by_temporary)
+  void gradient(Column q, Column p, Eigen::Vector2d&& dHdq, Eigen::Vector2d&& dHdp) const {
+    dHdq = p, dHdp = q;
+  }
 #elif defined(static_gradient_by_value)
   static void gradient(Column q, Column p, Half dHdq, Eigen::Vector2d dHdp) { dHdq = p, dHdp = q; }
 #elif defined(gradient_of_other_size)
@@ -96,6 +102,14 @@ struct Driven {
   void gradient(double t, Column q, Column p, Half dHdq, Half dHdp) { dHdq = t * p, dHdp = q; }
 #elif defined(driven_without_time)
   void gradient(Column q, Column p, Half dHdq, Half dHdp) const { dHdq = p, dHdp = q; }
+#elif defined(driven_returns_float)
+  float gradient(double t, Column q, Column p, Half dHdq, Half dHdp) const {
+    dHdq = t * p, dHdp = t * q;
+    return static_cast<float>(q.dot(p));
+  }
+#elif defined(time_derivative_not_const)
+  void gradient(double t, Column q, Column p, Half dHdq, Half dHdp) const { dHdq = t * p, dHdp = t * q; }
+  double time_derivative(double, Column q, Column p) { return q.dot(p); }
 #elif defined(driven_of_other_size)
   void gradient(double t, In<double, 3> q, In<double, 3> p, Out<double, 3> dHdq, Out<double, 3> dHdp) const {
     dHdq = t * p, dHdp = q;

@@ -2,6 +2,7 @@
 
 #include <concepts>
 #include <stdexcept>
+#include <type_traits>
 #include <utility>
 
 #include <semiexplicit/core/extended_phase_space.hpp>
@@ -10,6 +11,27 @@
 #include <semiexplicit/core/ranks.hpp>
 
 namespace semiexplicit {
+
+namespace detail {
+
+template <class H>
+concept NamesTimeDerivative = requires {
+  &H::time_derivative;
+};
+/// A number that is no Scalar, whatever else a gradient may return.
+template <class H>
+constexpr bool gradient_returns_another_number() {
+  if constexpr (TimeDependentHamiltonian<H>) {
+    using Returned = std::remove_cvref_t<decltype(std::declval<const H&>().gradient(
+        std::declval<const typename H::Scalar&>(), std::declval<const InColumn<H>&>(),
+        std::declval<const InColumn<H>&>(), std::declval<OutColumn<H>&>(), std::declval<OutColumn<H>&>()))>;
+    return std::is_floating_point_v<Returned> && !std::same_as<Returned, typename H::Scalar>;
+  } else {
+    return false;
+  }
+}
+
+}  // namespace detail
 
 /// An H that depends on the time, as an autonomous Hamiltonian in the extended phase space, of one degree of
 /// freedom more, whose coordinates are (q, t) and (p, p_t):
@@ -55,8 +77,15 @@ class Autonomous : public ExtendedPhaseSpace<typename detail::TimeDependentDoor<
     { h.time_derivative(t, q, p) } -> std::convertible_to<Scalar>;
   };
   static_assert(
+      !detail::gradient_returns_another_number<H>(),
+      "the gradient of this Hamiltonian returns another number than a Scalar: let it return dH/dt as "
+      "a Scalar, or nothing");
+  static_assert(has_time_derivative || !detail::NamesTimeDerivative<H>,
+                "time_derivative of this Hamiltonian cannot be called: write `Scalar time_derivative(const "
+                "Scalar& t, In<Scalar, Dof> q, In<Scalar, Dof> p) const`");
+  static_assert(
       !(gradient_follows_work && has_time_derivative),
-      "this Hamiltonian says ∂H/∂t twice: let its gradient return nothing, or leave time_derivative out");
+      "this Hamiltonian says dH/dt twice: let its gradient return nothing, or leave time_derivative out");
   /// Whether H says ∂H/∂t, so that p_t is followed, and whether there is K to check the run by.
   static constexpr bool follows_work = gradient_follows_work || has_time_derivative;
   static constexpr bool follows_energy =

@@ -164,6 +164,7 @@ int main(int argc, char** argv) {
         if (!all.empty()) {
           write_and_tell();
           std::cout << "data so far: " << csv.string() << std::endl;
+          if (!settings.no_plot) tell_of_earlier_picture(png);
         }
         throw;
       }
@@ -171,10 +172,12 @@ int main(int argc, char** argv) {
     write_and_tell();
     std::cout << "data: " << csv.string() << '\n';
     if (settings.no_plot) return 0;
-    if (all.front().series.t.back() <= picture_begin)
+    if (all.front().series.t.back() <= picture_begin) {
       std::cout << formatted("no picture: it begins at t = %g\n", picture_begin);
-    else
+      tell_of_earlier_picture(png);
+    } else {
       draw(png, picture(png, csv, all));
+    }
     return 0;
   });
 }

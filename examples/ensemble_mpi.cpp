@@ -86,6 +86,7 @@ int run(const World& world, const Job& job) {
   checkpoints.remove();
   if (results.sorted(3).empty()) {
     std::cerr << "ensemble_mpi: no member came to its end; give a smaller --dt\n";
+    if (!job.settings.no_plot) tell_of_earlier_picture(png);
     return 1;
   }
   if (!job.settings.no_plot) draw(png, results.script(png));

@@ -112,10 +112,12 @@ int run(const M& metric, Request& request, const CLI::App& app, const std::strin
   std::cout << "data: " << csv.string() << '\n';
   if (request.checkpoint.wanted()) finished.remove();
   const bool failed = summary.failed == request.orbits;
-  if (summary.points > 0 && !settings.no_plot)
+  if (summary.points > 0 && !settings.no_plot) {
     draw(png, section_picture(png, csv, title));
-  else if (!failed && !settings.no_plot)
-    std::cout << "no picture: no orbit passed the equator\n";
+  } else if (!settings.no_plot) {
+    if (!failed) std::cout << "no picture: no orbit passed the equator\n";
+    tell_of_earlier_picture(png);
+  }
   if (!failed) return 0;
   std::cerr << "geodesics: every orbit failed; give a smaller --dt\n";
   return 1;

@@ -224,7 +224,7 @@ struct CostRequest {
                 << (works ? "no setting has an error and a cost above 0, as logarithmic axes want them"
                           : "no setting works; give a shorter --time, or another start")
                 << '\n';
-      return;
+      return tell_of_earlier_picture(png);
     }
     std::ostringstream out;
     out << gnuplot_prologue(png, 1200, 800) << "set title "

@@ -9,6 +9,7 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include <semiexplicit/io/durable_file.hpp>
@@ -55,6 +56,13 @@ inline std::string gnuplot_prologue(const std::filesystem::path& png, int width,
          "\nif (strstrt(GPVAL_TERMINALS, 'pngcairo')) {\n  set terminal pngcairo font 'sans,15'" + size +
          "\n} else {\n  set terminal png font 'arial,15'" + size +
          "\n}\nset output output\nset datafile separator ','\nset encoding utf8\n";
+}
+
+/// Says of a picture that is there that it is not of this run.
+inline void tell_of_earlier_picture(const std::filesystem::path& png) {
+  std::error_code none;
+  if (std::filesystem::exists(png, none))
+    std::cerr << png.string() << " stays as it is, a picture of an earlier run\n";
 }
 
 /// Leaves the script beside the picture `png`, and draws it. The picture gets its name when it is whole; it

@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <iostream>
 #include <stdexcept>
 #include <string>
 #include <system_error>
@@ -11,6 +10,7 @@
 #include <semiexplicit/io/durable_file.hpp>
 
 #include "arguments.hpp"
+#include "output.hpp"
 
 namespace examples {
 
@@ -32,9 +32,8 @@ inline void prepare_outputs(const Settings& settings, const std::vector<std::fil
   std::vector<std::filesystem::path> all;
   for (const auto& output : outputs) {
     const bool picture = output.extension() == ".png";
-    if (std::error_code none; picture && settings.no_plot) {  // nor is its script written
-      if (std::filesystem::exists(output, none))
-        std::cerr << output.string() << " stays as it is, a picture of an earlier run\n";
+    if (picture && settings.no_plot) {  // nor is its script written
+      tell_of_earlier_picture(output);
       continue;
     }
     all.push_back(output);

@@ -14,9 +14,9 @@ endforeach()
 prints(orbits "turns the perihelion of equal masses" "--nu 0.25 --time \"3 year\"" "perihelion advance: 42.9[78][0-9]* [^\n]*arc")
 # A J2 that turns it by k = 253.93 in the equator: k (2 - 5/2 sin²i) from the node, whose own turn is -k cos i.
 set(j2 "--effects kinetic,attraction,j2 --j2 2e-3 --time \"10 year\"")
-prints(orbits "turns by J2 in the equator" "${j2}" "perihelion advance: 254.01[0-9]* [^\n]*arc.*; J2 to first order: 254.0159")
+prints(orbits "turns by J2 in the equator" "${j2}" "perihelion advance: 254.01[0-9]* [^\n]*arc.*; J2 to first order: 254.016")
 prints(orbits "turns by J2 at the critical inclination" "${j2} --inclination 63.4349488deg"
-  "perihelion advance: -?0.0[0-9]* [^\n]*arc[^\n]*; J2 to first order: 0.0000[^\n]*\n.*node: -113.[56][0-9]* [^\n]*arc[^\n]*: -113.[56]")
+  "perihelion advance: -?0.0[0-9]* [^\n]*arc[^\n]*; J2 to first order: 0.000[^\n]*\n.*node: -113.[56][0-9]* [^\n]*arc[^\n]*: -113.[56]")
 prints(orbits "turns by J2 over the poles" "${j2} --inclination 90deg"
   "perihelion advance: -127.0[0-9]* [^\n]*arc[^\n]*; J2 to first order: -127.00[0-9]*[^\n]*\n.*node: 0.0000+ [^\n]*arc[^\n]*: 0.0000+[^\n]*\n")
 prints(orbits "turns by J2 against the rotation" "${j2} --inclination 150deg"
@@ -45,7 +45,7 @@ prints(orbits "tells a long ellipse by fine steps" "${satellite} --a 24075.69364
 prints(orbits "does not overrate how steps tell an ellipse over the poles" "${satellite} --a 21808.418 --e 0.26195121 --inclination 1.5707963267949 --time 97017.36147 --dt 118.2775447"
   "perihelion advance: -28.420[89] ± 0.000[1-9]")
 prints(orbits "does not overrate how steps tell a close binary" "--preset hulse_taylor --effects kinetic,attraction,1pn --a 148275.04 --e 0.5650122 --nu 0.14737019 --time 5733.867119 --dt 1.273578848"
-  "perihelion advance: 2411.502[56] ± 0.00[1-9]")
+  "perihelion advance: 2411.50[23] ± 0.00[1-9]")
 # Likewise 35.69068113, 2.87938229 and 4.74675308e-06.
 prints(charges "do not overrate how steps tell a bounce" "--preset dipole --energy \"110313 eV\" --r 7.3901 --pitch \"132.31 deg\" --time 57.005424 --dt 0.05169"
   "bounce period, s: 35.69068[0-9]* ± [1-9]e-0[56]")

@@ -99,7 +99,7 @@ struct Orbit {
   double time = 0;               ///< that it took, in M
   std::vector<double> points{};  ///< r and p_r where it passed the equator upwards, by turns
 
-  bool chaotic() const { return log_alignment < std::log(1e-8); }
+  bool chaotic() const { return end != End::failed && log_alignment < std::log(1e-8); }
   /// Whether it came through a step, so that there is an error.
   bool measured() const { return time > 0; }
 
@@ -148,6 +148,7 @@ inline Orbit follow(const RuntimeScene<double, 4>& scene, const Method& method, 
       orbit.time = t;
       if (r < region.fallen) orbit.end = End::fell;
       if (r > region.left) orbit.end = End::left;
+      if (!(invariants["energy"].worst <= 1e-2)) orbit.end = End::failed;  // it is another motion by then
       return orbit.end == End::all_passages;
     };
     State4 z = start;
@@ -160,7 +161,7 @@ inline Orbit follow(const RuntimeScene<double, 4>& scene, const Method& method, 
       orbit.time = run.t;
       if (!run.ok())
         orbit.end = End::failed;
-      else if (count == crossings)
+      else if (orbit.end != End::failed && count == crossings)
         orbit.end = End::all_passages;
       else if (run.status == Status::success)
         orbit.end = End::most_time;

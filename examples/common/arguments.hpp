@@ -9,6 +9,7 @@
 #include <iostream>
 #include <iterator>
 #include <memory>
+#include <new>
 #include <set>
 #include <sstream>
 #include <stdexcept>
@@ -294,6 +295,8 @@ int run_program(CLI::App& app, int argc, char** argv, const Body& body) {
     return complain(error.what() + hint, 2);
   } catch (const std::invalid_argument& error) {
     return complain(error.what(), 2);
+  } catch (const std::bad_alloc&) {
+    return complain("there is not memory enough for so much; ask for less", 1);
   } catch (const std::exception& error) {
     return complain(error.what(), 1);
   }

@@ -71,6 +71,16 @@ concept NamesDof = requires(H& h) {
   h.Dof;
 };
 
+/// Compiles where the gradient, with the time or without, writes into what it is given, as far as its type
+/// tells.
+template <class H>
+consteval bool gradient_writes() {
+  constexpr bool copies = writes_into_copies<GradientParameters<H>, 2>();
+  static_assert(!copies,
+                "the gradient of this Hamiltonian takes dHdq or dHdp by value, so what it writes is lost: "
+                "take both as Out<Scalar, Dof>");
+  return !copies;
+}
 /// Whether one of the members that a Hamiltonian may have takes an output by value.
 template <class H>
 constexpr bool optional_member_writes_into_copies() {
@@ -133,12 +143,7 @@ consteval bool is_hamiltonian() {
                     "const`, or take from_energy()");
     }
     return false;
-  } else if constexpr (writes_into_copies<GradientParameters<H>, 2>()) {
-    static_assert(!writes_into_copies<GradientParameters<H>, 2>(),
-                  "the gradient of this Hamiltonian takes dHdq or dHdp by value, so what it writes is lost: "
-                  "take both as Out<Scalar, Dof>");
-    return false;
-  } else {
+  } else if constexpr (gradient_writes<H>()) {
     static_assert(std::copy_constructible<H>,
                   "a Hamiltonian is copied into the stepper, and this one cannot be: give it a copy "
                   "constructor, or hold what cannot be copied by a std::shared_ptr");
@@ -147,6 +152,8 @@ consteval bool is_hamiltonian() {
                   "an output by value, so what it writes is lost: take it as Out<Scalar, Dof>, a Hessian as "
                   "Eigen::Ref");
     return std::copy_constructible<H>;
+  } else {
+    return false;
   }
 }
 
@@ -156,11 +163,7 @@ consteval bool is_time_dependent() {
   if constexpr (!HasScalar<H> || !HasDof<H> || gradient_does_not_fit<H>()) {
     return is_hamiltonian<H>();
   } else if constexpr (TimeDependentHamiltonian<H>) {
-    constexpr bool copies = writes_into_copies<GradientParameters<H>, 2>();
-    static_assert(!copies,
-                  "the gradient of this Hamiltonian takes dHdq or dHdp by value, so what it writes is lost: "
-                  "take both as Out<Scalar, Dof>");
-    return !copies;
+    return gradient_writes<H>();
   } else {
     static_assert(!Hamiltonian<H>,
                   "this Hamiltonian does not depend on the time: give the stepper H itself, not "

@@ -172,12 +172,10 @@ int main(int argc, char** argv) {
     write_and_tell();
     std::cout << "data: " << csv.string() << '\n';
     if (settings.no_plot) return 0;
-    if (all.front().series.t.back() <= picture_begin) {
-      std::cout << formatted("no picture: it begins at t = %g\n", picture_begin);
-      tell_of_earlier_picture(png);
-    } else {
+    if (all.front().series.t.back() <= picture_begin)
+      tell_no_picture(png, formatted("it begins at t = %g", picture_begin));
+    else
       draw(png, picture(png, csv, all));
-    }
     return 0;
   });
 }

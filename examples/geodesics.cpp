@@ -111,16 +111,17 @@ int run(const M& metric, Request& request, const CLI::App& app, const std::strin
     std::cout << "energy error: not measured, the orbit in the middle " << describe(judged.end) << '\n';
   std::cout << "data: " << csv.string() << '\n';
   if (request.checkpoint.wanted()) finished.remove();
-  const bool failed = summary.failed == request.orbits;
-  if (summary.points > 0 && !settings.no_plot) {
-    draw(png, section_picture(png, csv, title));
-  } else if (!settings.no_plot) {
-    if (!failed) std::cout << "no picture: no orbit passed the equator\n";
-    tell_of_earlier_picture(png);
+  if (summary.failed == request.orbits) {
+    std::cerr << "geodesics: every orbit failed; give a smaller --dt\n";
+    if (!settings.no_plot) tell_of_earlier_picture(png);
+    return 1;
   }
-  if (!failed) return 0;
-  std::cerr << "geodesics: every orbit failed; give a smaller --dt\n";
-  return 1;
+  if (settings.no_plot) return 0;
+  if (summary.points > 0)
+    draw(png, section_picture(png, csv, title));
+  else
+    tell_no_picture(png, "no orbit passed the equator");
+  return 0;
 }
 
 }  // namespace

@@ -164,8 +164,9 @@ struct CostRequest {
   }
   void compare_with_energy(double error) const {
     if (chosen)
-      std::cout << formatted("energy error: %.1e asked for, %.1e expected, %.1e reached\n", accuracy,
-                             chosen->error, error);
+      std::cout << formatted("energy error: %.1e asked for, %.1e expected, %.1e reached", accuracy,
+                             chosen->error, error)
+                << (error <= accuracy ? "\n" : "; give a smaller --accuracy where that is too much\n");
   }
   /// The error of the figure by a companion run; nothing where it was not measured.
   std::string compare_with_figure(const std::optional<FigureError>& error) const {
@@ -220,11 +221,9 @@ struct CostRequest {
     if (std::none_of(cost.rows.begin(), cost.rows.end(), shown)) {
       const bool works =
           std::any_of(cost.rows.begin(), cost.rows.end(), [](const CostRow& row) { return row.works(); });
-      std::cout << "no picture: "
-                << (works ? "no setting has an error and a cost above 0, as logarithmic axes want them"
-                          : "no setting works; give a shorter --time, or another start")
-                << '\n';
-      return tell_of_earlier_picture(png);
+      return tell_no_picture(
+          png, works ? "no setting has an error and a cost above 0, as logarithmic axes want them"
+                     : "no setting works; give a shorter --time, or another start");
     }
     std::ostringstream out;
     out << gnuplot_prologue(png, 1200, 800) << "set title "

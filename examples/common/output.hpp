@@ -65,6 +65,12 @@ inline void tell_of_earlier_picture(const std::filesystem::path& png) {
     std::cerr << png.string() << " stays as it is, a picture of an earlier run\n";
 }
 
+/// Says why a run that succeeded has no picture.
+inline void tell_no_picture(const std::filesystem::path& png, const std::string& why) {
+  std::cout << "no picture: " << why << '\n';
+  tell_of_earlier_picture(png);
+}
+
 /// Leaves the script beside the picture `png`, and draws it. The picture gets its name when it is whole; it
 /// comes through a pipe, since gnuplot does not notice a full disk. In the locale C gnuplot would warn of the
 /// signs of UTF-8. Without gnuplot there is a hint and no picture.

@@ -137,13 +137,14 @@ inline Orbit follow(const RuntimeScene<double, 4>& scene, const Method& method, 
     Invariants invariants(scene);
     std::int64_t count = 0;
     const auto write = [&](double, const State4& z) {
+      if (orbit.end == End::failed) return false;  // within the step that lost the energy
       orbit.points.insert(orbit.points.end(), {z.q()[1], z.p()[1]});
       seen(++count);
       return count < crossings;
     };
     auto section = poincare_section(
         scene, [](const auto& q, const auto&) { return std::numbers::pi / 2 - q[2]; }, write);
-    const auto stays = [&](double t, const State4& now) {
+    const auto stays = [&](double t, const State4& now) {  // comes before the section
       const double r = now.q()[1];
       orbit.time = t;
       if (r < region.fallen) orbit.end = End::fell;
@@ -157,7 +158,7 @@ inline Orbit follow(const RuntimeScene<double, 4>& scene, const Method& method, 
       const IntegrationReport run =
           integrate(stepper, z,
                     {.dt = dt, .steps = static_cast<std::int64_t>(most_steps), .on_failure = OnFailure::stop},
-                    section, alignment, invariants, stays);
+                    invariants, stays, section, alignment);
       orbit.time = run.t;
       if (!run.ok())
         orbit.end = End::failed;

@@ -6,6 +6,9 @@
 #include "catch.hpp"
 
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <numbers>
 #include <sstream>
 #include <string>
 #include <tuple>
@@ -66,6 +69,40 @@ TEST_CASE("an orbit is done, falls, leaves, fails or takes too long", "[examples
   CHECK(failed.end == End::failed);
   CHECK_FALSE(failed.measured());
   CHECK(Orbit::from(failed.numbers()).end == End::failed);
+}
+
+TEST_CASE("an orbit that loses its energy has no point of that step", "[examples]") {
+  const geodesics::ErnstMetric<double> ernst{.mass = 1, .field = 0.1};
+  const RuntimeScene<double, 4> about_ernst{geodesics::Geodesic{ernst}};
+  const Region region = allowed(ernst, 1.36, 6);
+  const Method midpoint{.name = "midpoint"};
+  std::size_t lost = 0;
+  for (std::int64_t k = 0; k < 6; ++k) {
+    const State4 start = start_of(ernst, region, k, 6, 1.36, 6);
+    const Orbit orbit = follow(about_ernst, midpoint, start, region, 30, 30, [](std::int64_t) {});
+    if (orbit.end != End::failed) continue;
+    CAPTURE(k);
+
+    with_projected_stepper(midpoint, about_ernst, [&](auto& stepper) {
+      const auto passages = [&](std::int64_t steps) {
+        std::size_t count = 0;
+        State4 z = start;
+        auto section = poincare_section(
+            about_ernst, [](const auto& q, const auto&) { return std::numbers::pi / 2 - q[2]; },
+            [&](double, const State4&) { ++count; });
+        integrate(stepper, z, {.dt = 30, .steps = steps, .on_failure = OnFailure::stop}, section);
+        return count;
+      };
+      std::int64_t good = 0;
+      const double energy = about_ernst.energy(start.q(), start.p());
+      for (State4 z = start;
+           stepper.step(z, 30).ok() && std::abs(about_ernst.energy(z.q(), z.p()) / energy - 1) <= 1e-2;)
+        ++good;
+      CHECK(orbit.points.size() == 2 * passages(good));
+      lost += passages(good + 1) - passages(good);
+    });
+  }
+  CHECK(lost > 0);
 }
 
 TEST_CASE("an error is that of all orbits which came through a step", "[examples]") {

@@ -95,10 +95,11 @@ void report_stability(double half_trace, double finer, double amplitude, double 
 }
 
 std::string script(const std::filesystem::path& png, const std::filesystem::path& csv, double amplitude,
-                   double frequency, double fastest, const std::string& left_out) {
+                   double frequency, double fastest, const std::string& left_out, bool fine) {
   return examples::gnuplot_prologue(png, 1100, 900) + "set title 'A pendulum whose pivot shakes by " +
-         examples::formatted("%g cos(%g t)", amplitude, frequency) +
-         ": a point a period, a colour an orbit'\nset xlabel 'angle from the lowest position, rad'\nset "
+         examples::formatted("%g cos(%g t)", amplitude, frequency) + ": a point a period, a colour an orbit" +
+         (fine ? "" : "; NO RESULT") +
+         "'\nset xlabel 'angle from the lowest position, rad'\nset "
          "ylabel 'angular velocity, √(g/length)" +
          left_out +
          "'\nset "
@@ -172,7 +173,7 @@ int main(int argc, char** argv) {
     const std::string left_out =
         faster == 0 ? ""
                     : "; " + std::to_string(faster) + " of " + std::to_string(points) + " points are faster";
-    if (!settings.no_plot) draw(png, script(png, csv, amplitude, frequency, fastest, left_out));
+    if (!settings.no_plot) draw(png, script(png, csv, amplitude, frequency, fastest, left_out, fine));
     if (!fine)
       std::cerr << "driven: the energy is off by more than a hundredth, the section means nothing; "
                    "give more "

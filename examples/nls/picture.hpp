@@ -24,7 +24,9 @@ inline std::string title(const Run& run) {
                            : method.name == "midpoint" ? "midpoint projection"
                            : method.name == "gauss"    ? "Gauss-Legendre"
                                                        : "semiexplicit";
-  const std::string end = run.failure.empty() ? "" : ", fails at t = " + formatted("%.3g", run.report.t);
+  const std::string end = !run.failure.empty() ? ", fails at t = " + formatted("%.3g", run.report.t)
+                          : !run.doubt.empty() ? ", NO RESULT"
+                                               : "";
   return what + " (" + method.coefficients() + ")" + end;
 }
 

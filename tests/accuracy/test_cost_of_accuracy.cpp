@@ -26,6 +26,16 @@ namespace {
 
 using Lattice = systems::NlsLattice<double, 5>;
 
+struct WideOscillator {
+  using Scalar = long double;
+  static constexpr int Dof = 1;
+  Scalar energy(In<Scalar, 1> q, In<Scalar, 1> p) const { return (q[0] * q[0] + p[0] * p[0]) / 2; }
+  void gradient(In<Scalar, 1> q, In<Scalar, 1> p, Out<Scalar, 1> dHdq, Out<Scalar, 1> dHdp) const {
+    dHdq = q;
+    dHdp = p;
+  }
+};
+
 /// What a whole run with a setting gives.
 struct Outcome {
   double error, gradients;
@@ -147,6 +157,20 @@ TEST_CASE("an accuracy out of reach is said to be so") {
   std::ostringstream text;
   text << cost;
   CHECK(contains(text.str(), "out of reach"));
+}
+
+TEST_CASE("of wide numbers the times are as wide as the states") {
+  const PhasePoint<long double, 1> z0(1, 0);
+  const auto cost = cost_of_accuracy(WideOscillator(), z0, 200,
+                                     {.observable = observables::Coordinate{0}, .targets = {1e-16}});
+  const auto advice = cost.cheapest(1e-16);
+  REQUIRE(advice);
+  auto z = z0;
+  long double worst = 0;
+  cost.run(z, *advice, [&](const long double& t, const auto& now) {
+    worst = std::max(worst, std::abs(now.q()[0] - std::cos(t)));
+  });
+  CHECK(worst < 3e-16L);
 }
 
 TEST_CASE("a row of either method runs") {

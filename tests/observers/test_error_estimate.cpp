@@ -54,6 +54,15 @@ struct HenonHeiles {
   }
 };
 
+struct WideOscillator {
+  using Scalar = long double;
+  static constexpr int Dof = 1;
+  void gradient(In<Scalar, 1> q, In<Scalar, 1> p, Out<Scalar, 1> dHdq, Out<Scalar, 1> dHdp) const {
+    dHdq = q;
+    dHdp = p;
+  }
+};
+
 /// An own stepper without anything but a step.
 struct Leapfrog {
   using Scalar = double;
@@ -130,6 +139,21 @@ TEST_CASE("The rounding of a step's weights, which the companion shares, is in t
   integrate(in_float, x, {.dt = 0.1F, .steps = 5000}, strict);
   REQUIRE(strict.error());
   CHECK(*strict.error() > 4e-5F);
+}
+
+TEST_CASE("Of wide numbers the estimate does not hold what dt is rounded to in a report",
+          "[error estimate]") {
+  const long double T = 1000;
+  for (const long double dt : {0.1L, 0.125L}) {  // the latter is a double
+    GaussLegendre stepper(WideOscillator(), {.stages = 8});
+    auto estimate = with_error_estimate(stepper);
+    PhasePoint<long double, 1> z(1, 0);
+    integrate(stepper, z, {.dt = dt, .t_end = T}, estimate);
+    REQUIRE(estimate.error());
+    const long double error = std::hypot(z.q()[0] - std::cos(T), z.p()[0] + std::sin(T));
+    CHECK(*estimate.error() < 4 * error);
+    CHECK(error < 4 * *estimate.error());
+  }
 }
 
 TEST_CASE("Where orbits part the estimate says nothing, and when", "[error estimate]") {

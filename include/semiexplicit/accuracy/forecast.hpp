@@ -49,7 +49,7 @@ class Forecast {
   /// Of the reference, gradient calls a unit of time; and the observable along it, nothing of an invariant.
   double rate_of_reference() const { return problem_.options.observable.is_energy() ? 0 : reference_.rate(); }
   const auto& samples() const {
-    static const std::vector<Sample<typename Problem<Any>::Value>> none;
+    static const std::vector<Sample<Any>> none;
     return table_.invariant ? none : reference_.samples();
   }
 
@@ -139,7 +139,7 @@ class Forecast {
     // The first time at which the loosest target is lost, or the end.
     double end = length;
     for (const auto& sample : reference_.samples())
-      if (sample.apart / unit > loosest() / 3) end = std::min(end, sample.t);
+      if (sample.apart / unit > loosest() / 3) end = std::min(end, static_cast<double>(sample.t));
     const bool lost = end < length || apart(length) > loosest() / 3;
     // Exponential is what grows as much in each third, as far as a neighbouring orbit does not know better:
     // close passages make single jumps, and so do steps of another length.

@@ -6,6 +6,7 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 
 #include <semiexplicit/accuracy/any_hamiltonian.hpp>
 #include <semiexplicit/accuracy/cost_options.hpp>
@@ -23,6 +24,8 @@ class Problem {
   using State = typename Any::State;
   using Options = CostOptionsOf<Scalar, Eigen::Dynamic>;
   using Value = Vector<Scalar, Eigen::Dynamic>;
+  /// Of times at which states are compared: an error of them is one of the observable.
+  using Time = std::common_type_t<double, Scalar>;
 
   /// Throws std::invalid_argument for a start or a gradient that is wrong.
   SEMIEXPLICIT_COLD Problem(const Any& h, const State& z, double T, const Options& asked)

@@ -19,6 +19,7 @@ template <class Any>
 class Reference {
  public:
   using Value = typename Problem<Any>::Value;
+  using Time = typename Problem<Any>::Time;
 
   Reference(Problem<Any>& problem, const Scout<Any>& scout)
       : problem_(problem),
@@ -52,9 +53,9 @@ class Reference {
   }
 
   double rate() const { return rate_; }  ///< gradient calls a unit of time
-  const std::vector<Sample<Value>>& samples() const { return samples_; }
-  double size() const { return size_; }  ///< largest ‖f‖
-  double time() const { return time_; }  ///< how far both runs went
+  const std::vector<Sample<Any>>& samples() const { return samples_; }
+  double size() const { return size_; }                       ///< largest ‖f‖
+  double time() const { return static_cast<double>(time_); }  ///< how far both runs went
 
   bool changes_steps() const { return varies_; }
 
@@ -92,7 +93,7 @@ class Reference {
   /// Behind the first stretch. Where the runs part by far more than rounding would, in places that are
   /// harder, both begin anew with half the step, unless that was seen not to help, as in chaos.
   SEMIEXPLICIT_COLD bool go_on(double length) {
-    const double from = time_, before = std::max(apart(from), Problem<Any>::epsilon * scale());
+    const double from = time(), before = std::max(apart(from), Problem<Any>::epsilon * scale());
     if (!follow(length)) return false;
     const double parted = apart(length);
     if (halving_failed_ || parted <= 30 * before * std::pow(length / from, 1.5)) return true;
@@ -104,11 +105,11 @@ class Reference {
   }
 
   SEMIEXPLICIT_COLD bool follow(double length) {
-    const double from = time_, begin = problem_.table.spent_gradients;
+    const double from = time(), begin = problem_.table.spent_gradients;
     // Those of before become as few as the new ones.
     const std::size_t keep =
         from > 0 ? static_cast<std::size_t>(std::max(1.0, std::round((length - from) / from))) : 1;
-    std::vector<Sample<Value>> kept;
+    std::vector<Sample<Any>> kept;
     for (std::size_t i = keep - 1; i < samples_.size(); i += keep) kept.push_back(samples_[i]);
     samples_ = kept;
     const auto [hardest, varies] = scout_.paces();
@@ -124,7 +125,7 @@ class Reference {
       if (!step(length, (length - from) / least_count)) return false;
       problem_.measure(fine_, fine);
       if (!all_finite(fine)) {
-        problem_.table.observable_end = time_;
+        problem_.table.observable_end = time();
         return false;
       }
       if (time_ < std::min(planned, length) && (!varies_ || ++steps < usual)) continue;
@@ -139,17 +140,17 @@ class Reference {
 
   /// Two steps of one run, three of the other, of `most` together and not beyond `end`.
   SEMIEXPLICIT_COLD bool step(double end, double most) {
-    const double left = end - time_ - carry_;
-    double dt = 2 * share_ * hardest_;
+    const Time left = end - time_ - carry_;
+    double planned = 2 * share_ * hardest_;
     if (varies_) {
       auto ahead = fine_;
-      pacer_.step(ahead, time_, problem_.table.time - time_);
+      pacer_.step(ahead, time(), problem_.table.time - time());
       const double local = 2 * share_ * pacer_.next();
-      while (dt > 1.5 * local) dt /= much_easier;
-      while (much_easier * dt <= local) dt *= much_easier;
+      while (planned > 1.5 * local) planned /= much_easier;
+      while (much_easier * planned <= local) planned *= much_easier;
     }
-    dt = std::min(dt, most);
-    dt = dt < 0.999 * left ? dt : left;
+    planned = std::min(planned, most);
+    Time dt = planned < 0.999 * left ? Time(planned) : left;
     bool cut = pacer_.cut();
     for (int attempt = 0; attempt < 40 && time_ + dt > time_ && !cut; ++attempt, dt /= 2) {
       auto coarse = coarse_, fine = fine_;
@@ -160,14 +161,14 @@ class Reference {
         coarse_ = coarse, fine_ = fine;
         // A plain sum of equal steps is rounded to one side for long, and off by more than both runs are
         // apart.
-        const auto [sum, lost] = two_sum(time_, carry_ + dt);
-        time_ = dt == left ? end : sum;
-        carry_ = dt == left ? 0 : lost;
+        const auto [sum, lost] = two_sum<Time>(time_, carry_ + dt);
+        time_ = dt == left ? Time(end) : sum;
+        carry_ = dt == left ? Time(0) : lost;
         return true;
       }
       cut = probe.cut;
     }
-    if (!cut) problem_.table.orbit_end = std::min(problem_.table.orbit_end, time_);
+    if (!cut) problem_.table.orbit_end = std::min(problem_.table.orbit_end, time());
     return false;
   }
 
@@ -180,9 +181,9 @@ class Reference {
   Pacer<Any> pacer_;
   Walker<Any> by_two_, by_three_;
   typename Any::State coarse_{}, fine_{};
-  std::vector<Sample<Value>> samples_{};
-  double time_ = 0, rate_ = 0, size_ = 0;
-  double carry_ = 0;                  ///< what rounding has left out of time_
+  std::vector<Sample<Any>> samples_{};
+  Time time_ = 0, carry_ = 0;  ///< and what rounding has left out of it
+  double rate_ = 0, size_ = 0;
   double share_ = 0.4, hardest_ = 0;  ///< of the scout's steps, and the shortest of them
   bool varies_ = false;               ///< there are far longer ones
   bool halving_failed_ = false;

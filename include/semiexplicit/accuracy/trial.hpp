@@ -50,17 +50,20 @@ class Walker {
         most_(static_cast<double>(stepper_.max_gradients())) {}
 
   /// A step of the given time. False: it failed, or the calls may not suffice.
-  bool step(State& z, double dt, Probe& probe) {
+  template <class Time>
+  bool step(State& z, const Time& dt, Probe& probe) {
     if (!affordable(1, probe)) return false;
-    return count(stepper_.step(z, Scalar(dt)), dt, probe);
+    return count(stepper_.step(z, Scalar(dt)), static_cast<double>(dt), probe);
   }
   /// The same as the setting has them: the next of a run from z0 on, not beyond T, by equal ones of dt or a
   /// reversible one. t is the time after it.
-  bool step_on(State& z, double& t, double dt, Probe& probe) {
+  template <class Time>
+  bool step_on(State& z, Time& t, const Time& dt, Probe& probe) {
     if (!setting_.reversible) {
       if (!step(z, dt, probe)) return false;
-      const double T = problem_.table.time, n = ++taken_;
-      t = n * dt < T * (1 - 1e-12) ? n * dt : T;
+      const double T = problem_.table.time;
+      t = Time(++taken_) * dt;
+      if (!(t < T * (1 - 1e-12))) t = T;
       return true;
     }
     if (!affordable(4, probe)) return false;  // a start tries to both sides
@@ -69,7 +72,7 @@ class Walker {
       following_->begin(z, Scalar(t));
     }
     const StepReport report = following_->step_until(z, Scalar(setting_.dt), Scalar(problem_.table.time));
-    t = static_cast<double>(following_->time());
+    t = static_cast<Time>(following_->time());
     return count(report, static_cast<double>(following_->taken()), probe);
   }
 
@@ -112,10 +115,10 @@ class Walker {
 };
 
 /// The observable where a reference knows it.
-template <class Value>
+template <class Any>
 struct Sample {
-  double t;
-  Value value;
+  typename Problem<Any>::Time t;
+  typename Problem<Any>::Value value;
   double apart;  ///< how far the two runs of the reference differ there
 };
 
@@ -125,31 +128,31 @@ struct Sample {
 /// whole step is left out; they leave the run alone.
 template <class Any>
 SEMIEXPLICIT_COLD Probe try_setting(Problem<Any>& problem, const Setting& setting, double length,
-                                    const std::vector<Sample<typename Problem<Any>::Value>>& samples,
-                                    double hopeless) {
+                                    const std::vector<Sample<Any>>& samples, double hopeless) {
+  using Time = typename Problem<Any>::Time;
   Probe probe;
   Walker<Any> walker(problem, setting), between(problem, setting);
-  const double T = problem.table.time, dt = T / steps_between(0.0, T, setting.dt);
-  const double unit = problem.judged.unit;
+  const double T = problem.table.time, unit = problem.judged.unit;
+  const Time dt = Time(T) / Time(steps_between(0.0, T, setting.dt));
   auto z = problem.z0, at = z;
   auto value = problem.first;
-  const auto note = [&](double t, const auto& state, const auto& right) {
+  const auto note = [&](const Time& t, const auto& state, const auto& right) {
     problem.measure(state, value);
     const double off = static_cast<double>(norm(value - right)) / unit;
-    probe.note(t, length, off);
+    probe.note(static_cast<double>(t), length, off);
     if (!std::isfinite(off)) probe.status = Status::not_finite;
     probe.given_up = probe.error > hopeless;
     return !probe.given_up && probe.works();
   };
   auto next = samples.begin();
-  double t = 0;
+  Time t = 0;
   while (t < length * (1 - 1e-12) && walker.step_on(z, t, dt, probe)) {
-    probe.length = t;
+    probe.length = static_cast<double>(t);
     if (samples.empty() && !note(t, z, problem.first)) break;
     bool goes_on = true;
     for (; goes_on && next != samples.end() && next->t <= t; ++next) {
       at.vector() = z.vector();
-      const double back = next->t - t;
+      const Time back = next->t - t;
       goes_on = (back == 0 || between.step(at, back, probe)) && note(next->t, at, next->value);
       if (goes_on && !problem.keeps_energy(at)) probe.status = Status::not_finite, goes_on = false;
     }

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 #include <Eigen/Core>
 
@@ -77,7 +78,10 @@ class RunClock {
                                            : chosen ? Scalar(run.taken)
                                                     : Scalar(run.dt) * Scalar(run.steps - steps_);
     const Scalar size = rounding_.size(t);
-    const bool more_exact = Scalar(2.3e-16) * abs(counted) < epsilon * size;  // dt is a double there
+    // dt is a double there: of a wider number its rounding adds up, step by step, and that of times does not.
+    constexpr double of_dt = std::numeric_limits<double>::epsilon();
+    const bool more_exact =
+        epsilon >= of_dt || of_dt * abs(Scalar(run.dt) * Scalar(run.steps)) < epsilon * size;
     return counted != Scalar(0) && more_exact && abs(shown - counted) <= 4 * epsilon * size ? counted : shown;
   }
 

@@ -423,9 +423,11 @@ TEST_CASE("A CSV file goes on although another run has written one of that name 
     integrate(stepper, z, {.dt = 0.1, .steps = 40}, another);
   }
   const std::string longer = contents(csv.string() + ".part");
-  run(csv, file, 30, true);
+  for (const std::int64_t steps : {18, 25, 30}) run(csv, file, steps, steps == 30);
   CHECK(contents(csv) == contents(folder.path / "whole.csv"));
-  CHECK(contents(csv.string() + ".part.3") == longer);
+  CHECK(contents(csv.string() + ".part.1") == longer);  // where the first rows of this run were
+  CHECK(fs::exists(csv.string() + ".part.2"));
+  CHECK_FALSE(fs::exists(csv.string() + ".part.3"));
 }
 
 TEST_CASE("A CSV file goes on where the checkpoint has it, byte for byte", "[checkpoint]") {

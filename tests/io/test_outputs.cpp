@@ -389,6 +389,30 @@ TEST_CASE("A second run on the same table is refused while the first lives", "[i
   CHECK(std::distance(fs::directory_iterator(folder.path), fs::directory_iterator()) == 2);
 }
 
+TEST_CASE("Rows that did not come to an end are kept once", "[io]") {
+  const Folder folder;
+  const fs::path path = folder.path / "table.csv", first = path.string() + ".part.1",
+                 second = path.string() + ".part.2";
+  const Redirected quiet(STDERR_FILENO, folder.path / "stderr");
+  const auto leave = [&](const std::vector<double>& values) {
+    CsvWriter writer(path, {"t"});
+    for (const double value : values) writer.row({value});
+  };
+  leave({1, 2});
+  leave({1, 2, 3});  // ends beside the first
+  leave({1});        // takes its place there
+  CHECK(contents(first) == "t\n1\n2\n3\n");
+  leave({1, 3});  // is within it
+  CHECK_FALSE(fs::exists(second));
+  leave({5});
+  CHECK(contents(first) == "t\n1\n2\n3\n");
+  CHECK(contents(second) == "t\n1\n3\n");
+  fs::create_symlink("table.csv.part.1", path.string() + ".part.3");
+  leave({6});
+  CHECK(contents(path.string() + ".part.4") == "t\n5\n");
+  CHECK(contents(path.string() + ".part") == "t\n6\n");
+}
+
 TEST_CASE("An output does not take the name of another one's .part", "[io]") {
   const Folder folder;
   const fs::path path = folder.path / "a.csv", part = folder.path / "a.csv.part", link = folder.path / "link";

@@ -1,11 +1,14 @@
 #pragma once
 
+#include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
+#include <ios>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -95,10 +98,9 @@ class DurableFile {
   enum class Uncommitted { kept, removed };
 
   /// Throws where the folder is missing or not writable, the name is a folder, a file that is write-protected
-  /// or ends in
-  /// ".part", or another run is writing it. What an earlier run left in the .part stays up to the first
-  /// write(), which moves it to earlier(1), or the next free one, and says so on stderr, where what is not
-  /// committed is kept.
+  /// or ends in ".part", or another run is writing it. What an earlier run left in the .part stays up to the
+  /// first write(), which moves it to earlier(1), or the next free one, and says so on stderr, where what is
+  /// not committed is kept. Of two of which one begins with the other the longer one stays.
   explicit DurableFile(std::filesystem::path name, Uncommitted uncommitted = Uncommitted::removed)
       : name_(std::move(name)), to_(name_), part_(to_.path), uncommitted_(uncommitted) {
     part_ += to_.direct ? "" : ".part";
@@ -261,18 +263,41 @@ class DurableFile {
   }
   void keep_earlier() {
     std::error_code failure;
-    if (!(std::filesystem::file_size(part_, failure) > 0) || failure || !file_.is(part_)) return;
+    const std::uint64_t size = std::filesystem::file_size(part_, failure);
+    if (failure || size == 0 || !file_.is(part_)) return;
     int n = 1;
-    while (std::filesystem::exists(std::filesystem::symlink_status(earlier(n)))) ++n;
+    while (std::filesystem::exists(std::filesystem::symlink_status(earlier(n))) && !begins_like(earlier(n)))
+      ++n;
+    const std::uint64_t there = std::filesystem::file_size(earlier(n), failure);
+    if (failure || there < size) {
 #if defined(_WIN32)
-    file_.close();
+      file_.close();
 #endif
-    std::filesystem::rename(part_, earlier(n), failure);
-    if (failure) fail("holds the rows of an earlier run, and cannot be moved", failure.value());
+      std::filesystem::rename(part_, earlier(n), failure);
+      if (failure) fail("holds the rows of an earlier run, and cannot be moved", failure.value());
+      file_.close();
+      open_part();
+    }
     std::fprintf(stderr, "semiexplicit: %s: an earlier run did not end; its rows are in %s\n",
                  name_.string().c_str(), earlier(n).string().c_str());
-    file_.close();
-    open_part();
+  }
+  /// Whether the .part and a file are the same as far as both go: a run that is repeated writes the same
+  /// again, and the longer one holds the rows of both.
+  bool begins_like(const std::filesystem::path& other) const {
+    std::error_code failure;
+    if (!std::filesystem::is_regular_file(std::filesystem::symlink_status(other))) return false;
+    const std::uint64_t length =
+        std::min(std::filesystem::file_size(other, failure), std::filesystem::file_size(part_, failure));
+    std::ifstream file(other, std::ios::binary);
+    std::string here, there;
+    for (std::uint64_t at = 0; at < length; at += here.size()) {
+      here.resize(static_cast<std::size_t>(std::min<std::uint64_t>(length - at, 1 << 20)));
+      there.resize(here.size());
+      if (!read(at, here.data(), here.size()) ||
+          !file.read(there.data(), static_cast<std::streamsize>(there.size())) || here != there)
+        return false;
+    }
+    return length > 0;
   }
 
   void sync_folder() {

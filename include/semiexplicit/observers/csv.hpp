@@ -24,8 +24,8 @@ namespace semiexplicit {
 /// it back exactly, with a decimal point in any locale. The rows go to `path` + ".part", each as row()
 /// returns; commit() gives the file its name, so that a file of that name is always whole. Without commit(),
 /// forgotten or not reached, the rows stay in the .part, and a line on stderr says so; the next run's first
-/// row moves them to `path` + ".part.1", or the next free number. Links, devices, locks and what is thrown:
-/// DurableFile.
+/// row moves them to `path` + ".part.1", or the next free number, unless they are there already. Links,
+/// devices, locks and what is thrown: DurableFile.
 class CsvWriter {
  public:
   static constexpr const char* name = "CsvWriter";

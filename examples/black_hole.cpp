@@ -26,8 +26,6 @@ using black_hole::Schwarzschild;
 using std::numbers::pi;
 
 Kerr<> hole(const Choice& c) {
-  if (c.on("kerr") && c.on("schwarzschild"))
-    throw std::invalid_argument("--effects: kerr and schwarzschild are each a whole black hole; name one");
   const Kerr<> hole{.mass = c["mass"], .spin = c.on("kerr") ? c["spin"] : 0};
   if (!(hole.mass > 0) || !(std::abs(hole.spin) < hole.mass))
     throw std::invalid_argument("--mass is to be positive and --spin smaller than it, in either sense");
@@ -80,7 +78,8 @@ ScenePreset<4> preset(const std::string& name, const std::string& about, const s
 
 int main(int argc, char** argv) {
   SceneProgram<4> program{.name = "black_hole",
-                          .about = "A body on a geodesic about a black hole; proper time."};
+                          .about = "A body on a geodesic about a black hole; proper time.",
+                          .one_effect = true};
   program.parameters = {
       {"mass", "", "of the hole: the unit of length and time, where it is 1", above_zero},
       {"spin", "", "of the hole, below its mass; negative: the body goes against it"},

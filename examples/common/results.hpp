@@ -9,6 +9,7 @@
 #include <iostream>
 #include <iterator>
 #include <limits>
+#include <set>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -72,22 +73,25 @@ inline void print_table(std::ostream& out, const std::vector<Run>& runs, double 
 }
 
 /// Writes the rows of runs side by side. Where there is more than one, their columns begin with the method's
-/// name; where a run has no row at that time, behind the end of one that failed, stands nan.
+/// name; where a run has no row at that time, as behind the end of one that failed, stands nan.
 inline void write_series(const std::filesystem::path& path, const std::vector<Run>& runs) {
   std::vector<std::string> names{"t"};
-  std::vector<double> t;
+  std::set<double> times;
   for (const Run& run : runs) {
-    if (run.t.size() > t.size() || (run.t.size() == t.size() && t < run.t)) t = run.t;
+    times.insert(run.t.begin(), run.t.end());
     for (const auto& quantity : run.quantities)
       names.push_back((runs.size() > 1 ? run.method.name + "_" : "") + quantity.column());
   }
   CsvWriter csv(path, names);
-  for (std::size_t row = 0; row < t.size(); ++row) {
-    std::vector<double> values{t[row]};
-    for (const Run& run : runs)
-      for (const auto& [name, worst, final, peak, rows] : run.quantities)
-        values.push_back(
-            row < rows.size() && run.t[row] == t[row] ? rows[row] : std::numeric_limits<double>::quiet_NaN());
+  std::vector<std::size_t> next(runs.size(), 0);
+  for (const double t : times) {
+    std::vector<double> values{t};
+    for (std::size_t i = 0; i < runs.size(); ++i) {
+      const bool is_there = next[i] < runs[i].t.size() && runs[i].t[next[i]] == t;
+      for (const auto& quantity : runs[i].quantities)
+        values.push_back(is_there ? quantity.rows[next[i]] : std::numeric_limits<double>::quiet_NaN());
+      next[i] += is_there ? 1 : 0;
+    }
     csv.row(values);
   }
   csv.commit();

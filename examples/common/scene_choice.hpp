@@ -47,7 +47,7 @@ class Choice {
   std::string preset;
   std::vector<std::string> effects;
   std::map<std::string, double> values;
-  bool is_preset = false;  ///< nothing but the preset's own effects and values
+  bool is_preset = false;  ///< nothing but the preset's own effects, those of an audit included, and values
   UnitSystem units{};
   /// Those that something has asked for; the others would be set in vain.
   std::shared_ptr<std::set<std::string>> used = std::make_shared<std::set<std::string>>();
@@ -144,6 +144,7 @@ struct SceneProgram {
   /// name to take.
   std::function<std::string(const std::string& preset)> prepare{};
   Compare compare = Compare::positions;  ///< orbits in an audit
+  bool one_effect = false;               ///< each is a whole Hamiltonian, and goes with no other
 };
 
 }  // namespace examples

@@ -253,7 +253,8 @@ int run_scene_program(const SceneProgram<Dof>& program, int argc, char** argv, c
                                   working_forces(scene) +
                                   "; give --dt and look at the figures' errors, or leave that effect out");
     if (!cost_wanted) refuse_idle_options(app, {method.name.empty() ? usual : method.name});
-    std::cout << preset.name << ": " << preset.about << " (units: " << preset.units.about << ")\n";
+    std::cout << preset.name << (choice.is_preset ? ": " : ", changed by options: ") << preset.about
+              << " (units: " << preset.units.about << ")\n";
     if (request.audit) {
       show_audit(scene, z0, invariants, settings, method, program.compare);
       return 0;

@@ -89,7 +89,10 @@ class SceneRequest {
       if (std::count(choice.effects.begin(), choice.effects.end(), effect) > 1)
         throw std::invalid_argument("--effects: " + effect + " is named twice");
     }
-    choice.is_preset = choice.only(chosen.effects);
+    if (program_.one_effect && choice.effects.size() > 1)
+      throw std::invalid_argument("--effects: each of " + joined(names) +
+                                  " is a whole Hamiltonian; name one");
+    choice.is_preset = effects.empty() || choice.only(chosen.effects);
     for (const auto& [name, unit, about, allowed] : program_.parameters) {
       const auto given = chosen.values.find(name);
       if (given != chosen.values.end()) choice.values[name] = quantity(name, given->second, unit);
@@ -127,7 +130,7 @@ class SceneRequest {
       std::vector<std::string> listeners;
       std::string on;
       for (const auto& entry : program_.effects) {
-        if (choice.on(entry.name)) on += entry.name + ",";
+        if (choice.on(entry.name) && !program_.one_effect) on += entry.name + ",";
         if (std::find(entry.parameters.begin(), entry.parameters.end(), name) != entry.parameters.end())
           listeners.push_back(entry.name);
       }

@@ -120,19 +120,19 @@ class SweepResults {
       out << low + (i + 0.5) * (high - low) / bins << ',' << energy[std::size_t(i)] << ','
           << reversibility[std::size_t(i)] << '\n';
     // As dense as the members lie.
-    const double point = std::clamp(0.8 * std::sqrt(1e5 / static_cast<double>(size())), 0.3, 4.0);
+    const double point = std::clamp(0.8 * std::sqrt(1e5 / static_cast<double>(size())), 0.3, 4.0),
+                 edge = sweep_.extent * (1 + 0.007 * point);  // all of a symbol on the border
     out << "END\nset multiplot title "
         << quoted("Four vortices: three on a triangle, the fourth from each point of the plane") +
                " noenhanced font ',20'\n"
-        << "set size ratio -1\nset clip points\nset lmargin at screen 0.09\nset rmargin at screen 0.86\nset "
+        << "set size ratio -1\nset lmargin at screen 0.09\nset rmargin at screen 0.86\nset "
            "bmargin at screen "
            "0.36\nset tmargin at screen 0.95\n"
         << "set palette defined (-16 '#08306b', -13 '#2171b5', -10 '#9ecae1', -7 '#fee391', -3 '#fe9929', 0 "
            "'#cc4c02', 1 '#662506')\n"
         << "set cbrange [-16:1]\nset cblabel 'reversibility error after t = " << formatted("%g", sweep_.time)
         << "'\nset format cb '10^{%.0f}'\nset xlabel 'x of the fourth vortex'\nset ylabel 'y'\nset key off\n"
-        << "set xrange [" << -sweep_.extent << ':' << sweep_.extent << "]\nset yrange [" << -sweep_.extent
-        << ':' << sweep_.extent
+        << "set xrange [" << -edge << ':' << edge << "]\nset yrange [" << -edge << ':' << edge
         << "]\nset object 1 rectangle from graph 0,0 to graph 1,1 fillcolor rgb '#404040' behind\n"
         << "$corners << END\n0,1\n-0.8660254,-0.5\n0.8660254,-0.5\nEND\n"
         << "plot $map using 1:2:3 with points pointtype 5 pointsize " << point

@@ -50,7 +50,8 @@ inline std::string script(const std::filesystem::path& png, const std::filesyste
       << " noenhanced font ',20'\n"
       << "set key at screen 0.55,0.945 center top vertical maxrows 2 Left reverse samplen 3 width -6 "
          "noenhanced\n"
-      << "set logscale y\nset format y '10^{%T}'\nset grid linetype 1 linewidth 0.5 linecolor rgb "
+      << "set datafile missing 'nan'\nset logscale y\nset format y '10^{%T}'\nset grid linetype 1 linewidth "
+         "0.5 linecolor rgb "
          "'#d8d8d8'\n";
   if (logarithmic_time)  // of one step there is one point, in the middle
     out << "set logscale x\nset xrange [" << (dt < time ? dt : dt / 2) << ':' << (dt < time ? time : 2 * dt)

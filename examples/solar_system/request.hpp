@@ -104,9 +104,9 @@ struct Request {
     if (system.names.front() != "mercury")
       throw std::invalid_argument("--audit: Mercury's perihelion needs mercury among the --effects");
     if (effects.size() < 2) throw std::invalid_argument("--audit: name an effect beside mercury");
-    constexpr double mercury_year = 0.2408;
+    constexpr double mercury_year = 0.2408, longest = 22 / days_a_year;  // a quarter of it
     const bool finds_dt = cost.curve || cost.accuracy > 0;
-    if (!finds_dt && settings.dt > mercury_year / 4)
+    if (!finds_dt && settings.dt > longest)
       throw std::invalid_argument("--audit: a step goes through " +
                                   formatted("%.2g of Mercury's orbit; ", settings.dt / mercury_year) +
                                   "give a --dt of 22 days or less");

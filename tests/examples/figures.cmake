@@ -173,6 +173,7 @@ refuses(orbits "a mass ratio above 1/4" "--nu 7" "--nu: '7' is not a number from
 refuses(orbits "light that stands" "--c 0" "--c: '0' is not a positive number")
 refuses(orbits "an inclination of more than half a turn" "--inclination 200deg" "--inclination: '200deg' is not an angle from 0 to 180 deg")
 refuses(orbits "an effect named twice" "--effects kinetic,attraction,kinetic" "--effects: kinetic is named twice")
+refuses(black_hole "a spin of a hole without one" "--spin 0.5" "--spin means nothing to the preset schwarzschild with these effects; it goes with kerr, as in --effects kerr")
 refuses(orbits "a value for an effect that is off" "--j2 1e-3" "--j2 means nothing to the preset mercury with these effects; it goes with j2, as in --effects kinetic,attraction,1pn,j2")
 refuses(black_hole "a spin of what does not turn" "--spin 2" "--spin means nothing to the preset schwarzschild .*it goes with kerr")
 refuses(lattice "a negative width" "--width -3" "--width: '-3' is not a number from 0 on")

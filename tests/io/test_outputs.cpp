@@ -411,6 +411,9 @@ TEST_CASE("Rows that did not come to an end are kept once", "[io]") {
   leave({6});
   CHECK(contents(path.string() + ".part.4") == "t\n5\n");
   CHECK(contents(path.string() + ".part") == "t\n6\n");
+  fs::create_hard_link(path.string() + ".part", path.string() + ".part.5");  // not a second copy
+  leave({7});
+  CHECK(contents(path.string() + ".part.5") == "t\n6\n");
 }
 
 TEST_CASE("An output does not take the name of another one's .part", "[io]") {

@@ -281,11 +281,13 @@ class DurableFile {
     std::fprintf(stderr, "semiexplicit: %s: an earlier run did not end; its rows are in %s\n",
                  name_.string().c_str(), earlier(n).string().c_str());
   }
-  /// Whether the .part and a file are the same as far as both go: a run that is repeated writes the same
-  /// again, and the longer one holds the rows of both.
+  /// Whether the .part and another file are the same as far as both go: a run that is repeated writes the
+  /// same again, and the longer one holds the rows of both.
   bool begins_like(const std::filesystem::path& other) const {
     std::error_code failure;
-    if (!std::filesystem::is_regular_file(std::filesystem::symlink_status(other))) return false;
+    if (!std::filesystem::is_regular_file(std::filesystem::symlink_status(other)) ||
+        std::filesystem::equivalent(other, part_, failure))
+      return false;
     const std::uint64_t length =
         std::min(std::filesystem::file_size(other, failure), std::filesystem::file_size(part_, failure));
     std::ifstream file(other, std::ios::binary);

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <ostream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -19,33 +20,29 @@
 
 namespace examples {
 
-/// The work of 2.5pn from one apoapsis to another, where it hardly works; each by a straight line between the
-/// steps about it.
+/// The work of 2.5pn from one apoapsis to another, where it hardly works.
 struct WorkBetweenApoapsides {
   Books<double, 3> books;
-  bool begun = false;
+  Crossing<2> crossing{};  // of -r p_r, and the work
   int apoapsides = 0;
-  double last = 0, last_t = 0, last_work = 0, t0 = 0, t1 = 0, work0 = 0, work1 = 0;
+  double first = 0, last = 0, open = 0;
 
   void see(double t, const In<double, 3>& q, const In<double, 3>& p) {
     books(t, PhasePoint<double, 3>(q, p));
-    const double now = q.dot(p), work = books.work();
-    if (begun && last > 0 && now <= 0) {
-      const double w = last / (last - now);
-      t1 = last_t + w * (t - last_t);
-      work1 = last_work + w * (work - last_work);
-      if (apoapsides++ == 0) t0 = t1, work0 = work1;
-    }
-    begun = true;
-    last = now, last_t = t, last_work = work;
+    if (!crossing.see(t, {-q.dot(p), books.work()})) return;
+    last = crossing.place().values[1];
+    if (apoapsides++ == 0) first = last;
+    open = std::max(
+        open, crossing.uncertain([](const auto& a, const auto& b) { return a.values[1] - b.values[1]; }));
   }
-  double per_time() const { return (work1 - work0) / (t1 - t0); }
-  double period() const { return (t1 - t0) / (apoapsides - 1); }
+  double an_orbit() const { return (last - first) / (apoapsides - 1); }
+  /// What the steps leave open of that, at both ends.
+  double an_orbit_uncertain() const { return 2 * open / (apoapsides - 1); }
   void visit_memory(CheckpointMemory& visit) {
     books.visit_memory(visit);
-    visit(begun);
+    crossing.visit_memory(visit);
     visit(apoapsides);
-    for (double* number : {&last, &last_t, &last_work, &t0, &t1, &work0, &work1}) visit(*number);
+    for (double* number : {&first, &last, &open}) visit(*number);
   }
 };
 
@@ -56,13 +53,14 @@ inline Measurement<3> period_decay(const Choice& c) {
   struct Seen {
     WorkBetweenApoapsides all, every_other;  // of the steps
     double energy = 0;                       // at the start
-    bool odd = false;
+    bool begun = false, odd = false;
     double turn = 0;  // the largest from step to step
     Eigen::Vector3d last = Eigen::Vector3d::Zero();
     void visit_memory(CheckpointMemory& visit) {
       all.visit_memory(visit);
       every_other.visit_memory(visit);
       visit(energy);
+      visit(begun);
       visit(odd);
       visit(turn);
       visit(last);
@@ -79,7 +77,7 @@ inline Measurement<3> period_decay(const Choice& c) {
                next = c.on("1pn") || c.on("2pn") ? first : 0;
   return {
       [=](double t, const In<double, 3>& q, const In<double, 3>& p) {
-        if (!seen->all.begun) seen->energy = scene.energy(q, p);
+        if (!std::exchange(seen->begun, true)) seen->energy = scene.energy(q, p);
         seen->all.see(t, q, p);
         if (seen->odd = !seen->odd; seen->odd) seen->every_other.see(t, q, p);
         seen->turn = std::max(seen->turn, angle_between(seen->last, q));
@@ -96,15 +94,15 @@ inline Measurement<3> period_decay(const Choice& c) {
                                "or a larger --e, as a circle that shrinks has none")};
         if (!coarse.empty()) return {not_measured(name, coarse)};
         // Of the middle of these orbits, as their mean period is.
-        const double energy = seen->energy + (seen->all.work0 + seen->all.work1) / 2,
+        const double energy = seen->energy + (seen->all.first + seen->all.last) / 2,
                      growth = 1.5 / energy - relativity / (1 - relativity * energy);  // of ln n with E
-        const auto shrinks = [&](const WorkBetweenApoapsides& by) {
-          return -by.period() * growth * by.per_time();
-        };
         // That relation is of first order; measured, the second, 2PN's own, is some four squares of the
         // first. What is lost of the energy meanwhile leaves open by its square which mean that is.
-        const double value = shrinks(seen->all), lost = (seen->all.work1 - seen->all.work0) / energy,
-                     uncertain = std::abs(shrinks(seen->every_other) - value) +
+        const double value = -growth * seen->all.an_orbit(),
+                     lost = (seen->all.last - seen->all.first) / energy,
+                     by_steps = std::abs(seen->every_other.an_orbit() - seen->all.an_orbit()) +
+                                seen->all.an_orbit_uncertain(),
+                     uncertain = std::abs(growth) * by_steps +
                                  (10 * std::pow(next * energy, 2) + lost * lost) * std::abs(value);
         if (!(uncertain <= 0.1 * std::abs(value)))
           return {not_measured(name,

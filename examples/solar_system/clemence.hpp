@@ -25,7 +25,7 @@ inline Perihelion perihelion_of(const std::string& label, const std::vector<std:
   const System system(effects);
   // One row at J2000, and so many at most on each side.
   const std::int64_t rows = (samples - 1) / 2, every = steps_in(time / 2, dt) / (rows + 1) + 1;
-  Perihelion perihelion(system, every);
+  Perihelion perihelion(system, every, time / 2);
   for (const double sign : {-1.0, 1.0}) {
     State z = system.start;
     Kept none;
@@ -46,38 +46,48 @@ inline PerihelionTable clemence(const std::vector<std::string>& effects, const N
   PerihelionTable table;
   std::vector<std::string> newton;
   double sum_1947 = 0, sum_2017 = 0;
-  std::cout << "perihelion of Mercury, arcseconds a century, dω + cos i dΩ\n"
-            << formatted("%-22s %9s %9s %9s\n", "", "here", "1947", "2017");
-  const auto line = [&](const std::string& name, double here, double then, double now) {
-    std::cout << formatted("%-22s %9.3f ", name.c_str(), here)
+  std::cout
+      << "perihelion of Mercury, arcseconds a century, dω + cos i dΩ; ±: by swings over so long a time\n"
+      << formatted("%-22s %9s %10s %9s %9s\n", "", "here", "±", "1947", "2017");
+  const auto line = [](const std::string& name, double here, double uncertain, double then, double now) {
+    std::cout << formatted("%-22s %9.3f %9.2g ", name.c_str(), here, uncertain)
               << (then > 0 ? formatted("%9.3f ", then) : "          ")
               << (now > 0 ? formatted("%9.3f", now) : "") << '\n';
   };
-  const auto measure = [&](const std::string& name, const std::vector<std::string>& with) {
-    return table.curves.emplace_back(name, perihelion_of(name, with, list, dt, time, samples)).second.rate();
+  const auto measure = [&](const std::string& name, const std::vector<std::string>& with, double then = 0,
+                           double now = 0) {
+    const Perihelion& here =
+        table.curves.emplace_back(name, perihelion_of(name, with, list, dt, time, samples)).second;
+    line(name, here.rate(), here.uncertain(), then, now);
   };
   for (const std::string& effect : effects) {
     if (effect == "mercury") continue;
-    const double rate = measure(effect, {"mercury", effect});
-    for (const Planet& planet : planets())
-      if (planet.name == effect) {
-        line(effect, rate, planet.clemence, planet.park);
-        newton.push_back(effect);
-        sum_1947 += planet.clemence;
-        sum_2017 += planet.park;
-      }
-    if (effect == "1pn" || effect == "eih") line(effect, rate, 43.03, 42.980);
-    if (effect == "j2") line(effect, rate, 0.010, 0.029);
+    const auto planet = std::find_if(planets().begin(), planets().end(),
+                                     [&](const Planet& one) { return one.name == effect; });
+    const bool is_planet = planet != planets().end();
+    if (is_planet) {
+      measure(effect, {"mercury", effect}, planet->clemence, planet->park);
+      newton.push_back(effect);
+      sum_1947 += planet->clemence;
+      sum_2017 += planet->park;
+    } else if (effect == "j2") {
+      measure(effect, {"mercury", effect}, 0.010, 0.029);
+    } else {
+      measure(effect, {"mercury", effect}, 43.03, 42.980);  // 1pn or eih
+    }
   }
   newton.emplace_back("mercury");
   if (newton.size() > 2) {
-    double by_planets = 0;
+    double by_planets = 0, uncertain = 0;
     for (const auto& [name, perihelion] : table.curves)
-      if (std::count(newton.begin(), newton.end(), name) > 0) by_planets += perihelion.rate();
-    line("planets, sum", by_planets, sum_1947, sum_2017);
-    line("planets, together", measure("planets together", newton), 0, 0);
+      if (std::count(newton.begin(), newton.end(), name) > 0) {
+        by_planets += perihelion.rate();
+        uncertain += perihelion.uncertain();
+      }
+    line("planets, sum", by_planets, uncertain, sum_1947, sum_2017);
+    measure("planets together", newton);
   }
-  if (newton.size() < effects.size()) line("all together", measure("all", effects), 0, 0);
+  if (newton.size() < effects.size()) measure("all", effects);
   return table;
 }
 

@@ -46,7 +46,8 @@ inline Trial try_list(const System& system, const NearIntegrable<double>& list, 
   State z = system.start;
   Kept kept;
   if (judge == Judge::energy) kept = kept_of(system);
-  Perihelion perihelion(system, std::numeric_limits<std::int64_t>::max());
+  Perihelion perihelion(system, std::numeric_limits<std::int64_t>::max(),
+                        std::numeric_limits<double>::infinity());
   const std::clock_t begin = std::clock();
   const IntegrationReport run = integrate_system(
       system, list, z,

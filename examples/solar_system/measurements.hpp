@@ -1,6 +1,9 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <numbers>
 #include <string>
@@ -17,22 +20,39 @@ namespace examples {
 
 inline constexpr double arcsecond = std::numbers::pi / 648000;
 
+/// The sums of which the least squares of a line are made.
+struct LineFit {
+  double count = 0, t = 0, tt = 0, y = 0, ty = 0;
+
+  void add(double at, double value) { count += 1, t += at, tt += at * at, y += value, ty += at * value; }
+  LineFit operator+(const LineFit& b) const {
+    return {count + b.count, t + b.t, tt + b.tt, y + b.y, ty + b.ty};
+  }
+  double slope() const { return (count * ty - t * y) / (count * tt - t * t); }
+};
+
 /// Follows the perihelion of body 1 in the plane of its orbit: the sum of the turns of Laplace's vector about
 /// the angular momentum, dω + cos i dΩ, and the straight line through it, which
 /// is fitted to the integral of the squares (trapezoids), not to their sum: what the ends of a run make of
 /// the rate would else be of first order in the step.
 class Perihelion {
  public:
-  explicit Perihelion(const System& system, std::int64_t every)
-      : gm_(system.bodies.up_to(1)), reduced_(system.bodies.reduced(1)), every_(every) {}
+  /// It keeps a row of so many states; a run goes on for `length`, to either side of its start.
+  Perihelion(const System& system, std::int64_t every, double length)
+      : gm_(system.bodies.up_to(1)), reduced_(system.bodies.reduced(1)), every_(every), length_(length) {}
 
   void see(double t, const In<double, Eigen::Dynamic>& q, const In<double, Eigen::Dynamic>& p) {
     const Eigen::Vector3d x = q.head<3>(), v = p.head<3>() / reduced_, momentum = x.cross(v),
                           now = v.cross(momentum) / gm_ - x.normalized();
     if (seen_ > 0) {
-      add(last_t_);
+      LineFit& line = lines_[side_];
+      line.add(last_t_, turned_);
       turned_ += std::atan2(momentum.normalized().dot(last_.cross(now)), last_.dot(now));
-      add(t);
+      line.add(t, turned_);
+      auto& shorter = shorter_[side_];
+      while (std::abs(t) >= length_ * (0.75 + 0.25 * static_cast<double>(shorter.size()) / windows) &&
+             shorter.size() < windows)
+        shorter.push_back(line);
     }
     last_ = now, last_t_ = t;
     const bool again = seen_ == 0 && !rows_.empty();  // at the start
@@ -42,23 +62,35 @@ class Perihelion {
   Measurement<Eigen::Dynamic> look() {
     return {[this](double t, const auto& q, const auto& p) { see(t, q, p); }};
   }
-  /// The next state is the start again.
+  /// The next state is the start again, to the other side.
   void restart() {
+    side_ = seen_ > 0 ? 1 : 0;
     seen_ = 0;
     turned_ = 0;
   }
   /// Arcseconds a century.
-  double rate() const { return 100 * (sum_ * t_angle_ - t_ * angle_) / (sum_ * tt_ - t_ * t_) / arcsecond; }
+  double rate() const { return rate(lines_[0] + lines_[1]); }
+  /// What swings leave open of it: by how much it differs over the times from three quarters of this one on.
+  double uncertain() const {
+    double most = 0;
+    for (std::size_t i = 0; i < std::min(shorter_[0].size(), shorter_[1].size()); ++i)
+      most = std::max(most, std::abs(rate(shorter_[0][i] + shorter_[1][i]) - rate()));
+    return most;
+  }
   const std::vector<std::pair<double, double>>& rows() const { return rows_; }  ///< t and arcseconds
 
  private:
-  /// One end of a step.
-  void add(double t) { sum_ += 1, t_ += t, tt_ += t * t, angle_ += turned_, t_angle_ += t * turned_; }
+  static constexpr std::size_t windows = 64;
+  static double rate(const LineFit& line) { return 100 * line.slope() / arcsecond; }
 
   double gm_, reduced_;
   std::int64_t every_, seen_ = 0;
+  double length_;
   Eigen::Vector3d last_ = Eigen::Vector3d::Zero();
-  double last_t_ = 0, turned_ = 0, sum_ = 0, t_ = 0, tt_ = 0, angle_ = 0, t_angle_ = 0;
+  double last_t_ = 0, turned_ = 0;
+  std::size_t side_ = 0;
+  std::array<LineFit, 2> lines_{};                 ///< of both sides
+  std::array<std::vector<LineFit>, 2> shorter_{};  ///< up to times from three quarters of the length on
   std::vector<std::pair<double, double>> rows_;
 };
 

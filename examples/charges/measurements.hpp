@@ -146,9 +146,9 @@ inline Measurement<3> bounce_and_drift(const Choice& c) {
   const double rate = 3 * l * v * v * c["mass"] / (c["charge"] * c["moment"]) * drift / way;
   // As an angle about the dipole.
   const double gyroradius = std::abs(Velocity(c).across * c["mass"] * l * l / (c["charge"] * c["moment"]));
+  const bool alone = c.only({"dipole_field"}) || c.only({"kinetic", "dipole_field"});
   const std::string no_estimate =
-      !(c.only({"dipole_field"}) || c.only({"kinetic", "dipole_field"}))
-          ? "other effects than the field are on"
+      !alone ? "other effects than the field are on"
       : !(gyroradius < 0.1) || !(y > 0.01)
           ? "the gyroradius is not small beside --r, or --pitch is too near to the field"
           : "";
@@ -175,16 +175,24 @@ inline Measurement<3> bounce_and_drift(const Choice& c) {
         const double share = (2 * gyroradius + std::abs(drifting->rate()) * bounce / (2 * std::numbers::pi)) /
                              std::abs(drifting->turned());
         const double period = 2 * std::numbers::pi / drifting->rate();
+        // A line of the field from there goes up to 0.38 of it.
+        const std::string lost =
+            drifting->farthest() < 2 * l && bouncing->highest().value() < l
+                ? ""
+                : "the field does not hold the charge; give a smaller --r, or less --energy";
         return {figure("bounce period, s",
                        !start.crosses() ? Velocity::no_crossing
+                       : !lost.empty()  ? lost
                        : stays && bouncing->highest().value() < 1e-6 * l
                            ? "the charge stays in the equator; give another --pitch"
                            : bouncing->missing(v / (gyroradius * l)),
                        bouncing->period(), bounce, bouncing->period_uncertain()),
                 figure("drift period, s (westward: negative)",
-                       !coarse.empty() ? coarse
-                       : share < 0.1   ? ""
-                                       : "the drift is not yet large beside the gyroradius; give more --time",
+                       !alone            ? "other effects than the field make the drift uneven"
+                       : !lost.empty()   ? lost
+                       : !coarse.empty() ? coarse
+                       : share < 0.1     ? ""
+                                     : "the drift is not yet large beside the gyroradius; give more --time",
                        period, 2 * std::numbers::pi / rate, share * std::abs(period))};
       }};
 }

@@ -260,7 +260,9 @@ class Turning {
     }
     last_ = angle;
     now_ = t;
-    radii_ += std::hypot(x, y);
+    const double radius = std::hypot(x, y);
+    radii_ += radius;
+    farthest_ = std::max(farthest_, radius);
     ++seen_;
   }
   double turned() const { return turned_; }
@@ -271,15 +273,17 @@ class Turning {
   /// Radians a unit of time, counterclockwise.
   double rate() const { return turned_ / (now_ - start_); }
   double mean_radius() const { return radii_ / static_cast<double>(seen_); }
+  double farthest() const { return farthest_; }
 
   void visit_memory(CheckpointMemory& visit) {
     visit(seen_);
-    for (double* number : {&start_, &now_, &last_, &turned_, &radii_, &largest_, &longest_}) visit(*number);
+    for (double* number : {&start_, &now_, &last_, &turned_, &radii_, &farthest_, &largest_, &longest_})
+      visit(*number);
   }
 
  private:
   std::int64_t seen_ = 0;
-  double start_ = 0, now_ = 0, last_ = 0, turned_ = 0, radii_ = 0, largest_ = 0, longest_ = 0;
+  double start_ = 0, now_ = 0, last_ = 0, turned_ = 0, radii_ = 0, farthest_ = 0, largest_ = 0, longest_ = 0;
 };
 
 /// The largest value of what is seen at steps of one size: the top of the parabola through three of them.

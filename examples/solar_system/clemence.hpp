@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <iostream>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,8 +24,9 @@ inline Perihelion perihelion_of(const std::string& label, const std::vector<std:
                                 const NearIntegrable<double>& list, double dt, double time,
                                 std::int64_t samples) {
   const System system(effects);
-  // One row at J2000, and so many at most on each side.
-  const std::int64_t rows = (samples - 1) / 2, every = steps_in(time / 2, dt) / (rows + 1) + 1;
+  // One row at J2000, and so many at most on each side, with the end.
+  const std::int64_t rows = (samples - 1) / 2, steps = steps_in(time / 2, dt),
+                     every = rows > 0 ? (steps + rows - 1) / rows : std::numeric_limits<std::int64_t>::max();
   Perihelion perihelion(system, every, time / 2);
   for (const double sign : {-1.0, 1.0}) {
     State z = system.start;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <numbers>
 #include <string>
 #include <utility>
@@ -37,7 +38,8 @@ struct LineFit {
 /// the rate would else be of first order in the step.
 class Perihelion {
  public:
-  /// It keeps a row of so many states; a run goes on for `length`, to either side of its start.
+  /// It keeps a row of so many states, and the last one; a run goes on for `length`, to either side of its
+  /// start.
   Perihelion(const System& system, std::int64_t every, double length)
       : gm_(system.bodies.up_to(1)), reduced_(system.bodies.reduced(1)), every_(every), length_(length) {}
 
@@ -56,7 +58,8 @@ class Perihelion {
     }
     last_ = now, last_t_ = t;
     const bool again = seen_ == 0 && !rows_.empty();  // at the start
-    if (seen_++ % every_ == 0 && !again) rows_.emplace_back(t, turned_ / arcsecond);
+    const bool last = every_ < std::numeric_limits<std::int64_t>::max() && std::abs(t) == length_;
+    if ((seen_++ % every_ == 0 || last) && !again) rows_.emplace_back(t, turned_ / arcsecond);
   }
   /// To be shown every state of a run.
   Measurement<Eigen::Dynamic> look() {

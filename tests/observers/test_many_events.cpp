@@ -2,10 +2,13 @@
 
 #include "catch.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <utility>
+#include <vector>
 
 #include <semiexplicit/derivatives.hpp>
 #include <semiexplicit/semiexplicit.hpp>
@@ -34,6 +37,32 @@ TEST_CASE("Bounces that pile up are said, and no ball falls through the floor", 
           CHECK(says(complaint([&] { integrate(stepper, z, {.dt = dt, .t_end = 25}, watch); }), "pile up"));
           CHECK(z.q()[0] - floor > -1e-14 - 1e-15 * floor);
         }
+}
+
+TEMPLATE_TEST_CASE("Bounces next to the ends of steps are no longer than they are", "[events]", double,
+                   long double) {
+  using Scalar = TestType;
+  for (const int parts : {20, 38, 50, 54, 62}) {
+    CAPTURE(parts);
+    const BallOf<Scalar> ball;
+    Semiexplicit stepper(ball, schemes::blanes_moan6<Scalar>());
+    PhasePoint<Scalar, 1> z(Scalar(0.5), 0);
+    auto bounces =
+        events(ball, on_event(
+                         height, [](const Scalar&, PhasePoint<Scalar, 1>& at) { at.p()[0] = -at.p()[0]; },
+                         CrossingDirection::falling));
+    std::vector<Scalar> times;
+    for (int i = 1; i < 100; ++i) times.push_back(Scalar(i) * Scalar(0.19));
+    double worst = 0;
+    std::size_t shown = 0;
+    auto at = at_times(ball, times, [&](const Scalar& t, const auto& now) {
+      ++shown;
+      worst = std::max(worst, std::abs(static_cast<double>(now.q()[0]) - elastic(static_cast<double>(t))));
+    });
+    integrate(stepper, z, {.dt = Scalar(1) / Scalar(parts), .t_end = Scalar(20)}, bounces, at);
+    CHECK(shown == times.size());
+    CHECK(worst < 1e-13);
+  }
 }
 
 TEST_CASE("Which crossings count does not depend on rounding where events change the state on the surface",

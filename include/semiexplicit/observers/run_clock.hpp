@@ -78,10 +78,11 @@ class RunClock {
                                            : chosen ? Scalar(run.taken)
                                                     : Scalar(run.dt) * Scalar(run.steps - steps_);
     const Scalar size = rounding_.size(t);
-    // dt is a double there: of a wider number its rounding adds up, step by step, and that of times does not.
-    constexpr double of_dt = std::numeric_limits<double>::epsilon();
-    const bool more_exact =
-        epsilon >= of_dt || of_dt * abs(Scalar(run.dt) * Scalar(run.steps)) < epsilon * size;
+    // They are doubles there: of a wider number the rounding of dt adds up, step by step, and that of times
+    // does not.
+    constexpr double of_doubles = std::numeric_limits<double>::epsilon();
+    const Scalar adding_up = cut || chosen ? counted : Scalar(run.dt) * Scalar(run.steps);
+    const bool more_exact = epsilon >= of_doubles || of_doubles * abs(adding_up) < epsilon * size;
     return counted != Scalar(0) && more_exact && abs(shown - counted) <= 4 * epsilon * size ? counted : shown;
   }
 

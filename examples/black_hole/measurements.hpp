@@ -108,7 +108,9 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
                   std::string(ellipse ? "--e" : "--r or --l") + ", or more --time"
             : too_coarse(s.turn);
     const std::int64_t orbits = s.apoapsides - 1;
-    if (turns.missing.empty() && orbits < 1) turns.missing = "the run has no whole orbit; give more --time";
+    if (turns.missing.empty() && orbits < 1)
+      turns.missing = s.energy >= 1 ? "the body is not bound, E >= 1; give another --r or --l"
+                                    : "the run has no whole orbit; give more --time";
     const double angle = 2 * pi * static_cast<double>(orbits);
     turns.value = (s.latest - s.first) / angle;
     turns.uncertain = 2 * s.open / angle;

@@ -44,6 +44,13 @@ class Bouncing {
     return "";
   }
   double period() const { return (latest_ - first_) / static_cast<double>(passages_ - 1); }
+  /// That, beside a formula for it. Bounces are not all the same.
+  Figure figure(const std::string& formula, double expected, const std::string& off) const {
+    Figure mean = compared("bounce period, s", period(), period_uncertain(), formula, expected, off);
+    mean.beside = "mean of " + std::to_string(passages_ - 1) + (passages_ == 2 ? " bounce; " : " bounces; ") +
+                  mean.beside;
+    return mean;
+  }
   /// What the steps leave open of that, at both ends.
   double period_uncertain() const { return 2 * open_ / static_cast<double>(passages_ - 1); }
   const Largest& highest() const { return highest_; }
@@ -108,8 +115,8 @@ inline Measurement<3> mirrors(const Choice& c) {
   const auto bouncing = std::make_shared<Bouncing>();
   const Velocity v(c);
   const double length = c["length"], gyroradius = std::abs(v.across * c["mass"] / (c["charge"] * c["b0"]));
-  const std::string no_estimate = !(c.only({"magnetic_bottle"}) || c.only({"kinetic", "magnetic_bottle"}))
-                                      ? "other effects than the field are on"
+  const bool alone = c.only({"magnetic_bottle"}) || c.only({"kinetic", "magnetic_bottle"});
+  const std::string no_estimate = !alone                       ? "other effects than the field are on"
                                   : gyroradius > 0.05 * length ? "the gyroradius is not small beside --length"
                                                                : "";
   return {
@@ -126,11 +133,11 @@ inline Measurement<3> mirrors(const Choice& c) {
                                why + (why.find("--time") == why.npos
                                           ? ""
                                           : ", or a stronger field, which keeps the charge near the axis"))};
-        return {
-            compared("turning point, m", bouncing->highest().value(), bouncing->highest().uncertain(),
-                     "adiabatic, L cot(pitch)", length * std::abs(v.along) / v.across, no_estimate),
-            compared("bounce period, s", bouncing->period(), bouncing->period_uncertain(),
-                     "adiabatic, 2πL/(v sin(pitch))", 2 * std::numbers::pi * length / v.across, no_estimate)};
+        return {compared(alone ? "turning point, m" : "largest |z|, m", bouncing->highest().value(),
+                         bouncing->highest().uncertain(), "adiabatic, L cot(pitch)",
+                         length * std::abs(v.along) / v.across, no_estimate),
+                bouncing->figure("adiabatic, 2πL/(v sin(pitch))", 2 * std::numbers::pi * length / v.across,
+                                 no_estimate)};
       }};
 }
 
@@ -152,49 +159,48 @@ inline Measurement<3> bounce_and_drift(const Choice& c) {
       : !(gyroradius < 0.1) || !(y > 0.01)
           ? "the gyroradius is not small beside --r, or --pitch is too near to the field"
           : "";
-  return {
-      [=](double t, const In<double, 3>& q, const In<double, 3>&) {
-        bouncing->see(t, q[2]);
-        drifting->see(t, q[0], q[1]);
-      },
-      [=](CheckpointMemory& visit) {
-        bouncing->visit_memory(visit);
-        drifting->visit_memory(visit);
-      },
-      [=](const Run&) -> std::vector<Figure> {
-        const auto figure = [&](const std::string& what, const std::string& why, double measured,
-                                double estimate, double uncertain) {
-          return why.empty() ? compared(what, measured, uncertain, "adiabatic", estimate, no_estimate)
-                             : not_measured(what, why);
-        };
-        const std::string coarse = too_coarse(drifting->largest());
-        const Velocity start(c);
-        const bool stays = std::abs(start.along) < 1e-6 * start.all;
-        // At both ends the gyration is part of the angle, and the drift is faster here and slower there
-        // on a bounce, twice to and fro.
-        const double share = (2 * gyroradius + std::abs(drifting->rate()) * bounce / (2 * std::numbers::pi)) /
-                             std::abs(drifting->turned());
-        const double period = 2 * std::numbers::pi / drifting->rate();
-        // A line of the field from there goes up to 0.38 of it.
-        const std::string lost =
-            drifting->farthest() < 2 * l && bouncing->highest().value() < l
-                ? ""
-                : "the field does not hold the charge; give a smaller --r, or less --energy";
-        return {figure("bounce period, s",
-                       !start.crosses() ? Velocity::no_crossing
-                       : !lost.empty()  ? lost
-                       : stays && bouncing->highest().value() < 1e-6 * l
-                           ? "the charge stays in the equator; give another --pitch"
-                           : bouncing->missing(v / (gyroradius * l)),
-                       bouncing->period(), bounce, bouncing->period_uncertain()),
-                figure("drift period, s (westward: negative)",
-                       !alone            ? "other effects than the field make the drift uneven"
-                       : !lost.empty()   ? lost
-                       : !coarse.empty() ? coarse
-                       : share < 0.1     ? ""
-                                     : "the drift is not yet large beside the gyroradius; give more --time",
-                       period, 2 * std::numbers::pi / rate, share * std::abs(period))};
-      }};
+  return {[=](double t, const In<double, 3>& q, const In<double, 3>&) {
+            bouncing->see(t, q[2]);
+            drifting->see(t, q[0], q[1]);
+          },
+          [=](CheckpointMemory& visit) {
+            bouncing->visit_memory(visit);
+            drifting->visit_memory(visit);
+          },
+          [=](const Run&) -> std::vector<Figure> {
+            const std::string coarse = too_coarse(drifting->largest());
+            const Velocity start(c);
+            const bool stays = std::abs(start.along) < 1e-6 * start.all;
+            // At both ends the gyration is part of the angle, and the drift is faster here and slower there
+            // on a bounce, twice to and fro.
+            const double share =
+                (2 * gyroradius + std::abs(drifting->rate()) * bounce / (2 * std::numbers::pi)) /
+                std::abs(drifting->turned());
+            const double period = 2 * std::numbers::pi / drifting->rate();
+            // A line of the field from there goes up to 0.38 of it.
+            const std::string lost =
+                drifting->farthest() < 2 * l && bouncing->highest().value() < l
+                    ? ""
+                    : "the field does not hold the charge; give a smaller --r, or less --energy";
+            const std::string no_bounce = !start.crosses() ? Velocity::no_crossing
+                                          : !lost.empty()  ? lost
+                                          : stays && bouncing->highest().value() < 1e-6 * l
+                                              ? "the charge stays in the equator; give another --pitch"
+                                              : bouncing->missing(v / (gyroradius * l)),
+                              no_drift =
+                                  !alone            ? "other effects than the field make the drift uneven"
+                                  : !lost.empty()   ? lost
+                                  : !coarse.empty() ? coarse
+                                  : share < 0.1
+                                      ? ""
+                                      : "the drift is not yet large beside the gyroradius; give more --time";
+            const std::string drift_name = "drift period, s (westward: negative)";
+            return {no_bounce.empty() ? bouncing->figure("adiabatic", bounce, no_estimate)
+                                      : not_measured("bounce period, s", no_bounce),
+                    no_drift.empty() ? compared(drift_name, period, share * std::abs(period), "adiabatic",
+                                                2 * std::numbers::pi / rate, no_estimate)
+                                     : not_measured(drift_name, no_drift)};
+          }};
 }
 
 }  // namespace examples

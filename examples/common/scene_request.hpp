@@ -192,11 +192,7 @@ class SceneRequest {
 
   double quantity(const std::string& option, const std::string& text, const std::string& unit,
                   bool positive = false) const {
-    try {
-      return read_quantity(text, unit, preset().units, positive);
-    } catch (const std::invalid_argument& error) {
-      throw std::invalid_argument("--" + option + ": " + error.what());
-    }
+    return read_option(option, text, unit, preset().units, positive);
   }
 
   const SceneProgram<Dof>& program_;

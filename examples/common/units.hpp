@@ -169,5 +169,14 @@ inline double read_quantity(const std::string& text, const std::string& wanted, 
     refuse("is out of range in the units of the preset, " + system.about);
   return converted;
 }
+/// The same of what was given to an option, which is named in what is thrown.
+inline double read_option(const std::string& option, const std::string& text, const std::string& wanted,
+                          const UnitSystem& system, bool positive = false) {
+  try {
+    return read_quantity(text, wanted, system, positive);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument("--" + option + ": " + error.what());
+  }
+}
 
 }  // namespace examples

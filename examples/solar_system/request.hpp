@@ -89,8 +89,8 @@ struct Request {
       if (std::find(effects.begin(), one, *one) != one)
         throw std::invalid_argument("--effects: " + *one + " is named twice");
     if (list.empty()) list = audit ? "aba82" : "aba1064";
-    settings.dt = read_quantity(dt.empty() ? chosen.dt : dt, "s", units, true);
-    settings.time = read_quantity(time.empty() ? chosen.time : time, "s", units, true);
+    settings.dt = read_option("dt", dt.empty() ? chosen.dt : dt, "s", units, true);
+    settings.time = read_option("time", time.empty() ? chosen.time : time, "s", units, true);
   }
 
   /// Throws std::invalid_argument where the audit, or an accuracy, does not go with the rest.

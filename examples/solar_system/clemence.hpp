@@ -52,7 +52,8 @@ inline PerihelionTable clemence(const std::vector<std::string>& effects, const N
       << "perihelion of Mercury, arcseconds a century, dω + cos i dΩ; ±: by swings over so long a time\n"
       << formatted("%-22s %9s %10s %9s %9s\n", "", "here", "±", "1947", "2017");
   const auto line = [](const std::string& name, double here, double uncertain, double then, double now) {
-    std::cout << formatted("%-22s %9.3f %9.2g ", name.c_str(), here, uncertain)
+    constexpr double of_digits = 5e-4;
+    std::cout << formatted("%-22s %9.3f %9.2g ", name.c_str(), here, std::max(uncertain, of_digits))
               << (then > 0 ? formatted("%9.3f ", then) : "          ")
               << (now > 0 ? formatted("%9.3f", now) : "") << '\n';
   };

@@ -67,19 +67,19 @@ int run(Request& request, const System& system) {
   Kept kept = kept_of(system);
   const Rows rows = evenly_spaced(steps, settings.samples);
   RowClock clock(rows);
-  double peak = 0;  // the largest since the last row
+  Run::Quantity energy{.name = "energy"};
   const auto row = [&](double t, const auto& q, const auto& p) {
-    if (const double now = kept["energy"].final; !(now <= peak)) peak = now;  // a NaN, too
+    energy.see(kept["energy"].final);
     if (!clock.due()) return;
     std::vector<double> values{t};
     for (const double value : shapes(system, q, p)) values.push_back(value);
-    values.push_back(std::exchange(peak, 0));
+    values.push_back(std::exchange(energy.peak, 0));
     writer.row(values);
   };
   const auto memory = [&](CheckpointMemory& visit) {
     writer.visit_memory(visit);
     clock.visit_memory(visit);
-    visit(peak);
+    visit(energy.peak);
   };
   request.checkpoint.run << "solar_system: " << joined(request.effects) << "; " << steps << " steps, samples "
                          << settings.samples;

@@ -114,7 +114,7 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
     const double angle = 2 * pi * static_cast<double>(orbits);
     turns.value = (s.latest - s.first) / angle;
     turns.uncertain = 2 * s.open / angle;
-    turns.beside = "mean of " + std::to_string(orbits) + (orbits == 1 ? " orbit" : " orbits");
+    turns.beside = "mean of " + counted(orbits, "orbit");
     if (ellipse) {  // Cutler, Kennefick, Poisson, Phys. Rev. D 50 (1994) 3816, section II
       const double width = ellipse->p - 6 + 2 * ellipse->e, apart = ellipse->p - 6 - 2 * ellipse->e;
       // Next to the separatrix, p = 6 + 2e, they are as many as the rounding of the start makes them: it

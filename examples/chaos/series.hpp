@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "../common/line_fit.hpp"
 #include "../common/output.hpp"
 
 namespace examples {
@@ -38,13 +39,10 @@ class Series {
   /// By least squares over the last two decades, or all where these are fewer; NaN where they have fewer than
   /// two points, or a tenth of the exponents has no logarithm: the others alone would tell another slope.
   double slope() const {
-    double n = 0, x = 0, y = 0, xx = 0, xy = 0;
-    for (std::size_t i = 0; i < t.size(); ++i) {
-      if (!late(i) || positive_[i] == 0) continue;
-      const double at = std::log10(t[i]);
-      ++n, x += at, y += mean(i), xx += at * at, xy += at * mean(i);
-    }
-    return n < 2 || 10 * left_out() > late_ones() ? std::nan("") : (n * xy - x * y) / (n * xx - x * x);
+    LineFit line;
+    for (std::size_t i = 0; i < t.size(); ++i)
+      if (late(i) && positive_[i] > 0) line.add(std::log10(t[i]), mean(i));
+    return line.count < 2 || 10 * left_out() > late_ones() ? std::nan("") : line.slope();
   }
 
   /// The exponent at the end and the slope beside the published one, or why there is none, and what they

@@ -47,8 +47,7 @@ class Bouncing {
   /// That, beside a formula for it. Bounces are not all the same.
   Figure figure(const std::string& formula, double expected, const std::string& off) const {
     Figure mean = compared("bounce period, s", period(), period_uncertain(), formula, expected, off);
-    mean.beside = "mean of " + std::to_string(passages_ - 1) + (passages_ == 2 ? " bounce; " : " bounces; ") +
-                  mean.beside;
+    mean.beside = "mean of " + counted(passages_ - 1, "bounce") + "; " + mean.beside;
     return mean;
   }
   /// What the steps leave open of that, at both ends.
@@ -89,7 +88,7 @@ struct Velocity {
 /// About the origin; other effects than the field would make it wander.
 inline Measurement<3> gyration(const Choice& c) {
   const auto turning = std::make_shared<Turning>();
-  const bool alone = c.only({"uniform_field"}) || c.only({"kinetic", "uniform_field"});
+  const bool alone = c.only_field("uniform_field");
   const double rate = c["charge"] * (alone ? c["b"] : 0) / c["mass"],
                radius = std::abs(Velocity(c).across / rate);
   return {[=](double t, const In<double, 3>& q, const In<double, 3>&) { turning->see(t, q[0], q[1]); },
@@ -115,7 +114,7 @@ inline Measurement<3> mirrors(const Choice& c) {
   const auto bouncing = std::make_shared<Bouncing>();
   const Velocity v(c);
   const double length = c["length"], gyroradius = std::abs(v.across * c["mass"] / (c["charge"] * c["b0"]));
-  const bool alone = c.only({"magnetic_bottle"}) || c.only({"kinetic", "magnetic_bottle"});
+  const bool alone = c.only_field("magnetic_bottle");
   const std::string no_estimate = !alone                       ? "other effects than the field are on"
                                   : gyroradius > 0.05 * length ? "the gyroradius is not small beside --length"
                                                                : "";
@@ -153,7 +152,7 @@ inline Measurement<3> bounce_and_drift(const Choice& c) {
   const double rate = 3 * l * v * v * c["mass"] / (c["charge"] * c["moment"]) * drift / way;
   // As an angle about the dipole.
   const double gyroradius = std::abs(Velocity(c).across * c["mass"] * l * l / (c["charge"] * c["moment"]));
-  const bool alone = c.only({"dipole_field"}) || c.only({"kinetic", "dipole_field"});
+  const bool alone = c.only_field("dipole_field");
   const std::string no_estimate =
       !alone ? "other effects than the field are on"
       : !(gyroradius < 0.1) || !(y > 0.01)

@@ -290,54 +290,48 @@ class Turning {
 class Largest {
  public:
   void see(double value) {
-    if (value > value_) value_ = value, uncertain_ = 0;
-    const double before = std::exchange(ahead_, -INFINITY);  // what the three before saw between these two
-    end_ = -INFINITY;
+    value_ = std::max(value_, value);
+    const double before = std::exchange(ahead_, -INFINITY);
+    ahead_possible_ = -INFINITY;
     bool seen_again = false;
     if (const double bend = before_ - 2 * last_ + value; seen_ >= 2 && bend < 0) {
       const double place = (before_ - value) / (2 * bend),  // in steps from the middle one
           over = -bend * place * place / 2, top = last_ + over;
       seen_again = place < 0 && place >= -1 && before > -INFINITY;
       const double differs = seen_again ? std::abs(top - before) : 0;  // it may be as far from both
-      if (differs > 0 && value_ == before) uncertain_ = std::max(uncertain_, differs);
+      if (seen_again) possible_ = std::max(possible_, before + differs);
       // It is between the middle one and a neighbour, and seen from there again, but for the ends of the run.
       if (std::abs(place) <= 0.5) offer(top, std::max(over - bend / 100, differs));
       if (seen_ == 2 && place >= -1 && place < -0.5) offer(top, -bend / 10);
-      if (seen_again) possible_ = std::max(possible_, before + differs);
-      if (place > 0.5 && place <= 1) end_ = top, end_uncertain_ = -bend / 10;
       if (place > 0 && place <= 1) ahead_ = top;
+      if (place > 0.5 && place <= 1) ahead_possible_ = top - bend / 10;
     }
     if (!seen_again) possible_ = std::max(possible_, before);
     before_ = last_;
     last_ = value;
     ++seen_;
   }
-  double value() const { return std::max(value_, end_); }
+  double value() const { return std::max(value_, ahead_); }
   /// What the steps leave open: of the largest one, and whether another one is larger.
-  double uncertain() const {
-    const bool at_end = end_ > value_;
-    return std::max(at_end ? end_uncertain_ : uncertain_,
-                    std::max(possible_, end_ + end_uncertain_) - value());
-  }
+  double uncertain() const { return std::max(0.0, std::max(possible_, ahead_possible_) - value()); }
 
   void visit_memory(CheckpointMemory& visit) {
     visit(seen_);
-    for (double* number :
-         {&value_, &uncertain_, &possible_, &before_, &last_, &end_, &end_uncertain_, &ahead_})
-      visit(*number);
+    for (double* number : {&value_, &possible_, &before_, &last_, &ahead_, &ahead_possible_}) visit(*number);
   }
 
  private:
   void offer(double top, double uncertain) {
-    if (top >= value_) value_ = top, uncertain_ = uncertain;
+    value_ = std::max(value_, top);
     possible_ = std::max(possible_, top + uncertain);
   }
 
   std::int64_t seen_ = 0;
-  double value_ = -INFINITY, uncertain_ = 0;
-  double possible_ = -INFINITY;  ///< what it may be at most
-  double before_ = 0, last_ = 0, end_ = -INFINITY, end_uncertain_ = 0;
-  double ahead_ = -INFINITY;  ///< the top that the last three have between the last two of them
+  double value_ = -INFINITY, possible_ = -INFINITY;  ///< so far, and what it may be at most
+  double before_ = 0, last_ = 0;
+  /// The top that the last three have between the last two of them, and what it may be at most where it is
+  /// nearer to the last one.
+  double ahead_ = -INFINITY, ahead_possible_ = -INFINITY;
 };
 
 }  // namespace examples

@@ -60,6 +60,8 @@ class Choice {
     return effects.size() == names.size() &&
            std::all_of(names.begin(), names.end(), [this](const auto& name) { return on(name); });
   }
+  /// Is a field on, alone or with the motion itself?
+  bool only_field(const std::string& field) const { return only({field}) || only({"kinetic", field}); }
   /// Are no others than these on?
   bool only_of(const std::vector<std::string>& names) const {
     return std::all_of(effects.begin(), effects.end(), [&](const auto& effect) {

@@ -169,6 +169,7 @@ inline double read_quantity(const std::string& text, const std::string& wanted, 
     refuse("is out of range in the units of the preset, " + system.about);
   return converted;
 }
+
 /// The same of what was given to an option, which is named in what is thrown.
 inline double read_option(const std::string& option, const std::string& text, const std::string& wanted,
                           const UnitSystem& system, bool positive = false) {

@@ -32,14 +32,9 @@ inline double gamma_of(const Choice& c) {
   return c.has("rigidity") ? std::hypot(1.0, momentum_of(c) / (c["mass"] * c["c"])) : c["gamma"];
 }
 
-/// Is a field on, alone or with the motion itself? Else the formulas are for something else.
-inline bool only_field(const Choice& c, const std::string& field) {
-  return c.only({field}) || c.only({"kinetic", field});
-}
-
 inline Measurement<3> fast_gyration(const Choice& c) {
   const auto turning = std::make_shared<Turning>();
-  const bool alone = only_field(c, "uniform_field");
+  const bool alone = c.only_field("uniform_field");
   return {[=](double t, const In<double, 3>& q, const In<double, 3>&) { turning->see(t, q[0], q[1]); },
           memory_of(turning),
           [=](const Run&) -> std::vector<Figure> {
@@ -103,7 +98,7 @@ inline Measurement<3> of_way(const Choice& c, const std::string& field,
   return {[=](double t, const In<double, 3>& q, const In<double, 3>& p) { way->see(t, q, p); },
           memory_of(way),
           [=](const Run&) -> std::vector<Figure> {
-            if (!only_field(c, field)) return {not_measured(field, "the formulas hold for this field alone")};
+            if (!c.only_field(field)) return {not_measured(field, "the formulas hold for this field alone")};
             return figures(*way);
           }};
 }
@@ -144,7 +139,7 @@ inline Measurement<3> wiggle(const Choice& c) {
                                           "give a smaller --gamma"));
     return list;
   });
-  if (only_field(c, "undulator"))
+  if (c.only_field("undulator"))
     measurement.heading = [=] { return formatted("K = eB/(mck) = %.6g\n", strength); };
   return measurement;
 }
@@ -246,7 +241,7 @@ inline Measurement<3> stoermer(const Choice& c) {
           },
           memory_of(seen),
           [=](const Run&) -> std::vector<Figure> {
-            if (!only_field(c, "dipole_field"))
+            if (!c.only_field("dipole_field"))
               return {not_measured("Stoermer's region", "the formula holds for dipole_field alone")};
             const Stoermer region(c, {1, 0, 0}, {0, seen->l, 0});
             if (!std::isnormal(region.square) || !std::isfinite(seen->sine.value()))
@@ -267,7 +262,7 @@ inline Measurement<3> stoermer(const Choice& c) {
           {},
           [=]() -> std::string {
             const Stoermer region(c, {1, 0, 0}, {0, seen->l, 0});
-            if (!only_field(c, "dipole_field") || !std::isnormal(region.square)) return "";
+            if (!c.only_field("dipole_field") || !std::isnormal(region.square)) return "";
             const double length = std::sqrt(std::abs(region.square));
             return "Stoermer's length, " + c.units.name(0) + formatted(": %.6g", length) +
                    formatted("; angular momentum over it: %.6g\n", region.per_momentum / length);

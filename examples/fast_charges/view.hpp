@@ -58,7 +58,7 @@ inline View<3> fast_view(const Choice& c) {
   if (c.preset == "cosmic_ray" && c.on("dipole_field")) {
     const Vector<double, 3> q(c["x"], c["y"], c["z"]);
     std::optional<Stoermer> region;  // another field would change it
-    if (only_field(c, "dipole_field"))
+    if (c.only_field("dipole_field"))
       region.emplace(
           c, q, fast_motion(c, fast_fields(c, "")).momentum(q, Vector<double, 3>(-momentum_of(c), 0, 0)));
     view.paths = 3;

@@ -33,9 +33,8 @@ struct Summary {
   }
 
   void print(std::ostream& out, const Region& region) const {
-    out << orbits << (orbits == 1 ? " orbit, " : " orbits, ") << chaotic
-        << " of them chaotic (GALI_2 below 1e-8), " << fell << " fell into the hole, " << left << " left, "
-        << failed << " failed\n";
+    out << counted(orbits, "orbit") << ", " << chaotic << " of them chaotic (GALI_2 below 1e-8), " << fell
+        << " fell into the hole, " << left << " left, " << failed << " failed\n";
     if (most_time > 0)
       out << most_time << " were given up, which took more than "
           << formatted("%.3g M a passage\n", region.most_time());

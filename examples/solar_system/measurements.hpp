@@ -14,23 +14,13 @@
 #include <Eigen/Geometry>
 #include <semiexplicit/semiexplicit.hpp>
 
+#include "../common/line_fit.hpp"
 #include "../common/measurement.hpp"
 #include "planets.hpp"
 
 namespace examples {
 
 inline constexpr double arcsecond = std::numbers::pi / 648000;
-
-/// The sums of which the least squares of a line are made.
-struct LineFit {
-  double count = 0, t = 0, tt = 0, y = 0, ty = 0;
-
-  void add(double at, double value) { count += 1, t += at, tt += at * at, y += value, ty += at * value; }
-  LineFit operator+(const LineFit& b) const {
-    return {count + b.count, t + b.t, tt + b.tt, y + b.y, ty + b.ty};
-  }
-  double slope() const { return (count * ty - t * y) / (count * tt - t * t); }
-};
 
 /// Follows the perihelion of body 1 in the plane of its orbit: the sum of the turns of Laplace's vector about
 /// the angular momentum, dω + cos i dΩ, and the straight line through it, which

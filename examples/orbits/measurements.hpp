@@ -147,6 +147,7 @@ inline Measurement<3> turning_orbit(const Choice& c, const std::string& unit, do
     double upright = 1;    // the smallest sine of the inclination
     double eccentric = 1;  // and eccentricity
     TurnRates swing{};     // from the start: how far the rates of first order go, which are for mean elements
+    bool has_node() const { return upright > 1e-3; }
     void visit_memory(CheckpointMemory& visit) {
       for (Passages* passages : {&along, &from_node, &node}) passages->visit_memory(visit);
       visit(last);
@@ -179,12 +180,11 @@ inline Measurement<3> turning_orbit(const Choice& c, const std::string& unit, do
   const double motion = std::sqrt(gm / std::pow(c["a"], 3)) * factor;  // per radian of the mean motion
   const auto figures = [=](const Run&) {
     std::vector<Figure> list;
-    const bool has_node = seen->upright > 1e-3;
     const auto add = [&](const char* what, const Passages& passages, double length) {
       if (passages.orbits() >= 2)
         list.push_back({what, passages.per_time() * factor, passages.uncertain(seen->step, length) * factor});
     };
-    if (with_node && has_node)
+    if (with_node && seen->has_node())
       add("perihelion advance", seen->from_node, std::min(seen->eccentric, seen->upright));
     else
       add("perihelion advance", seen->along, seen->eccentric);
@@ -236,22 +236,21 @@ inline Measurement<3> turning_orbit(const Choice& c, const std::string& unit, do
       }
       out << '\n';
     };
-    const bool has_node = seen->upright > 1e-3;
     if (!about_the_node || e > 0) {
       if (e < 1e-6 || e < 10 * expected.largest)
         print_none(out, "perihelion advance",
                    "the orbit is too near to a circle, for what turns it, to have one; give a larger --e");
-      else if ((c.on("j2") || c.on("spin_orbit")) && has_node) {
+      else if ((c.on("j2") || c.on("spin_orbit")) && seen->has_node()) {
         figure("perihelion advance", seen->from_node, &TurnRates::from_node);
         figure("perihelion and node, along the orbit", seen->along, &TurnRates::along);
       } else {
         figure("perihelion advance", seen->along, &TurnRates::along);
       }
     }
-    if (!has_node && about_the_node)
+    if (!seen->has_node() && about_the_node)
       print_none(out, "node",
-                 "an orbit in the equator has none; give an --inclination between 0 and 180 degrees");
-    else if (has_node && (about_the_node || c.on("j2") || c.on("spin_orbit")))
+                 "it is too near to the equator to have one; give an --inclination of 0.1 to 179.9 degrees");
+    else if (seen->has_node() && (about_the_node || c.on("j2") || c.on("spin_orbit")))
       figure("node", seen->node, &TurnRates::node);
   };
   return {observe, memory_of(seen), figures, report};

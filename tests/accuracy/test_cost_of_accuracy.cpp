@@ -17,6 +17,7 @@
 
 #include "catch.hpp"
 #include "kepler.hpp"
+#include "oscillator.hpp"
 
 namespace test_cost_of_accuracy {
 
@@ -25,16 +26,6 @@ using namespace semiexplicit;
 namespace {
 
 using Lattice = systems::NlsLattice<double, 5>;
-
-struct WideOscillator {
-  using Scalar = long double;
-  static constexpr int Dof = 1;
-  Scalar energy(In<Scalar, 1> q, In<Scalar, 1> p) const { return (q[0] * q[0] + p[0] * p[0]) / 2; }
-  void gradient(In<Scalar, 1> q, In<Scalar, 1> p, Out<Scalar, 1> dHdq, Out<Scalar, 1> dHdp) const {
-    dHdq = q;
-    dHdp = p;
-  }
-};
 
 /// What a whole run with a setting gives.
 struct Outcome {
@@ -161,7 +152,7 @@ TEST_CASE("an accuracy out of reach is said to be so") {
 
 TEST_CASE("of wide numbers the times are as wide as the states") {
   const PhasePoint<long double, 1> z0(1, 0);
-  const auto cost = cost_of_accuracy(WideOscillator(), z0, 200,
+  const auto cost = cost_of_accuracy(OscillatorOf<long double>(), z0, 200,
                                      {.observable = observables::Coordinate{0}, .targets = {1e-16}});
   const auto advice = cost.cheapest(1e-16);
   REQUIRE(advice);

@@ -14,6 +14,7 @@
 
 #include "folder.hpp"
 #include "kepler.hpp"
+#include "oscillator.hpp"
 #include "refusal.hpp"
 
 namespace test_error_estimate {
@@ -50,15 +51,6 @@ struct HenonHeiles {
   void gradient(In<double, 2> q, In<double, 2> p, Out<double, 2> dHdq, Out<double, 2> dHdp) const {
     dHdq[0] = q[0] + 2 * q[0] * q[1];
     dHdq[1] = q[1] + q[0] * q[0] - q[1] * q[1];
-    dHdp = p;
-  }
-};
-
-struct WideOscillator {
-  using Scalar = long double;
-  static constexpr int Dof = 1;
-  void gradient(In<Scalar, 1> q, In<Scalar, 1> p, Out<Scalar, 1> dHdq, Out<Scalar, 1> dHdp) const {
-    dHdq = q;
     dHdp = p;
   }
 };
@@ -145,7 +137,7 @@ TEST_CASE("Of wide numbers the estimate does not hold what dt is rounded to in a
           "[error estimate]") {
   const long double T = 1000;
   for (const long double dt : {0.1L, 0.125L}) {  // the latter is a double
-    GaussLegendre stepper(WideOscillator(), {.stages = 8});
+    GaussLegendre stepper(OscillatorOf<long double>(), {.stages = 8});
     auto estimate = with_error_estimate(stepper);
     PhasePoint<long double, 1> z(1, 0);
     integrate(stepper, z, {.dt = dt, .t_end = T}, estimate);

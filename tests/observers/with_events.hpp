@@ -4,6 +4,8 @@
 
 #include <semiexplicit/semiexplicit.hpp>
 
+#include "oscillator.hpp"
+
 // What bounces, swings and is kicked in the tests of events.
 
 namespace with_events {
@@ -24,16 +26,7 @@ struct BallOf {
 };
 using Ball = BallOf<double>;
 
-/// H = (p² + q²)/2.
-struct Oscillator {
-  using Scalar = double;
-  static constexpr int Dof = 1;
-  double energy(In<double, 1> q, In<double, 1> p) const { return (p[0] * p[0] + q[0] * q[0]) / 2; }
-  void gradient(In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
-    dHdq[0] = q[0];
-    dHdp[0] = p[0];
-  }
-};
+using Oscillator = OscillatorOf<double>;
 
 constexpr auto height = [](const auto& q, const auto&) { return q[0]; };
 constexpr auto speed = [](const auto&, const auto& p) { return p[0]; };

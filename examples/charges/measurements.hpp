@@ -27,10 +27,13 @@ class Bouncing {
       if (passages_++ == 0)
         first_ = latest_;
       else
-        fewest_ = std::min(fewest_, samples_);
+        fewest_ = std::min(fewest_, samples_), nearest_ = std::min({nearest_, above_, below_});
       open_ = std::max(open_, crossing_.uncertain([](const auto& a, const auto& b) { return a.t - b.t; }));
       samples_ = 0;
+      above_ = below_ = 0;
     }
+    above_ = std::max(above_, z);
+    below_ = std::max(below_, -z);
     if (seen_) longest_ = std::max(longest_, t - last_t_);
     seen_ = true;
     last_t_ = t;
@@ -41,6 +44,9 @@ class Bouncing {
     if (const std::string coarse = too_coarse(rate * longest_); !coarse.empty()) return coarse;
     if (passages_ < 2) return "the run has no whole bounce; give more --time";
     if (fewest_ < 16) return "a bounce has " + std::to_string(fewest_) + " steps; give a smaller --dt";
+    if (nearest_ < highest_.value() / 10)
+      return "the charge turns near z = 0, where no bounce plainly ends; give another --pitch, or "
+             "other effects";
     return "";
   }
   double period() const { return (latest_ - first_) / static_cast<double>(passages_ - 1); }
@@ -60,7 +66,8 @@ class Bouncing {
     visit(samples_);
     visit(fewest_);
     crossing_.visit_memory(visit);
-    for (double* number : {&last_t_, &first_, &latest_, &longest_, &open_}) visit(*number);
+    for (double* number : {&last_t_, &first_, &latest_, &longest_, &open_, &above_, &below_, &nearest_})
+      visit(*number);
     highest_.visit_memory(visit);
   }
 
@@ -68,6 +75,7 @@ class Bouncing {
   bool seen_ = false;
   Crossing<1> crossing_;
   double last_t_ = 0, first_ = 0, latest_ = 0, longest_ = 0, open_ = 0;
+  double above_ = 0, below_ = 0, nearest_ = INFINITY;  // how far to both sides, and the least of a bounce
   Largest highest_;
   std::int64_t passages_ = 0, samples_ = 0, fewest_ = std::int64_t{1} << 62;
 };

@@ -116,6 +116,8 @@ prints(charges "does not measure a drift that is uneven" "--preset dipole --effe
   "bounce period, s: 6.00[0-9]+; mean of 25 bounces; no closed form, .*drift period[^\n]*: not measured, other effects than the field make the drift uneven")
 prints(charges "does not measure a drift that has hardly begun" "--preset dipole --time 1s" "drift period[^\n]*not measured, the drift is not yet large")
 prints(charges "says how uncertain a short drift is" "--preset dipole --time 10s" "drift period[^\n]*: -7[4-9] ± [2-9]; adiabatic: -78")
+prints(charges "do not measure bounces that only touch the equator" "--preset dipole --effects kinetic,dipole_field,electric --ey 0 --ez \"1e-5 V/m\" --pitch 90deg --time 30"
+  "bounce period, s: not measured, the charge turns near z = 0, where no bounce plainly ends")
 prints(charges "do not bounce in the equator" "--preset dipole --pitch 90deg --time 20s" "bounce period, s: not measured, the charge stays")
 prints(charges "do not call a short run one that stays in the equator" "--preset dipole --time 5e-7 --dt 1e-8" "bounce period, s: not measured, the run has no whole bounce. give more --time")
 prints(charges "do not call a short run one that stays in the middle" "--preset bottle --time 1e-14 --dt 1e-14" "bounce period: not measured, the run has no whole bounce. give more --time")

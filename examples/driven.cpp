@@ -68,7 +68,8 @@ double half_trace(const Semiexplicit<Pendulum>& method, double period, std::int6
 }
 
 /// Of half the trace, and of that by twice as many steps.
-void report_stability(double half_trace, double finer, double amplitude, double frequency) {
+void report_stability(double half_trace, double finer, double amplitude, double frequency,
+                      std::int64_t steps) {
   if (!std::isfinite(half_trace) || !std::isfinite(finer))
     throw std::runtime_error(
         "the motion about the upper position overflows in a period; give a larger --frequency");
@@ -77,7 +78,12 @@ void report_stability(double half_trace, double finer, double amplitude, double 
     return (stable(half) ? std::acos(half) : std::acosh(std::abs(half))) * frequency / (2 * pi);
   };
   std::cout << "upside down: ";
-  if (std::abs(std::abs(finer) - 1) < 1e-10)
+  // Of half a radian, or of what grows like that, at the largest acceleration; four times as long ones do.
+  const double needed = 4 * pi / frequency * std::sqrt(1 + amplitude * frequency * frequency);
+  if (needed > 4 * static_cast<double>(steps))
+    std::cout << "not to be told by such steps, give --steps of "
+              << examples::formatted("%.0f", std::ceil(needed));
+  else if (std::abs(std::abs(finer) - 1) < 1e-10)
     std::cout << "so slow beside the shaking that rounding hides it";
   else if (stable(half_trace) != stable(finer))
     std::cout << "too near to the threshold to be told by such steps, give more --steps";
@@ -138,7 +144,7 @@ int main(int argc, char** argv) {
     Semiexplicit stepper(K, schemes::low_defect6_s13());
     const double period = 2 * pi / frequency, dt = period / static_cast<double>(steps);
     report_stability(half_trace(stepper, period, steps), half_trace(stepper, period, 2 * steps), amplitude,
-                     frequency);
+                     frequency, steps);
 
     const std::filesystem::path csv = settings.output / "driven.csv", png = settings.output / "driven.png";
     prepare_outputs(settings, {csv, png});

@@ -36,12 +36,14 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
     double energy = 0, momentum = 0, carter = 0;  // at first
     Largest closeness, distance, highest;
     Crossing<2> crossing;  // of -p_r, and phi
-    double last_r = 0, last_r_momentum = 0, last_phi = 0, first = 0, latest = 0, open = 0, turn = 0;
+    double last_r = 0, last_r_momentum = 0, last_theta = 0, last_phi = 0, first = 0, latest = 0, open = 0,
+           turn = 0,
+           tilt = 0;  // the largest of a step, in theta
     std::int64_t rows = 0, apoapsides = 0;
     bool over_a_pole = false;
     void visit_memory(CheckpointMemory& visit) {
-      for (double* number :
-           {&energy, &momentum, &carter, &last_r, &last_r_momentum, &last_phi, &first, &latest, &open, &turn})
+      for (double* number : {&energy, &momentum, &carter, &last_r, &last_r_momentum, &last_theta, &last_phi,
+                             &first, &latest, &open, &turn, &tilt})
         visit(*number);
       crossing.visit_memory(visit);
       highest.visit_memory(visit);
@@ -70,10 +72,12 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
       s.carter = hole.carter(q, p);
     } else {
       s.turn = std::max(s.turn, std::abs(q[3] - s.last_phi));
+      s.tilt = std::max(s.tilt, std::abs(q[2] - s.last_theta));
     }
     ++s.rows;
     s.last_r = q[1];
     s.last_r_momentum = p[1];
+    s.last_theta = q[2];
     s.last_phi = q[3];
     s.closeness.see(-q[1]);
     s.distance.see(q[1]);
@@ -92,12 +96,14 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
   const auto figures = [=](const Run&) {
     const Seen& s = *seen;
     const double nearest = -s.closeness.value(), farthest = s.distance.value();
+    // It goes over a pole where L is zero, and else past it by less than a step tells.
     const double highest = s.over_a_pole ? 90 : s.highest.value(),
-                 rounding = highest < 1e-9 ? highest : 0;  // in the equator
-    std::vector<Figure> list{
-        {"nearest r", nearest, s.closeness.uncertain()},
-        {"farthest r", farthest, s.distance.uncertain()},
-        {"degrees off the equator", highest, rounding + (s.over_a_pole ? 0 : s.highest.uncertain())}};
+                 open = s.over_a_pole    ? (s.momentum == 0 ? 0 : s.tilt * 180 / pi)
+                        : highest < 1e-9 ? highest + s.highest.uncertain()  // in the equator
+                                         : s.highest.uncertain();
+    std::vector<Figure> list{{"nearest r", nearest, s.closeness.uncertain()},
+                             {"farthest r", farthest, s.distance.uncertain()},
+                             {"degrees off the equator", highest, open}};
     Figure turns{.name = "turns from apoapsis to apoapsis"};
     turns.missing =
         nearest <= outer_horizon(hole) ? "the body has fallen through the horizon"

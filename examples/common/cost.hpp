@@ -183,7 +183,7 @@ struct CostRequest {
              formatted(", but such steps over so short a time leave ± %.1g by measuring",
                        error->by_measuring) +
              "; give more --time, or a --dt smaller than this one instead of --accuracy";
-    std::cout << reached << ", as a companion run with half the step tells"
+    std::cout << reached << ", as a companion run with shorter steps tells"
               << (error->by_measuring > 0 ? formatted(", and ± %.1g by measuring", error->by_measuring) : "")
               << '\n';
     return "";

@@ -41,8 +41,9 @@ inline Measurement<3> fast_gyration(const Choice& c) {
             const double across = std::abs(std::sin(c["pitch"]));
             const double rate = c["charge"] * c["b"] / (gamma_of(c) * c["mass"]);
             const std::string coarse = too_coarse(turning->largest(rate));
-            const std::string why = !alone            ? "the formula holds for uniform_field alone"
-                                    : across < 1e-12  ? "it moves along the field"
+            const std::string why = !alone          ? "the formula holds for uniform_field alone"
+                                    : across < 1e-4 ? "it moves nearly along the field, and solvers stop by "
+                                                      "the whole momentum; give another --pitch"
                                     : !coarse.empty() ? coarse
                                     : std::abs(turning->turned()) < 2 * std::numbers::pi
                                         ? "the run has no whole turn; give more --time"

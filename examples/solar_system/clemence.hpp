@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <iostream>
 #include <limits>
+#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
@@ -38,19 +39,25 @@ inline Perihelion perihelion_of(const std::string& label, const std::vector<std:
   return perihelion;
 }
 
-/// Clemence's table: what each effect turns Mercury's perihelion by, alone with Mercury and the Sun, and all
-/// of them together. Gives the curves as (name, rows).
-struct PerihelionTable {
-  std::vector<std::pair<std::string, Perihelion>> curves{};
+/// How the perihelion turns by an effect, and what is open of that in arcseconds a century.
+struct PerihelionCurve {
+  std::string name;
+  Perihelion perihelion;
+  double by_steps;  ///< from a run with a shorter step; of second order at least
+  double uncertain() const { return perihelion.uncertain() + by_steps; }
 };
-inline PerihelionTable clemence(const std::vector<std::string>& effects, const NearIntegrable<double>& list,
-                                double dt, double time, std::int64_t samples) {
-  PerihelionTable table;
+
+/// Clemence's table: what each effect turns Mercury's perihelion by, alone with Mercury and the Sun, and all
+/// of them together. Gives the curves.
+inline std::vector<PerihelionCurve> clemence(const std::vector<std::string>& effects,
+                                             const NearIntegrable<double>& list, double dt, double time,
+                                             std::int64_t samples) {
+  std::vector<PerihelionCurve> curves;
   std::vector<std::string> newton;
   double sum_1947 = 0, sum_2017 = 0;
-  std::cout
-      << "perihelion of Mercury, arcseconds a century, dω + cos i dΩ; ±: by swings over so long a time\n"
-      << formatted("%-22s %9s %10s %9s %9s\n", "", "here", "±", "1947", "2017");
+  std::cout << "perihelion of Mercury, arcseconds a century, dω + cos i dΩ; ±: by swings over so long a "
+               "time, and steps\n"
+            << formatted("%-22s %9s %10s %9s %9s\n", "", "here", "±", "1947", "2017");
   const auto line = [](const std::string& name, double here, double uncertain, double then, double now) {
     constexpr double of_digits = 5e-4;
     std::cout << formatted("%-22s %9.3f %9.2g ", name.c_str(), here, std::max(uncertain, of_digits))
@@ -59,9 +66,13 @@ inline PerihelionTable clemence(const std::vector<std::string>& effects, const N
   };
   const auto measure = [&](const std::string& name, const std::vector<std::string>& with, double then = 0,
                            double now = 0) {
-    const Perihelion& here =
-        table.curves.emplace_back(name, perihelion_of(name, with, list, dt, time, samples)).second;
-    line(name, here.rate(), here.uncertain(), then, now);
+    Perihelion here = perihelion_of(name, with, list, dt, time, samples);
+    // The ratio of the golden section: no step near a resonance with the planets has the other near one.
+    const double ratio = std::numbers::phi,
+                 finer = perihelion_of(name + ", shorter steps", with, list, dt / ratio, time, 2).rate(),
+                 by_steps = std::abs(here.rate() - finer) / (1 - 1 / (ratio * ratio));
+    curves.push_back({name, std::move(here), by_steps});
+    line(name, curves.back().perihelion.rate(), curves.back().uncertain(), then, now);
   };
   for (const std::string& effect : effects) {
     if (effect == "mercury") continue;
@@ -82,25 +93,25 @@ inline PerihelionTable clemence(const std::vector<std::string>& effects, const N
   newton.emplace_back("mercury");
   if (newton.size() > 2) {
     double by_planets = 0, uncertain = 0;
-    for (const auto& [name, perihelion] : table.curves)
-      if (std::count(newton.begin(), newton.end(), name) > 0) {
-        by_planets += perihelion.rate();
-        uncertain += perihelion.uncertain();
+    for (const PerihelionCurve& curve : curves)
+      if (std::count(newton.begin(), newton.end(), curve.name) > 0) {
+        by_planets += curve.perihelion.rate();
+        uncertain += curve.uncertain();
       }
     line("planets, sum", by_planets, uncertain, sum_1947, sum_2017);
     measure("planets together", newton);
   }
   if (newton.size() < effects.size()) measure("all", effects);
-  return table;
+  return curves;
 }
 
 /// One column a curve.
-inline void write_perihelion(const std::filesystem::path& path, const PerihelionTable& table) {
+inline void write_perihelion(const std::filesystem::path& path, const std::vector<PerihelionCurve>& curves) {
   std::vector<std::string> names{"t"};
   std::vector<std::vector<std::pair<double, double>>> columns;
-  for (const auto& [name, perihelion] : table.curves) {
-    names.push_back(name);
-    columns.push_back(perihelion.rows());
+  for (const PerihelionCurve& curve : curves) {
+    names.push_back(curve.name);
+    columns.push_back(curve.perihelion.rows());
     std::sort(columns.back().begin(), columns.back().end());
   }
   CsvWriter csv(path, names);

@@ -39,10 +39,14 @@ class Bouncing {
     last_t_ = t;
     highest_.see(std::abs(z));
   }
-  /// Why there is no figure of a charge that gyrates by about `rate`; empty where there is one.
-  std::string missing(double rate) const {
+  /// Why there is no figure of a charge that gyrates by about `rate`, in a field alone or with other effects;
+  /// empty where there is one.
+  std::string missing(double rate, bool alone) const {
     if (const std::string coarse = too_coarse(rate * longest_); !coarse.empty()) return coarse;
-    if (passages_ < 2) return "the run has no whole bounce; give more --time";
+    if (passages_ < 2)
+      return alone ? "the run has no whole bounce; give more --time"
+                   : "the run has no whole bounce through z = 0, which need not be the middle with other "
+                     "effects; give more --time, or leave them out";
     if (fewest_ < 16) return "a bounce has " + std::to_string(fewest_) + " steps; give a smaller --dt";
     if (nearest_ < highest_.value() / 10)
       return "the charge turns near z = 0, where no bounce plainly ends; give another --pitch, or "
@@ -130,7 +134,7 @@ inline Measurement<3> mirrors(const Choice& c) {
       [=](double t, const In<double, 3>& q, const In<double, 3>&) { bouncing->see(t, q[2]); },
       memory_of(bouncing),
       [=](const Run&) -> std::vector<Figure> {
-        std::string why = v.crosses() ? bouncing->missing(std::abs(c["charge"] * c["b0"]) / c["mass"])
+        std::string why = v.crosses() ? bouncing->missing(std::abs(c["charge"] * c["b0"]) / c["mass"], alone)
                                       : Velocity::no_crossing;
         const bool stays = length * std::abs(v.along) / v.across < 1e-6 * gyroradius;
         if (v.crosses() && stays && bouncing->highest().value() < 1e-6 * gyroradius)
@@ -193,7 +197,7 @@ inline Measurement<3> bounce_and_drift(const Choice& c) {
                                           : !lost.empty()  ? lost
                                           : stays && bouncing->highest().value() < 1e-6 * l
                                               ? "the charge stays in the equator; give another --pitch"
-                                              : bouncing->missing(v / (gyroradius * l)),
+                                              : bouncing->missing(v / (gyroradius * l), alone),
                               no_drift =
                                   !alone            ? "other effects than the field make the drift uneven"
                                   : !lost.empty()   ? lost

@@ -3,6 +3,7 @@
 #include "catch.hpp"
 
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -131,6 +132,22 @@ TEST_CASE("The rounding of a step's weights, which the companion shares, is in t
   integrate(in_float, x, {.dt = 0.1F, .steps = 5000}, strict);
   REQUIRE(strict.error());
   CHECK(*strict.error() > 4e-5F);
+}
+
+TEST_CASE("That rounding counts by the speed of now where it is fast", "[error estimate]") {
+  const double e = 0.8, T = 4 * std::acos(-1.0), steps = 20'000,
+               epsilon = std::numeric_limits<double>::epsilon();
+  GaussLegendre stepper(Kepler(), {.stages = 4});
+  auto estimate = with_error_estimate(stepper, {.parts = 1});  // it shares all
+  auto z = kepler_orbit(e, 0.0);
+  double slow = 0;  // at the apocentre
+  integrate(stepper, z, {.dt = T / steps, .t_end = T}, estimate, [&](double t, const Point&) {
+    if (t < T / 4) slow = *estimate.error();
+  });
+  const double of_time = std::hypot(std::sqrt((1 + e) / (1 - e)), std::pow(1 - e, -2)) * epsilon * T;
+  CHECK(*estimate.error() == Approx(of_time).epsilon(0.01));
+  CHECK(slow < 0.2 * of_time);
+  CHECK(*estimate.worst() >= *estimate.error());
 }
 
 TEST_CASE("Of wide numbers the estimate does not hold what dt is rounded to in a report",

@@ -52,6 +52,7 @@ class ErrorEstimate {
   /// std::invalid_argument where the state is of another size than the companion, where an event has changed
   /// it, and where every() hides steps of a run that chooses their lengths.
   bool operator()(const Scalar& t, const State& z, const IntegrationReport& run = {}) {
+    using std::abs;
     using Next = typename detail::RunClock<Scalar>::Next;
     if (run.changes > 0)
       throw std::invalid_argument(
@@ -68,17 +69,21 @@ class ErrorEstimate {
     if (run.subdivided > 0 && next == Next::follows) failed_ = true;
     if (next == Next::follows) {
       difference_.vector() = z.vector() - last_.vector();
-      path_ += size(difference_);
+      const Scalar way = size(difference_), time = clock_.interval(t, run);
+      path_ += way;
+      time_ += abs(time);
+      longest_ =
+          time != Scalar(0) && way * time_ > path_ * abs(time) ? Scalar(way * time_ / abs(time)) : path_;
       const std::int64_t steps = clock_.steps_since(t, run);
       if (steps > 1 && run.taken != 0)
         throw std::invalid_argument(
             "with_error_estimate: the steps of this run have lengths of their own, and it has to see each of "
             "them; take every() away from it");
-      if (!parted_ && !failed_) go_on(clock_.interval(t, run), steps);
+      if (!parted_ && !failed_) go_on(time, steps);
     } else if (!same) {
       companion_ = difference_ = z;
       parted_ = failed_ = false;
-      error_ = worst_ = path_ = Scalar(0);
+      error_ = worst_ = path_ = time_ = longest_ = Scalar(0);
     }
     clock_.set(t, run, next);
     last_ = z;
@@ -88,8 +93,8 @@ class ErrorEstimate {
 
   /// The error of (q, p) at the last state, in the Euclidean norm, without the work p_t of a driven system;
   /// nothing where the companion has parted from the run. No less than ε times the length of the path in
-  /// phase space: the weights of a step are rounded, so that it takes a little more or less time than dt, and
-  /// the companion's likewise.
+  /// phase space, or what that were at the speed of now where it is longer: the weights of a step are
+  /// rounded, so that it takes a little more or less time than dt, and the companion's likewise.
   std::optional<Scalar> error() const { return said(error_); }
   /// The largest so far.
   std::optional<Scalar> worst() const { return said(worst_); }
@@ -138,6 +143,8 @@ class ErrorEstimate {
     visit(error_);
     visit(worst_);
     visit(path_);
+    visit(time_);
+    visit(longest_);
     visit(gradients_);
     clock_.visit_memory(visit);
     std::apply([&](auto&... observer) { (detail::visit_inner(visit, observer), ...); }, observers_);
@@ -180,7 +187,7 @@ class ErrorEstimate {
     if (parted_) return;
     difference_.vector() = last_.vector() - companion_.vector();
     const Scalar apart = factor() * size(difference_);
-    error_ = apart + Eigen::NumTraits<Scalar>::epsilon() * path_;
+    error_ = apart + Eigen::NumTraits<Scalar>::epsilon() * longest_;
     if (failed_ || !(apart <= Scalar(options_.parted) * size(last_))) {
       parted_ = true;
       parted_at_ = t;
@@ -206,7 +213,8 @@ class ErrorEstimate {
   State companion_, last_, difference_;
   bool parted_ = false, failed_ = false;
   Scalar parted_at_ = Scalar(0), error_ = Scalar(0), worst_ = Scalar(0);
-  Scalar path_ = Scalar(0);  ///< the length of the run's
+  Scalar path_ = Scalar(0), time_ = Scalar(0);  ///< of the run, without sign
+  Scalar longest_ = Scalar(0);                  ///< the path, or what it is at the speed of now
   std::int64_t gradients_ = 0;
   detail::RunClock<Scalar> clock_;
 };

@@ -6,6 +6,7 @@
 #include <memory>
 #include <stdexcept>
 
+#include <semiexplicit/derivatives.hpp>
 #include <semiexplicit/ensemble.hpp>
 #include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
@@ -305,6 +306,42 @@ TEST_CASE("A step of Newton's method that went far out first is solved all the s
     if (!GaussLegendre(Pendulum(), {.stages = 1, .solver = StageSolver::newton}).step(z, dt).ok()) continue;
     CHECK(std::abs(z.q()[0] - q - dt * (z.p()[0] + p) / 2) < 1e-12);
     CHECK(std::abs(z.p()[0] - p + dt * std::sin((z.q()[0] + q) / 2)) < 1e-12);
+  }
+}
+
+TEST_CASE("An iteration that runs away is no success, however its rounding has grown", "[gauss]") {
+  const systems::Product<> h;
+  for (const int stages : {1, 2, 4, 8})
+    for (int i = 0; i < 400; ++i) {
+      const double q = 3 * std::sin(2.0 * i), p = 3 * std::cos(5.0 * i), dt = 0.1 + 0.003 * i;
+      const auto check = [&](auto stepper) {
+        PhasePoint<double, 1> z(q, p);
+        CAPTURE(stages, q, p, dt);
+        if (stepper.step(z, dt).ok()) CHECK(z.vector().norm() < 1e6);
+      };
+      check(GaussLegendre(h, {.stages = stages}));
+      check(GaussLegendreLanes(h, {.stages = stages}));
+    }
+}
+
+TEST_CASE("Small corrections of Newton's method are no success where its equations are far off", "[gauss]") {
+  for (float i = 0; i < 1000; ++i) {  // fields that grow exponentially, by steps far too long
+    const float a = 2 * std::sin(i), b = 2 * std::cos(3 * i), dt = 0.02F * (i + 1);
+    const auto h = from_energy<1, float>([=](const auto& q, const auto& p) {
+      using std::exp;
+      return exp(a * q[0]) + p[0] * p[0] / 2 * (1 + exp(b * q[0]));
+    });
+    GaussLegendre stepper(h, {.stages = 1, .solver = StageSolver::newton});
+    const PhasePoint<float, 1> start(3 * std::sin(7 * i), 3 * std::cos(11 * i));
+    PhasePoint<float, 1> z = start;
+    if (!stepper.step(z, dt).ok()) continue;
+    // The implicit midpoint rule, which one stage is.
+    const double q = (double(z.q()[0]) + start.q()[0]) / 2, p = (double(z.p()[0]) + start.p()[0]) / 2;
+    const double dq = z.q()[0] - start.q()[0], dp = z.p()[0] - start.p()[0];
+    const double force = -a * std::exp(a * q) - p * p / 2 * b * std::exp(b * q);
+    CAPTURE(a, b, dt, q, p);
+    CHECK(std::abs(dq - dt * p * (1 + std::exp(b * q))) + std::abs(dp - dt * force) <
+          0.1 * (std::abs(dq) + std::abs(dp)));
   }
 }
 

@@ -58,6 +58,7 @@ namespace detail {
 ///     Scalar increment(Eigen::Index i) const;    // Σ_j dt b_j X_ji
 ///     Scalar displaced(Eigen::Index i) const;    // Σ_j of the absolute values of displacement i, from z
 ///     Scalar changed(Eigen::Index i) const;      // the same of what the last sweep changed in it
+///     Scalar residual() const;                   // of Newton's equations, before the last correction
 ///     void visit_stages(Visitor& visit);  // the gradients, which the next stages are extrapolated from
 template <class Stepper, class H>
 class GaussShell {
@@ -164,6 +165,22 @@ class GaussShell {
       if (feels > 0 && displaced() < felt_at / 4) feels = 0;
       return feels == 0;
     };
+    // Far out the rounding of the displacements moves the field by as much as they change.
+    using std::sqrt;
+    const auto is_far_out = [&] { return displaced() * sqrt(epsilon) > size; };
+    const auto is_rounding = [&](const Scalar& change, int multiple) {
+      return !(change > displaced() / 1000 && is_far_out()) && is_within_felt(multiple);
+    };
+    // Newton's corrections may be small, as where the field grows exponentially, and the equations far off.
+    const auto ended = [&](Status status) {
+      if (options_.solver == StageSolver::fixed_point) return status;
+      const Scalar off = stages().residual(), moved = displaced();
+      if (!(off > moved / 1000)) return status;
+      if (is_far_out()) return Status::no_convergence;
+      if (feels == 0) feel();
+      const Scalar rounding = Scalar(options_.stages) * felt_.sum() + 10 * epsilon * moved;
+      return off <= 10'000 * rounding ? status : Status::no_convergence;
+    };
     bool entries_left = false;
     const Status at_rounding = options_.tolerance == 0 ? Status::success : Status::rounding_limited;
     for (;;) {
@@ -176,7 +193,8 @@ class GaussShell {
         report.correction = static_cast<double>(change);
         if (previous > Scalar(0)) report.rate = static_cast<double>(change / previous);
         if (!isfinite(change)) return Status::not_finite;
-        if (change <= nothing || change < Scalar(options_.tolerance)) return Status::success;
+        if (change < Scalar(options_.tolerance)) return Status::success;
+        if (change <= nothing) return ended(Status::success);
         since_least = change < least ? 0 : since_least + 1;
         if (change < least) least = change;
         // A change grows by rounding. That of a state far from the origin, as of an angle that has wound up,
@@ -184,19 +202,19 @@ class GaussShell {
         if (since_least >= (options_.solver == StageSolver::newton ? 1 : 3)) {
           // Where that did not suffice it is measured again: some roundings cancel each other.
           if (is_to_feel() || (since_least >= 12 && since_least % 4 == 0)) feel();
-          if (is_within_felt(since_least < 12 ? 1 : 100)) return at_rounding;
+          if (is_rounding(change, since_least < 12 ? 1 : 100)) return ended(at_rounding);
         }
         const bool grows = previous > Scalar(0) && change >= previous;
         if (!entries_left && grows && change <= 10 * epsilon * displaced()) {
           entries_left = true;
           least_.setConstant(std::numeric_limits<Scalar>::infinity());
         }
-        if (entries_left && !improves(z)) return at_rounding;
+        if (entries_left && !improves(z)) return ended(at_rounding);
         previous = change;
       }
       if (report.evaluations < options_.max_iterations) continue;
       if (seen && is_to_feel()) feel();
-      return seen && is_within_felt(100) ? at_rounding : Status::no_convergence;
+      return seen && is_rounding(change, 100) ? ended(at_rounding) : Status::no_convergence;
     }
   }
 

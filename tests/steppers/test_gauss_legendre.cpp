@@ -332,12 +332,12 @@ TEST_CASE("Small corrections of Newton's method are no success where its equatio
       return exp(a * q[0]) + p[0] * p[0] / 2 * (1 + exp(b * q[0]));
     });
     GaussLegendre stepper(h, {.stages = 1, .solver = StageSolver::newton});
-    const PhasePoint<float, 1> start(3 * std::sin(7 * i), 3 * std::cos(11 * i));
-    PhasePoint<float, 1> z = start;
+    const PhasePoint<float, 1> at(3 * std::sin(7 * i), 3 * std::cos(11 * i));
+    PhasePoint<float, 1> z = at;
     if (!stepper.step(z, dt).ok()) continue;
     // The implicit midpoint rule, which one stage is.
-    const double q = (double(z.q()[0]) + start.q()[0]) / 2, p = (double(z.p()[0]) + start.p()[0]) / 2;
-    const double dq = z.q()[0] - start.q()[0], dp = z.p()[0] - start.p()[0];
+    const double q = (double(z.q()[0]) + at.q()[0]) / 2, p = (double(z.p()[0]) + at.p()[0]) / 2;
+    const double dq = z.q()[0] - at.q()[0], dp = z.p()[0] - at.p()[0];
     const double force = -a * std::exp(a * q) - p * p / 2 * b * std::exp(b * q);
     CAPTURE(a, b, dt, q, p);
     CHECK(std::abs(dq - dt * p * (1 + std::exp(b * q))) + std::abs(dp - dt * force) <

@@ -51,11 +51,10 @@ int run(const Ranks& ranks, Job& job) {
   auto z = lattice.start();
   Invariants invariants(lattice);
   invariants.add("mass", [&](const auto& q, const auto& p) { return lattice.mass(q, p); });
-  auto sometimes = every(10, invariants);
   IntegrationOptions<double> options{.dt = job.settings.dt, .steps = steps, .on_failure = OnFailure::stop};
   Generations checkpoints(
       job.settings.output, job.checkpoint, "nls_mpi, " + std::to_string(job.sites) + " sites", ranks,
-      [&] { return lattice.start(); }, stepper, options, sometimes);
+      [&] { return lattice.start(); }, stepper, options, invariants);
   options.done = checkpoints.resume(z);
   if (ranks.first() && options.done.steps > 0)
     std::cout << "resumed: " << options.done.steps << " of " << steps << " steps are done already"
@@ -63,12 +62,11 @@ int run(const Ranks& ranks, Job& job) {
 
   const auto start = std::chrono::steady_clock::now();
   const std::clock_t processor_start = std::clock();
-  const IntegrationReport report = integrate(stepper, z, options, sometimes, checkpoints);
+  const IntegrationReport report = integrate(stepper, z, options, invariants, checkpoints);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const double processor_seconds =
       ranks.sum(static_cast<double>(std::clock() - processor_start) / CLOCKS_PER_SEC);
   const auto site_steps = static_cast<double>(job.sites * (report.steps - options.done.steps));
-  invariants(report.t, z);
   const double spread = lattice.participation(z.q(), z.p());
   if (!report.ok()) {  // on all, with their states of the last good step
     if (ranks.first()) std::cerr << "nls_mpi: " << IntegrationError(report, job.settings.dt).what() << '\n';

@@ -11,6 +11,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -71,8 +72,15 @@ class FinishedBlocks {
     }
   }
 
-  /// Takes the folder away: the computation is done.
-  void remove() const { std::filesystem::remove_all(folder_); }
+  /// Takes the blocks away, and the folder unless it holds something else: the computation is done.
+  void remove() const {
+    std::error_code ignored;
+    std::vector<std::filesystem::path> files;
+    for (const auto& entry : std::filesystem::directory_iterator(folder_, ignored))
+      if (is_block(entry.path())) files.push_back(entry.path());
+    for (const std::filesystem::path& file : files) std::filesystem::remove(file, ignored);
+    std::filesystem::remove(folder_, ignored);
+  }
 
   /// How many blocks there are, damaged ones included.
   std::int64_t count() const {
@@ -85,6 +93,12 @@ class FinishedBlocks {
  private:
   std::filesystem::path file(std::int64_t block) const {
     return folder_ / (std::to_string(block) + ".block");
+  }
+  /// 12.block, or what a run that was killed left beside it, 12.block.part.
+  static bool is_block(const std::filesystem::path& path) {
+    const std::string name = path.filename().string();
+    const std::size_t digits = std::min(name.find_first_not_of("0123456789"), name.size());
+    return digits > 0 && name.substr(digits).starts_with(".block");
   }
   std::string head(std::int64_t block) const {
     return settings_ + ", number " + std::to_string(block) + '\n';

@@ -99,6 +99,14 @@ TEST_CASE("Finished blocks are whole or not there", "[examples]") {
   CHECK(blocks.load(3) == std::vector<double>{1, 2});
   CHECK_FALSE(blocks.load(4));
   CHECK(blocks.count() == 1);
+  std::ofstream(blocks.folder() / "3.block.part");  // of a run that was killed
+  std::ofstream(blocks.folder() / "of the user");
+  blocks.remove();
+  CHECK(fs::exists(blocks.folder() / "of the user"));
+  fs::remove(blocks.folder() / "of the user");
+  blocks.remove();
+  CHECK(fs::is_empty(folder.path));
+  CHECK_NOTHROW(blocks.remove());
 }
 
 TEST_CASE("Finished blocks belong to one run at a time, which may be killed", "[examples]") {

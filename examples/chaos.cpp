@@ -74,8 +74,8 @@ void run(const Regime& regime, const Request& request, Series& mean) {
     Invariants invariants(chain);
     const std::string name = regime.name + " chaos, realization " + std::to_string(k + 1);
     Progress progress(request.time, name);
-    const auto report = integrate(stepper, z, {.dt = request.dt, .t_end = request.time}, lyapunov,
-                                  every(std::min<std::int64_t>(100, request.steps()), invariants), progress);
+    const auto report =
+        integrate(stepper, z, {.dt = request.dt, .t_end = request.time}, lyapunov, invariants, progress);
     std::cerr << name
               << formatted(": %.2g µs a step", 1e6 * report.seconds / static_cast<double>(report.steps))
               << formatted(", %.2f evaluations", double(report.evaluations) / double(report.steps))

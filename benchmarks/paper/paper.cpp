@@ -64,7 +64,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_flag("--short", is_short,
                "some thousand steps of each experiment; the counts are checked within 6 %");
-  app.add_flag("--fresh", fresh, "forget the results that are there");
+  app.add_flag("--fresh", fresh, "do again what is there already");
   app.add_flag("--no-plot", no_plot, "leave the pictures out");
 
   return examples::run_program(app, argc, argv, [&] {
@@ -72,7 +72,6 @@ int main(int argc, char** argv) {
     const TableOptions options{.as_published = mode == "as-published", .is_short = is_short};
     if (!options.as_published) output /= "library";
     const Results results(output / "results");
-    if (fresh) std::filesystem::remove_all(output / "results");
 
     std::vector<Experiment> wanted;
     const auto want = [&](const std::vector<Experiment>& list) {
@@ -83,6 +82,8 @@ int main(int argc, char** argv) {
     if (contains(chosen, "times")) want(timing_experiments(is_short));
     for (const auto& figure : figures())
       if (contains(chosen, "fig:" + figure.name)) want(experiments(figure, options.as_published, is_short));
+    if (fresh)
+      for (const Experiment& one : wanted) std::filesystem::remove(results.file(one));
     make_missing(wanted, results);
 
     Verdict verdict;

@@ -345,6 +345,25 @@ TEST_CASE("Small corrections of Newton's method are no success where its equatio
   }
 }
 
+TEST_CASE("Rounding at a place that the stages have left is no excuse for what they change", "[gauss]") {
+  // Two vortices, whose distance every solution keeps, by steps of some turns to many.
+  const auto h = from_energy<2, float>([](const auto& q, const auto& p) {
+    using std::log;
+    const auto x = q[0] - q[1], y = p[0] - p[1];
+    return -log(x * x + y * y) / 2;
+  });
+  for (const StageSolver solver : {StageSolver::fixed_point, StageSolver::newton})
+    for (const float turns : {0.3F, 3.0F, 30.0F, 100.0F, 300.0F, 1000.0F})
+      for (float i = 0; i < 30; ++i) {
+        const float r = std::pow(10.0F, -0.1F * i), x = r * std::cos(i) / 2, y = r * std::sin(i) / 2;
+        PhasePoint<float, 2> z({x, -x}, {y, -y});
+        GaussLegendre stepper(h, {.stages = 3, .solver = solver});
+        if (!stepper.step(z, turns * std::acos(-1.0F) * r * r).ok()) continue;
+        CAPTURE(turns, r);
+        CHECK(std::hypot(z.q()[0] - z.q()[1], z.p()[0] - z.p()[1]) == Approx(r).epsilon(0.01));
+      }
+}
+
 TEST_CASE("Few iterations are not enough, and the state is left alone", "[gauss]") {
   for (const StageSolver solver : {StageSolver::fixed_point, StageSolver::newton}) {
     PhasePoint<double, 3> z = start;

@@ -157,28 +157,29 @@ class GaussShell {
     int since_least = 0;
     int feels = 0;
     Scalar felt_at(0);  // displaced() then
-    const auto feel = [&] {
-      felt_at = displaced();
-      feel_rounding(z, feels++, report);
-    };
-    const auto is_to_feel = [&] {  // what Newton's method met on its way far out says nothing of here
-      if (feels > 0 && displaced() < felt_at / 4) feels = 0;
-      return feels == 0;
-    };
-    // Far out the rounding of the displacements moves the field by as much as they change.
+    // Only of changes that are small beside the displacements their rounding is felt, too: far out it moves
+    // the field at z by as much as anything.
+    bool felt_moved = false;
     using std::sqrt;
-    const auto is_far_out = [&] { return displaced() * sqrt(epsilon) > size; };
-    const auto is_rounding = [&](const Scalar& change, int multiple) {
-      return !(change > displaced() / 1000 && is_far_out()) && is_within_felt(multiple);
+    const auto is_small = [&](const Scalar& off) { return off <= sqrt(epsilon) * displaced(); };
+    const auto feel = [&](bool moved) {
+      if (moved != felt_moved) feels = 0;
+      felt_at = displaced();
+      felt_moved = moved;
+      feel_rounding(z, moved, feels++, report);
     };
-    // Newton's corrections may be small, as where the field grows exponentially, and the equations far off.
+    const auto is_to_feel =
+        [&](bool moved) {  // what Newton's method met on its way far out says nothing of here
+          if (moved != felt_moved || (feels > 0 && displaced() < felt_at / 4)) feels = 0;
+          return feels == 0;
+        };
+    // Newton's corrections may be small, as where the field grows exponentially, and its equations far off.
     const auto ended = [&](Status status) {
       if (options_.solver == StageSolver::fixed_point) return status;
-      const Scalar off = stages().residual(), moved = displaced();
-      if (!(off > moved / 1000)) return status;
-      if (is_far_out()) return Status::no_convergence;
-      if (feels == 0) feel();
-      const Scalar rounding = Scalar(options_.stages) * felt_.sum() + 10 * epsilon * moved;
+      const Scalar off = stages().residual();
+      if (is_small(off)) return status;
+      if (feels == 0 || felt_moved) feel(false);
+      const Scalar rounding = Scalar(options_.stages) * felt_.sum() + 10 * epsilon * displaced();
       return off <= 10'000 * rounding ? status : Status::no_convergence;
     };
     bool entries_left = false;
@@ -201,8 +202,9 @@ class GaussShell {
         // or of a late time, may be above that of the displacements, or nowhere at all: it is measured.
         if (since_least >= (options_.solver == StageSolver::newton ? 1 : 3)) {
           // Where that did not suffice it is measured again: some roundings cancel each other.
-          if (is_to_feel() || (since_least >= 12 && since_least % 4 == 0)) feel();
-          if (is_rounding(change, since_least < 12 ? 1 : 100)) return ended(at_rounding);
+          const bool moved = is_small(change);
+          if (is_to_feel(moved) || (since_least >= 12 && since_least % 4 == 0)) feel(moved);
+          if (is_within_felt(since_least < 12 ? 1 : 100)) return ended(at_rounding);
         }
         const bool grows = previous > Scalar(0) && change >= previous;
         if (!entries_left && grows && change <= 10 * epsilon * displaced()) {
@@ -213,8 +215,10 @@ class GaussShell {
         previous = change;
       }
       if (report.evaluations < options_.max_iterations) continue;
-      if (seen && is_to_feel()) feel();
-      return seen && is_rounding(change, 100) ? ended(at_rounding) : Status::no_convergence;
+      if (!seen) return Status::no_convergence;
+      const bool moved = is_small(change);
+      if (is_to_feel(moved)) feel(moved);
+      return is_within_felt(100) ? ended(at_rounding) : Status::no_convergence;
     }
   }
 
@@ -223,9 +227,9 @@ class GaussShell {
   GaussTableau<Scalar> tableau_;
 
  private:
-  /// By how much a few roundings of the stages' places, others each time, change dt times the vector field at
-  /// z at most, entry by entry.
-  SEMIEXPLICIT_COLD void feel_rounding(const State& z, int before, StepReport& report) {
+  /// By how much a few roundings of z, and of the stages' displacements where these `moved`, others each
+  /// time, change dt times the vector field at z at most, entry by entry.
+  SEMIEXPLICIT_COLD void feel_rounding(const State& z, bool moved, int before, StepReport& report) {
     using std::abs;
     const Eigen::Index d = dof();
     const auto field_at = [&](Vec& field) {
@@ -236,8 +240,8 @@ class GaussShell {
     for (Eigen::Index i = 0; i < at_.size(); ++i) {
       constexpr int roundings[] = {4, -3, 6, -5, 3, -6, 5};
       const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon();
-      at_[i] +=
-          Scalar(roundings[(i % 3 + before * (i + 1)) % 7]) * epsilon * (abs(at_[i]) + stages().displaced(i));
+      const Scalar size = abs(at_[i]) + (moved ? stages().displaced(i) : Scalar(0));
+      at_[i] += Scalar(roundings[(i % 3 + before * (i + 1)) % 7]) * epsilon * size;
     }
     field_at(other_);
     for (Eigen::Index i = 0; i < at_.size(); ++i) {

@@ -168,11 +168,11 @@ class GaussShell {
       felt_moved = moved;
       feel_rounding(z, moved, feels++, report);
     };
-    const auto is_to_feel =
-        [&](bool moved) {  // what Newton's method met on its way far out says nothing of here
-          if (moved != felt_moved || (feels > 0 && displaced() < felt_at / 4)) feels = 0;
-          return feels == 0;
-        };
+    // What Newton's method met on its way far out says nothing of here.
+    const auto is_to_feel = [&](bool moved) {
+      if (moved != felt_moved || (feels > 0 && displaced() < felt_at / 4)) feels = 0;
+      return feels == 0;
+    };
     // Newton's corrections may be small, as where the field grows exponentially, and its equations far off.
     const auto ended = [&](Status status) {
       if (options_.solver == StageSolver::fixed_point) return status;

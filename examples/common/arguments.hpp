@@ -117,8 +117,7 @@ inline void add_output(CLI::App& app, Settings& settings, bool rows = true) {
   const auto plain = [](std::string folder) {
     return folder.find_first_of("<~$") == 0 ? "./" + folder : folder;
   };
-  add_value(app, "--output", settings.output, "folder for the data and the picture", CLI::Validator(),
-            "DIR")
+  add_value(app, "--output", settings.output, "folder for the data and the picture", CLI::Validator(), "DIR")
       ->transform(plain);
   app.add_flag("--no-plot", settings.no_plot, "leave the picture out");
   app.parse_complete_callback([&app, &settings] {

@@ -44,6 +44,10 @@ inline void prepare_outputs(const Settings& settings, const std::vector<std::fil
     return behind_links(a) == behind_links(b) ||
            (std::filesystem::equivalent(a, b, none) && std::filesystem::is_regular_file(a, none));
   };
+  for (const auto& input : settings.inputs)
+    if (const std::string part = checkpoint.string() + ".part"; !checkpoint.empty() && one_file(input, part))
+      throw std::invalid_argument("--checkpoint: " + part +
+                                  " is a file that the run reads; give another name");
   for (std::size_t i = 0; i < all.size(); ++i) {
     for (const auto& input : settings.inputs)
       for (const std::string& written : {all[i].string(), all[i].string() + ".part"})  // until it is whole

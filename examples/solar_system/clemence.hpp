@@ -70,7 +70,7 @@ inline std::vector<PerihelionCurve> clemence(const std::vector<std::string>& eff
     // The ratio of the golden section: no step near a resonance with the planets has the other near one.
     const double ratio = std::numbers::phi,
                  finer = perihelion_of(name + ", shorter steps", with, list, dt / ratio, time, 2).rate(),
-                 by_steps = std::abs(here.rate() - finer) / (1 - 1 / (ratio * ratio));
+                 by_steps = by_shorter_steps(here.rate(), finer, ratio);
     curves.push_back({name, std::move(here), by_steps});
     line(name, curves.back().perihelion.rate(), curves.back().uncertain(), then, now);
   };

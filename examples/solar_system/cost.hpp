@@ -25,10 +25,6 @@ enum class Judge {
   perihelion  ///< the error of how Mercury's perihelion turns, arcseconds a century
 };
 
-/// The error of a rate, from that with half the step: right for errors of second order in the step, too large
-/// for those of higher orders.
-inline double by_half_the_step(double rate, double of_half) { return 4.0 / 3 * std::abs(rate - of_half); }
-
 /// What came of a list and a step on a short run; its costs are those of the whole one.
 struct Trial {
   CostRow row{};
@@ -76,7 +72,7 @@ inline double tried_step(const System& system, int k) { return system.period / 4
 /// whole time where that is shorter, with the steps of tried_step(), until the error has stayed below
 /// `enough`, or rounding, down to half the step. The error of the energy is the largest in the trial, and no
 /// less than what rounding makes of a whole run, ε/2 times the root of its steps. That of the perihelion is
-/// by_half_the_step(). Neither is less than with any shorter step: what is better than that is so by
+/// by_shorter_steps(). Neither is less than with any shorter step: what is better than that is so by
 /// accident. Gradient calls and seconds are those of the trial, times time/trial.
 inline CostTable cost_of_lists(const System& system, double time, Judge judge, double enough, CostBy by) {
   constexpr std::size_t half = trials_to_half;
@@ -92,7 +88,7 @@ inline CostTable cost_of_lists(const System& system, double time, Judge judge, d
       if (trials.size() <= later) continue;
       Trial& judged = *(trials.rbegin() + static_cast<std::ptrdiff_t>(later));
       if (judge == Judge::perihelion && judged.row.works() && trials.back().row.works())
-        judged.row.error = by_half_the_step(judged.rate, trials.back().rate);
+        judged.row.error = by_shorter_steps(judged.rate, trials.back().rate, 2);
       below = judged.row.error <= enough || judged.row.limit == LimitedBy::rounding ? below + 1 : 0;
     }
     double least = 0;

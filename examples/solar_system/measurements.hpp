@@ -22,6 +22,12 @@ namespace examples {
 
 inline constexpr double arcsecond = std::numbers::pi / 648000;
 
+/// The error of a rate, from that with steps shorter by the ratio: right for errors of second order in the
+/// step, too large for those of higher orders.
+inline double by_shorter_steps(double rate, double of_shorter, double ratio) {
+  return std::abs(rate - of_shorter) / (1 - 1 / (ratio * ratio));
+}
+
 /// Follows the perihelion of body 1 in the plane of its orbit: the sum of the turns of Laplace's vector about
 /// the angular momentum, dω + cos i dΩ, and the straight line through it, which
 /// is fitted to the integral of the squares (trapezoids), not to their sum: what the ends of a run make of

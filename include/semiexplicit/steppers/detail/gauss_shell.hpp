@@ -180,7 +180,7 @@ class GaussShell {
       if (is_small(off)) return status;
       if (feels == 0 || felt_moved) feel(false);
       const Scalar rounding = Scalar(options_.stages) * felt_.sum() + 10 * epsilon * displaced();
-      return off <= 10'000 * rounding ? status : Status::no_convergence;
+      return off <= 100 * rounding ? status : Status::no_convergence;
     };
     bool entries_left = false;
     const Status at_rounding = options_.tolerance == 0 ? Status::success : Status::rounding_limited;
@@ -201,10 +201,11 @@ class GaussShell {
         // A change grows by rounding. That of a state far from the origin, as of an angle that has wound up,
         // or of a late time, may be above that of the displacements, or nowhere at all: it is measured.
         if (since_least >= (options_.solver == StageSolver::newton ? 1 : 3)) {
-          // Where that did not suffice it is measured again: some roundings cancel each other.
+          // Where that did not suffice it is measured again: some roundings cancel each other. What a stiff
+          // field makes of them is small beside the displacements, or the iteration runs away.
           const bool moved = is_small(change);
           if (is_to_feel(moved) || (since_least >= 12 && since_least % 4 == 0)) feel(moved);
-          if (is_within_felt(since_least < 12 ? 1 : 100)) return ended(at_rounding);
+          if (is_within_felt(moved && since_least >= 12 ? 100 : 1)) return ended(at_rounding);
         }
         const bool grows = previous > Scalar(0) && change >= previous;
         if (!entries_left && grows && change <= 10 * epsilon * displaced()) {
@@ -218,7 +219,7 @@ class GaussShell {
       if (!seen) return Status::no_convergence;
       const bool moved = is_small(change);
       if (is_to_feel(moved)) feel(moved);
-      return is_within_felt(100) ? ended(at_rounding) : Status::no_convergence;
+      return is_within_felt(moved ? 100 : 1) ? ended(at_rounding) : Status::no_convergence;
     }
   }
 

@@ -25,8 +25,8 @@ namespace examples {
 struct Figure {
   std::string name;
   double value = 0;
-  double uncertain = 0;              ///< by how it is measured, whatever the trajectory
-  std::string beside{};              ///< what is to be known of it; of `expected` what that is
+  double uncertain = 0;  ///< by how it is measured, whatever the trajectory; not finite: it cannot be
+  std::string beside{};  ///< what is to be known of it; of `expected` what that is
   std::optional<double> expected{};  ///< by a closed form or an estimate
   std::string missing{};             ///< why there is none; empty where there is one
 };
@@ -61,6 +61,8 @@ inline std::string no_error(const Run& run) {
 /// A figure whose error no companion tells is none.
 inline void print_figure(std::ostream& out, const Figure& figure, const Run& run) {
   if (!figure.missing.empty()) return print_none(out, figure.name, figure.missing);
+  if (!std::isfinite(figure.uncertain))
+    return print_none(out, figure.name, "the run has too few steps; give a smaller --dt");
   const auto error = run.figure_error(figure.name);
   if (!error) return print_none(out, figure.name, no_error(run));
   out << figure.name << ": " << with_uncertainty(figure.value, error->all());
@@ -292,46 +294,71 @@ class Largest {
   void see(double value) {
     value_ = std::max(value_, value);
     const double before = std::exchange(ahead_, -INFINITY);
-    ahead_possible_ = -INFINITY;
     bool seen_again = false;
-    if (const double bend = before_ - 2 * last_ + value; seen_ >= 2 && bend < 0) {
-      const double place = (before_ - value) / (2 * bend),  // in steps from the middle one
-          over = -bend * place * place / 2, top = last_ + over;
+    const auto [earlier, last] = std::pair(last_[3], last_[4]);
+    if (const double bend = earlier - 2 * last + value; seen_ >= 2 && bend < 0) {
+      const double place = (earlier - value) / (2 * bend),  // in steps from the middle one
+          over = -bend * place * place / 2, top = last + over;
       seen_again = place < 0 && place >= -1 && before > -INFINITY;
       const double differs = seen_again ? std::abs(top - before) : 0;  // it may be as far from both
       if (seen_again) possible_ = std::max(possible_, before + differs);
       // It is between the middle one and a neighbour, and seen from there again, but for the ends of the run.
-      if (std::abs(place) <= 0.5) offer(top, std::max(over - bend / 100, differs));
-      if (seen_ == 2 && place >= -1 && place < -0.5) offer(top, -bend / 10);
+      if (std::abs(place) <= 0.5) offer({top, top + std::max(over - bend / 100, differs)});
       if (place > 0 && place <= 1) ahead_ = top;
-      if (place > 0.5 && place <= 1) ahead_possible_ = top - bend / 10;
     }
     if (!seen_again) possible_ = std::max(possible_, before);
-    before_ = last_;
-    last_ = value;
-    ++seen_;
+    std::shift_left(last_.begin(), last_.end(), 1);
+    last_.back() = value;
+    if (++seen_ == 5) offer(in_first_step({last_[0], last_[1], last_[2], last_[3], last_[4]}));
   }
-  double value() const { return std::max(value_, ahead_); }
-  /// What the steps leave open: of the largest one, and whether another one is larger.
-  double uncertain() const { return std::max(0.0, std::max(possible_, ahead_possible_) - value()); }
+  double value() const { return std::max(value_, ended().top); }
+  /// What the steps leave open: of the largest one, and whether another one is larger. Not finite where they
+  /// are too few to tell.
+  double uncertain() const {
+    if (seen_ < 5) return INFINITY;
+    return std::max(0.0, std::max(possible_, ended().possible) - value());
+  }
 
   void visit_memory(CheckpointMemory& visit) {
     visit(seen_);
-    for (double* number : {&value_, &possible_, &before_, &last_, &ahead_, &ahead_possible_}) visit(*number);
+    for (double* number : {&value_, &possible_, &ahead_}) visit(*number);
+    for (double& value : last_) visit(value);
   }
 
  private:
-  void offer(double top, double uncertain) {
-    value_ = std::max(value_, top);
-    possible_ = std::max(possible_, top + uncertain);
+  struct Top {
+    double top, possible;
+  };
+  void offer(const Top& found) {
+    value_ = std::max(value_, found.top);
+    possible_ = std::max(possible_, found.possible);
+  }
+  Top ended() const {
+    if (seen_ < 5) return {-INFINITY, -INFINITY};
+    return in_first_step({last_[4], last_[3], last_[2], last_[1], last_[0]});
+  }
+  /// Of five values, of which the first two have a neighbour on one side only: by the parabola, and by what a
+  /// cubic may add to it.
+  static Top in_first_step(const std::array<double, 5>& f) {
+    const double slope = (f[2] - f[0]) / 2, bend = f[0] - 2 * f[1] + f[2],
+                 skew = std::max(std::abs(f[3] - 3 * f[2] + 3 * f[1] - f[0]),
+                                 std::abs(f[4] - 3 * f[3] + 3 * f[2] - f[1]));
+    const auto parabola = [&](double x) { return f[1] + x * (slope + x * bend / 2); };
+    Top found{std::max(f[0], f[1]), -INFINITY};
+    if (bend < 0 && slope <= 0 && slope >= bend) found.top = parabola(-slope / bend);
+    found.possible = found.top;
+    for (int i = 1; i < 64; ++i) {
+      const double x = -i / 64.0;
+      found.possible = std::max(found.possible, parabola(x) + skew * (x * x * x - x) / 2);
+    }
+    return found;
   }
 
   std::int64_t seen_ = 0;
   double value_ = -INFINITY, possible_ = -INFINITY;  ///< so far, and what it may be at most
-  double before_ = 0, last_ = 0;
-  /// The top that the last three have between the last two of them, and what it may be at most where it is
-  /// nearer to the last one.
-  double ahead_ = -INFINITY, ahead_possible_ = -INFINITY;
+  std::array<double, 5> last_{};
+  /// The top that the last three have between the last two of them.
+  double ahead_ = -INFINITY;
 };
 
 }  // namespace examples

@@ -209,7 +209,7 @@ struct Stoermer {
 inline Measurement<3> stoermer(const Choice& c) {
   struct Seen {
     bool begun = false;
-    double l = 0, turn = 0, azimuth = 0;  ///< the last two: the largest turn from step to step
+    double l = 0, turn = 0, azimuth = 0, about = 0;  ///< the last three: the largest turn from step to step
     Eigen::Vector3d last = Eigen::Vector3d::Zero(), way = last;
     Largest closeness, sine;
     void visit_memory(CheckpointMemory& visit) {
@@ -217,6 +217,7 @@ inline Measurement<3> stoermer(const Choice& c) {
       visit(l);
       visit(turn);
       visit(azimuth);
+      visit(about);
       visit(last);
       visit(way);
       closeness.visit_memory(visit);
@@ -234,6 +235,7 @@ inline Measurement<3> stoermer(const Choice& c) {
             const Eigen::Vector3d across(1, 1, 0);
             seen->azimuth = std::max(seen->azimuth,
                                      angle_between(seen->last.cwiseProduct(across), q.cwiseProduct(across)));
+            seen->about = std::max(seen->about, angle_between(seen->last, q));
             seen->last = q;
             seen->way = way;
             const Stoermer region(c, {1, 0, 0}, {0, seen->l, 0});
@@ -256,8 +258,11 @@ inline Measurement<3> stoermer(const Choice& c) {
               list.push_back(not_measured(sine, "about the axis " + coarse));
             else
               list.push_back({sine, seen->sine.value(), seen->sine.uncertain(), "forbidden: above 1"});
-            list.push_back({"nearest to the dipole, " + c.units.name(0), -seen->closeness.value(),
-                            seen->closeness.uncertain()});
+            const std::string nearest = "nearest to the dipole, " + c.units.name(0);
+            if (const std::string coarse = too_coarse(seen->about, std::numbers::pi / 6); !coarse.empty())
+              list.push_back(not_measured(nearest, "about the dipole " + coarse));
+            else
+              list.push_back({nearest, -seen->closeness.value(), seen->closeness.uncertain()});
             return list;
           },
           {},

@@ -154,6 +154,12 @@ prints(fast_charges "does not measure where steps go through its turns" "--prese
 # 0.9955 at least.
 prints(fast_charges "does not measure a peak at the axis that a step hides" "--preset cosmic_ray --rigidity \"7.673e+09 V\" --y 0.1146 --z 3.569"
   "on the way: not measured, about the axis it turns by up to 77 degrees in a step; give a --dt 4 times smaller\nnearest to the dipole[^\n]*: 3.86")
+# 4.6994466 and 0.9999974.
+prints(fast_charges "does not measure how near a step comes that goes past the dipole" "--preset cosmic_ray --rigidity \"3e11 V\" --time 1.3 --dt 0.325"
+  "nearest to the dipole[^\n]*: not measured, about the dipole it turns by up to 85 degrees in a step; give a --dt 4 times smaller")
+prints(fast_charges "knows what the last step may hide" "--preset cosmic_ray --rigidity \"3e11 V\" --time 1.285 --dt 0.05"
+  "way: (1.00|0.99[5-9]) ± 0.01; forbidden: above 1\nnearest to the dipole[^\n]*: 4.71 ± 0.0[1-9]\n")
+prints(black_hole "does not measure an orbit of three steps" "--dt 10 --time 30" "nearest r: not measured, the run has too few steps; give a smaller --dt\n")
 # By Carter's constant 48.034.
 prints(black_hole "says how far it goes from the equator between steps" "--preset kerr --dt 3 --time 60" "degrees off the equator: 48.0[0-9]* ± 0.[0-9]+\n")
 prints(black_hole "says how well steps tell the closest approach" "--preset zoom_whirl --scheme low_defect6_s15 --dt 3.09 --time 300" "nearest r: 1[.]8[0-9]* ± 0[.]0(0[1-9]|[12])\n")

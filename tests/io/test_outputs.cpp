@@ -416,6 +416,32 @@ TEST_CASE("Rows that did not come to an end are kept once", "[io]") {
   CHECK(contents(path.string() + ".part.5") == "t\n6\n");
 }
 
+TEST_CASE("A file that has the name of a .part by chance is moved away, and a rest is not", "[io]") {
+  const Folder folder;
+  const fs::path path = folder.path / "run", part = folder.path / "run.part",
+                 away = folder.path / "run.part.1";
+  const auto put = [&](const std::string& text) { std::ofstream(part) << text; };
+  put("the user's own");
+  { const DurableFile unused(path); }
+  CHECK(contents(part) == "the user's own");
+  write_durably(path, "a state");
+  CHECK(contents(path) == "a state");
+  CHECK(contents(away) == "the user's own");
+  CHECK_FALSE(fs::exists(part));
+
+  for (const char* rest : {"a st", "a state, and more of it", ""}) {  // of what was killed while it wrote
+    put(rest);
+    write_durably(path, "a state");
+    CHECK(contents(path) == "a state");
+    CHECK_FALSE(fs::exists(part));
+  }
+  CHECK_FALSE(fs::exists(folder.path / "run.part.2"));
+  put("nothing is written over this");
+  DurableFile(path).commit();
+  CHECK(contents(path).empty());
+  CHECK(contents(folder.path / "run.part.2") == "nothing is written over this");
+}
+
 TEST_CASE("An output does not take the name of another one's .part", "[io]") {
   const Folder folder;
   const fs::path path = folder.path / "a.csv", part = folder.path / "a.csv.part", link = folder.path / "link";

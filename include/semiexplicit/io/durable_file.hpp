@@ -98,9 +98,10 @@ class DurableFile {
   enum class Uncommitted { kept, removed };
 
   /// Throws where the folder is missing or not writable, the name is a folder, a file that is write-protected
-  /// or ends in ".part", or another run is writing it. What an earlier run left in the .part stays up to the
-  /// first write(), which moves it to earlier(1), or the next free one, and says so on stderr, where what is
-  /// not committed is kept. Of two of which one begins with the other the longer one stays.
+  /// or ends in ".part", or another run is writing it. What is in the .part already, from an earlier run,
+  /// say, stays up to the first write(), which moves it to earlier(1), or the next free one, and says so on
+  /// stderr; where what is not committed is removed, only what begins otherwise than that write, and is so no
+  /// rest of an earlier one. Of two of which one begins with the other the longer one stays.
   explicit DurableFile(std::filesystem::path name, Uncommitted uncommitted = Uncommitted::removed)
       : name_(std::move(name)), to_(name_), part_(to_.path), uncommitted_(uncommitted) {
     part_ += to_.direct ? "" : ".part";
@@ -112,12 +113,13 @@ class DurableFile {
   ~DurableFile() {
     if (committed_ || to_.direct || !file_.is(part_)) return;
     std::error_code ignored;
-    if (uncommitted_ == Uncommitted::kept) {
-      if (length_ > 0)
-        std::fprintf(stderr, "semiexplicit: %s was not committed; what was written is in %s\n",
-                     name_.string().c_str(), part_.string().c_str());
-      if (length_ > 0 || std::filesystem::file_size(part_, ignored) > 0) return;  // or an earlier run's
+    if (uncommitted_ == Uncommitted::kept && length_ > 0) {
+      std::fprintf(stderr, "semiexplicit: %s was not committed; what was written is in %s\n",
+                   name_.string().c_str(), part_.string().c_str());
+      return;
     }
+    if ((uncommitted_ == Uncommitted::kept || !begun_) && std::filesystem::file_size(part_, ignored) > 0)
+      return;  // what was there before
 #if defined(_WIN32)
     file_.close();
 #endif
@@ -130,7 +132,7 @@ class DurableFile {
   /// an earlier run left; see the constructor.
   void write(std::string_view bytes) {
     if (committed_) throw std::logic_error(name_.string() + ": is committed, and nothing can be added");
-    begin();
+    begin(bytes);
 #if !defined(_WIN32)
     if (to_.descriptor == STDOUT_FILENO) std::fflush(stdout);  // what was printed before comes before
 #endif
@@ -255,9 +257,10 @@ class DurableFile {
     } while (!file_.is(part_));  // the other run has just given it its name
   }
 
-  void begin() {
+  void begin(std::string_view bytes = {}) {
     if (begun_) return;
-    if (!to_.direct && length_ == 0 && uncommitted_ == Uncommitted::kept) keep_earlier();
+    if (!to_.direct && length_ == 0 && (uncommitted_ == Uncommitted::kept || !is_rest_of(bytes)))
+      keep_earlier();
     if (!to_.direct && !file_.cut(length_)) fail("cannot be written", errno);
     begun_ = true;
   }
@@ -274,12 +277,21 @@ class DurableFile {
       file_.close();
 #endif
       std::filesystem::rename(part_, earlier(n), failure);
-      if (failure) fail("holds the rows of an earlier run, and cannot be moved", failure.value());
+      if (failure) fail("has another file in the place of its .part, which cannot be moved", failure.value());
       file_.close();
       open_part();
     }
-    std::fprintf(stderr, "semiexplicit: %s: an earlier run did not end; its rows are in %s\n",
-                 name_.string().c_str(), earlier(n).string().c_str());
+    std::fprintf(stderr, "semiexplicit: %s: %s in %s\n", name_.string().c_str(),
+                 uncommitted_ == Uncommitted::kept ? "an earlier run did not end; its rows are"
+                                                   : "another file had the name of its .part, and is",
+                 earlier(n).string().c_str());
+  }
+  /// Whether the .part begins as these bytes do.
+  bool is_rest_of(std::string_view bytes) const {
+    std::error_code failure;
+    std::string there(std::min<std::size_t>(bytes.size(), 16), '\0');
+    there.resize(std::min<std::uintmax_t>(there.size(), std::filesystem::file_size(part_, failure)));
+    return !there.empty() && read(0, there.data(), there.size()) && bytes.starts_with(there);
   }
   /// Whether the .part and another file are the same as far as both go: a run that is repeated writes the
   /// same again, and the longer one holds the rows of both.

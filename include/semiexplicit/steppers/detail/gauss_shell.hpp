@@ -58,7 +58,7 @@ namespace detail {
 ///     Scalar increment(Eigen::Index i) const;    // Σ_j dt b_j X_ji
 ///     Scalar displaced(Eigen::Index i) const;    // Σ_j of the absolute values of displacement i, from z
 ///     Scalar changed(Eigen::Index i) const;      // the same of what the last sweep changed in it
-///     Scalar residual() const;                   // of Newton's equations, before the last correction
+///     Scalar residual() const;                   // of Newton's equations, before the last correction, or 0
 ///     void visit_stages(Visitor& visit);  // the gradients, which the next stages are extrapolated from
 template <class Stepper, class H>
 class GaussShell {
@@ -162,23 +162,20 @@ class GaussShell {
     bool felt_moved = false;
     using std::sqrt;
     const auto is_small = [&](const Scalar& off) { return off <= sqrt(epsilon) * displaced(); };
-    const auto feel = [&](bool moved) {
-      if (moved != felt_moved) feels = 0;
+    // What Newton's method met on its way far out says nothing of here. Some roundings cancel each other, so
+    // that it is felt again.
+    const auto feel = [&](bool moved, bool again = false) {
+      if (moved != felt_moved || displaced() < felt_at / 4) feels = 0;
+      if (feels > 0 && !again) return;
       felt_at = displaced();
       felt_moved = moved;
       feel_rounding(z, moved, feels++, report);
     };
-    // What Newton's method met on its way far out says nothing of here.
-    const auto is_to_feel = [&](bool moved) {
-      if (moved != felt_moved || (feels > 0 && displaced() < felt_at / 4)) feels = 0;
-      return feels == 0;
-    };
     // Newton's corrections may be small, as where the field grows exponentially, and its equations far off.
     const auto ended = [&](Status status) {
-      if (options_.solver == StageSolver::fixed_point) return status;
       const Scalar off = stages().residual();
-      if (is_small(off)) return status;
-      if (feels == 0 || felt_moved) feel(false);
+      if (off == Scalar(0) || is_small(off)) return status;
+      feel(false);
       const Scalar rounding = Scalar(options_.stages) * felt_.sum() + 10 * epsilon * displaced();
       return off <= 100 * rounding ? status : Status::no_convergence;
     };
@@ -201,10 +198,9 @@ class GaussShell {
         // A change grows by rounding. That of a state far from the origin, as of an angle that has wound up,
         // or of a late time, may be above that of the displacements, or nowhere at all: it is measured.
         if (since_least >= (options_.solver == StageSolver::newton ? 1 : 3)) {
-          // Where that did not suffice it is measured again: some roundings cancel each other. What a stiff
-          // field makes of them is small beside the displacements, or the iteration runs away.
+          // What a stiff field makes of them is small beside the displacements, or the iteration runs away.
           const bool moved = is_small(change);
-          if (is_to_feel(moved) || (since_least >= 12 && since_least % 4 == 0)) feel(moved);
+          feel(moved, since_least >= 12 && since_least % 4 == 0);
           if (is_within_felt(moved && since_least >= 12 ? 100 : 1)) return ended(at_rounding);
         }
         const bool grows = previous > Scalar(0) && change >= previous;
@@ -218,7 +214,7 @@ class GaussShell {
       if (report.evaluations < options_.max_iterations) continue;
       if (!seen) return Status::no_convergence;
       const bool moved = is_small(change);
-      if (is_to_feel(moved)) feel(moved);
+      feel(moved);
       return is_within_felt(moved ? 100 : 1) ? ended(at_rounding) : Status::no_convergence;
     }
   }

@@ -66,7 +66,7 @@ std::vector<ScenePreset<3>> presets() {
        .dt = "1e-8 s",
        .time = "1e-5 s",
        .start = slow(metres, [](const Choice& c) { return about_the_axis(c, c["b"]); }),
-       .measure = gyration},
+       .measure = slow_gyration},
       {.name = "bottle",
        .about = "a proton of 1 keV between magnetic mirrors, 1 T in the middle",
        .units = metres,

@@ -12,6 +12,7 @@
 #include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
+#include "../common/gyration.hpp"
 #include "../common/measurement.hpp"
 #include "../common/scene_choice.hpp"
 
@@ -97,26 +98,10 @@ struct Velocity {
   double all, across, along;
 };
 
-/// About the origin; other effects than the field would make it wander.
-inline Measurement<3> gyration(const Choice& c) {
-  const auto turning = std::make_shared<Turning>();
-  const bool alone = c.only_field("uniform_field");
-  const double rate = c["charge"] * (alone ? c["b"] : 0) / c["mass"],
-               radius = std::abs(Velocity(c).across / rate);
-  return {[=](double t, const In<double, 3>& q, const In<double, 3>&) { turning->see(t, q[0], q[1]); },
-          memory_of(turning),
-          [=](const Run&) -> std::vector<Figure> {
-            const std::string coarse = too_coarse(turning->largest(rate));
-            const std::string why = !alone                   ? "the formula holds for uniform_field alone"
-                                    : !Velocity(c).crosses() ? Velocity::no_crossing
-                                    : !coarse.empty()        ? coarse
-                                    : std::abs(turning->turned()) < 2 * std::numbers::pi
-                                        ? "the run has no whole turn; give more --time"
-                                        : "";
-            if (!why.empty()) return {not_measured("gyrofrequency", why)};
-            return {compared("gyrofrequency, rad/s", -turning->rate(), 0, "eB/m", rate),
-                    compared("gyroradius, m", turning->mean_radius(), 0, "mv/(eB)", radius)};
-          }};
+inline Measurement<3> slow_gyration(const Choice& c) {
+  const Velocity v(c);
+  return gyration(c, c["mass"], c["mass"] * v.across, "eB/m", "mv/(eB)",
+                  v.crosses() ? "" : Velocity::no_crossing);
 }
 
 /// The adiabatic estimates are for a gyroradius much smaller than the length of the field, and for the field

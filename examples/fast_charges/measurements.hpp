@@ -14,6 +14,7 @@
 #include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
+#include "../common/gyration.hpp"
 #include "../common/measurement.hpp"
 #include "../common/scene_choice.hpp"
 #include "effects.hpp"
@@ -33,26 +34,11 @@ inline double gamma_of(const Choice& c) {
 }
 
 inline Measurement<3> fast_gyration(const Choice& c) {
-  const auto turning = std::make_shared<Turning>();
-  const bool alone = c.only_field("uniform_field");
-  return {[=](double t, const In<double, 3>& q, const In<double, 3>&) { turning->see(t, q[0], q[1]); },
-          memory_of(turning),
-          [=](const Run&) -> std::vector<Figure> {
-            const double across = std::abs(std::sin(c["pitch"]));
-            const double rate = c["charge"] * c["b"] / (gamma_of(c) * c["mass"]);
-            const std::string coarse = too_coarse(turning->largest(rate));
-            const std::string why = !alone          ? "the formula holds for uniform_field alone"
-                                    : across < 1e-4 ? "it moves nearly along the field, and solvers stop by "
-                                                      "the whole momentum; give another --pitch"
-                                    : !coarse.empty() ? coarse
-                                    : std::abs(turning->turned()) < 2 * std::numbers::pi
-                                        ? "the run has no whole turn; give more --time"
-                                        : "";
-            if (!why.empty()) return {not_measured("gyrofrequency", why)};
-            return {compared("gyrofrequency, rad/s", -turning->rate(), 0, "eB/(γm)", rate),
-                    compared("gyroradius, m", turning->mean_radius(), 0, "p/(eB)",
-                             momentum_of(c) * across / std::abs(c["charge"] * c["b"]))};
-          }};
+  const double across = std::abs(std::sin(c["pitch"]));
+  return gyration(c, gamma_of(c) * c["mass"], momentum_of(c) * across, "eB/(γm)", "p/(eB)",
+                  across < 1e-4 ? "it moves nearly along the field, and solvers stop by the whole momentum; "
+                                  "give another --pitch"
+                                : "");
 }
 
 /// The first place and the last, and how far it went along one axis and to the middle.

@@ -261,6 +261,13 @@ inline std::string about_extras(const CLI::App& app, const std::vector<std::stri
   }
 }
 
+/// What to say of a failure.
+inline std::string reason(const std::exception& error) {
+  if (dynamic_cast<const std::bad_alloc*>(&error) != nullptr)
+    return "there is not memory enough for so much; ask for less";
+  return error.what();
+}
+
 /// Parses the arguments and runs `body`, which gives the exit code. Bad arguments (std::invalid_argument,
 /// too) end in one line and exit code 2, other failures, a full standard output too, in one line and exit
 /// code 1.
@@ -294,10 +301,8 @@ int run_program(CLI::App& app, int argc, char** argv, const Body& body) {
     return complain(error.what() + hint, 2);
   } catch (const std::invalid_argument& error) {
     return complain(error.what(), 2);
-  } catch (const std::bad_alloc&) {
-    return complain("there is not memory enough for so much; ask for less", 1);
   } catch (const std::exception& error) {
-    return complain(error.what(), 1);
+    return complain(reason(error), 1);
   }
 }
 

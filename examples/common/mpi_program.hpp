@@ -46,7 +46,7 @@ int run_mpi_program(CLI::App& app, const std::string& name, int rank, int argc, 
       return run();
     } catch (const std::exception& error) {
       // In one piece: mpirun mixes what processes write.
-      std::cerr << name + ", process " + std::to_string(rank) + ": " + error.what() + '\n' << std::flush;
+      std::cerr << name + ", process " + std::to_string(rank) + ": " + reason(error) + '\n' << std::flush;
       MPI_Abort(MPI_COMM_WORLD, 1);
       return 1;
     }

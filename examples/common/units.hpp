@@ -99,7 +99,7 @@ inline Unit read_unit(const std::string& text) {
   return product;
 }
 
-/// "length^3/time^2", "number".
+/// "length^3/time^2", "mass/time/charge", "number".
 inline std::string dimension(const Unit& unit) {
   static const char* const names[] = {"length", "time", "mass", "charge"};
   std::string sides[2];  // above and below the stroke
@@ -107,7 +107,7 @@ inline std::string dimension(const Unit& unit) {
     const int power = unit.powers[k];
     std::string& side = sides[power < 0];
     if (power == 0) continue;
-    side += (side.empty() ? "" : " ") + std::string(names[k]);
+    side += (side.empty() ? "" : power < 0 ? "/" : " ") + std::string(names[k]);
     if (std::abs(power) > 1) side += "^" + std::to_string(std::abs(power));
   }
   if (sides[1].empty()) return sides[0].empty() ? "number" : sides[0];

@@ -1186,4 +1186,28 @@ TEST_CASE("A step that fails while an event is looked for is that failure, where
   CHECK(failed > 50);
 }
 
+TEMPLATE_TEST_CASE("A surface is seen again by its own size, once steps have shown that", "[events]", float,
+                   double) {
+  using Scalar = TestType;
+  using State = PhasePoint<Scalar, 2>;
+  // The second position is the time, and s is large only before the first of the burns.
+  const auto h = from_energy<2, Scalar>([](const auto&, const auto& p) { return p[0] * p[0] / 2 + p[1]; });
+  const bool in_float = std::same_as<Scalar, float>;
+  const Scalar far = in_float ? 30 : 10'000, dt = in_float ? Scalar(0.1) : Scalar(0.005);
+  const Scalar last = in_float ? Scalar(1.3) : Scalar(1.02);
+  const auto s = [=](const auto& q, const auto&) -> Scalar {
+    return (q[1] - far) * (q[1] - far - 1) * (q[1] - far - last);
+  };
+  int burns = 0;
+  auto watch = events(h, on_event(s, [&](Scalar, State& z) {
+                        ++burns;
+                        z.p()[0] += Scalar(0.5);
+                      }));
+  Semiexplicit stepper(h, schemes::strang<Scalar>());
+  State z({0, 0}, {1, 0});
+  integrate(stepper, z, {.dt = dt, .t_end = far + 2}, watch);
+  CHECK(burns == 3);
+  CHECK(z.p()[0] == Approx(2.5));
+}
+
 }  // namespace test_events

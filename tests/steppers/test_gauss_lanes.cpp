@@ -255,6 +255,19 @@ void satellite_is_the_same_in_heavy_units(const GaussLegendreOptions& options) {
   CHECK((satellite_after<Stepper>(400, 0x1p100, options) - light).norm() < 1e-9);
 }
 
+/// At the rates 2 and 0.01.
+struct TwoOscillators {
+  using Scalar = double;
+  static constexpr int Dof = 2;
+  using PackGradientOf = TwoOscillators;
+  void gradient(const auto& q, const auto& p, auto&& by_q, auto&& by_p) const {
+    by_q[0] = 4.0 * q[0];
+    by_q[1] = 1e-4 * q[1];
+    by_p[0] = p[0];
+    by_p[1] = p[1];
+  }
+};
+
 }  // namespace
 
 TEST_CASE("Light bodies' stages converge as well where heavy bodies' numbers are far larger", "[gauss]") {
@@ -263,6 +276,21 @@ TEST_CASE("Light bodies' stages converge as well where heavy bodies' numbers are
     satellite_is_the_same_in_heavy_units<GaussLegendreLanes>({.stages = 6, .extrapolate = extrapolate});
   }
   satellite_is_the_same_in_heavy_units<GaussLegendre>({.stages = 3, .solver = StageSolver::newton});
+}
+
+TEST_CASE("A small oscillation converges as well beside a large one", "[gauss]") {
+  const auto keeps_its_energy = [](auto stepper) {
+    for (const double small : {1e-6, 1e-9, 1e-12, 1e-15}) {
+      PhasePoint<double, 2> z({small, 1}, {small, 0});
+      const auto energy = [&] { return z.p()[0] * z.p()[0] + 4 * z.q()[0] * z.q()[0]; };
+      const double first = energy();
+      integrate(stepper, z, {.dt = 1, .steps = 500});
+      CAPTURE(small);
+      CHECK(energy() == Approx(first).epsilon(1e-9));
+    }
+  };
+  keeps_its_energy(GaussLegendre(TwoOscillators(), {.stages = 2}));  // whose changes shrink in turns
+  keeps_its_energy(GaussLegendreLanes(TwoOscillators(), {.stages = 4}));
 }
 
 TEST_CASE("Gauss's methods iterate as well beside a coordinate that has gone far", "[gauss]") {

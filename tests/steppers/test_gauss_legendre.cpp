@@ -391,6 +391,43 @@ TEST_CASE("Stages whose places are rounded to a part of what they turn about run
       }
 }
 
+TEST_CASE("Steps of what is far from the origin converge, though their places are rounded", "[gauss]") {
+  const auto pair = from_energy<4>([](const auto& q, const auto& p) {
+    using std::sqrt;
+    const auto x = q[0] - q[2], y = q[1] - q[3];
+    return p.squaredNorm() / 2 - 1 / sqrt(x * x + y * y);
+  });
+  for (const int stages : {1, 2, 4}) {
+    PhasePoint<double, 4> z({1e5 + 0.5, 0, 1e5 - 0.5, 0}, {0.3, 0.5, 0.3, -0.6});
+    GaussLegendre stepper(pair, {.stages = stages});
+    CHECK_NOTHROW(integrate(stepper, z, {.dt = 0.05, .steps = 1500}));
+    for (const StageSolver solver : {StageSolver::fixed_point, StageSolver::newton}) {
+      PhasePoint<double, 1> wound(1e6, 2.5);
+      GaussLegendre pendulum(Pendulum(), {.stages = stages, .solver = solver});
+      CHECK_NOTHROW(integrate(pendulum, wound, {.dt = 0.1, .steps = 1500}));
+    }
+  }
+}
+
+TEMPLATE_TEST_CASE("Steps of what is nearly at rest converge", "[gauss]", float, double) {
+  using Scalar = TestType;
+  const auto h = from_energy<2, Scalar>([](const auto& q, const auto& p) {
+    using std::cos;
+    const auto x = q[0] - 1, y = q[1] - 2;
+    return (p[0] * p[0] + p[1] * p[1] * (1 + x * x)) / 2 + 50 * x * x + y * y * (1 + x) - cos(x * y);
+  });
+  const Scalar epsilon = std::numeric_limits<Scalar>::epsilon();
+  for (const StageSolver solver : {StageSolver::fixed_point, StageSolver::newton})
+    for (const int stages : {1, 2, 4})
+      for (const Scalar far : {Scalar(1), Scalar(100), Scalar(10'000)})
+        for (int i = 0; i < 100; ++i) {
+          const auto off = [&](int k) { return far * epsilon * Scalar(std::sin(double(k) * (i + 1))); };
+          PhasePoint<Scalar, 2> z({1 + off(3), 2 + off(5)}, {off(7), off(11)});
+          CAPTURE(stages, far, i);
+          CHECK(GaussLegendre(h, {.stages = stages, .solver = solver}).step(z, Scalar(0.001) * (1 + i)).ok());
+        }
+}
+
 TEST_CASE("Few iterations are not enough, and the state is left alone", "[gauss]") {
   for (const StageSolver solver : {StageSolver::fixed_point, StageSolver::newton}) {
     PhasePoint<double, 3> z = start;

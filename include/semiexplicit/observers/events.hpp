@@ -334,6 +334,7 @@ class Events {
     Scalar level = Scalar(0);
     Scalar noise = Scalar(0);         ///< the largest rounding of s since it rests
     Scalar scale = Scalar(0);         ///< the largest |s| since the last crossing
+    int steps = 0;                    ///< since then
     Scalar scale_before = Scalar(0);  ///< and between that and the one before
 
     void enlarge(const Scalar& s) {
@@ -347,7 +348,8 @@ class Events {
       side = to;
       way = 0;
       // Where steps go from surface to surface no state shows how large it was.
-      if (scale > scale_before / 1000) scale_before = std::exchange(scale, Scalar(0));
+      if (std::exchange(steps, 0) >= 3 || scale > scale_before / 1000)
+        scale_before = std::exchange(scale, Scalar(0));
     }
     template <class Visitor>
     void visit(Visitor& visit) {
@@ -360,6 +362,7 @@ class Events {
       visit(level);
       visit(noise);
       visit(scale);
+      visit(steps);
       visit(scale_before);
     }
   };
@@ -513,6 +516,7 @@ class Events {
     const Scalar to = value(kind, end);
     const int after = detail::side_of(to);
     own.enlarge(to);
+    ++own.steps;
     // On the surface it is not decided yet: an orbit that only touches it comes back to the side where it
     // was.
     using std::abs;

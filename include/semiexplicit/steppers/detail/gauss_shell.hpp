@@ -99,7 +99,7 @@ class GaussShell {
   std::int64_t max_gradients() const {
     const auto hessian =
         options_.solver == StageSolver::newton ? SecondDerivatives<H>::max_gradients(dof()) : Eigen::Index{0};
-    return 1 + 2 * (std::int64_t{1} + options_.max_iterations) +
+    return 1 + 3 * (std::int64_t{1} + options_.max_iterations) +
            std::int64_t{options_.max_iterations} * options_.stages * (1 + hessian);
   }
 
@@ -133,6 +133,7 @@ class GaussShell {
         least_(2 * dof()),
         at_(least_),
         felt_(least_),
+        passed_on_(least_),
         field_(least_),
         other_(least_) {
     if (!(options.max_iterations >= 1 && options.tolerance >= 0 && std::isfinite(options.tolerance)))
@@ -206,6 +207,7 @@ class GaussShell {
         const bool grows = previous > Scalar(0) && change >= previous;
         if (!entries_left && grows && change <= 10 * epsilon * displaced()) {
           entries_left = true;
+          since_better_ = 0;
           least_.setConstant(std::numeric_limits<Scalar>::infinity());
         }
         if (entries_left && !improves(z)) return ended(at_rounding);
@@ -225,12 +227,27 @@ class GaussShell {
 
  private:
   /// By how much a few roundings of z, and of the stages' displacements where these `moved`, others each
-  /// time, change dt times the vector field at z at most, entry by entry.
+  /// time, change dt times the vector field at z at most, entry by entry, and that in its turn.
   SEMIEXPLICIT_COLD void feel_rounding(const State& z, bool moved, int before, StepReport& report) {
-    using std::abs;
+    using std::abs, std::max;
     const Eigen::Index d = dof();
     const auto field_at = [&](Vec& field) {
       gradient_at(hamiltonian_, at_.data(), at_.data() + d, field.data() + d, field.data(), d);
+    };
+    // Gives its share of the displacements, of positions or of momenta.
+    const auto feel_at = [&](Vec& most) {
+      field_at(other_);
+      Scalar sums[2][2] = {};
+      for (Eigen::Index i = 0; i < at_.size(); ++i) {
+        other_[i] = abs(weights_dt_ * (other_[i] - field_[i]));
+        if (before == 0 || other_[i] > most[i]) most[i] = other_[i];
+        sums[i < d][0] += other_[i];
+        sums[i < d][1] += stages().displaced(i);
+      }
+      const auto share = [](const auto& sum) {
+        return sum[0] > Scalar(0) ? Scalar(sum[0] / sum[1]) : sum[0];
+      };
+      return max(share(sums[0]), share(sums[1]));
     };
     at_ = z.vector();
     field_at(field_);
@@ -240,44 +257,54 @@ class GaussShell {
       const Scalar size = abs(at_[i]) + (moved ? stages().displaced(i) : Scalar(0));
       at_[i] += Scalar(roundings[(i % 3 + before * (i + 1)) % 7]) * epsilon * size;
     }
-    field_at(other_);
-    for (Eigen::Index i = 0; i < at_.size(); ++i) {
-      const Scalar now = abs(weights_dt_ * (other_[i] - field_[i]));
-      if (before == 0 || now > felt_[i]) felt_[i] = now;
-    }
-    report.gradients += 2;
+    const Scalar share = feel_at(felt_);
+    for (Eigen::Index i = 0; i < at_.size(); ++i)
+      at_[i] = z.vector()[i] + ((i + before) % 2 == 0 ? other_[i] : Scalar(-other_[i]));
+    const Scalar passed_on = feel_at(passed_on_),
+                 growth = share > Scalar(0) ? Scalar(passed_on / share) : share;
+    growth_ = before == 0 ? growth : max(growth_, growth);
+    report.gradients += 3;
   }
-  /// Whether the last sweep changed no entry by more than so many times that and its own rounding.
+  /// Whether the last sweep changed no entry by more than so many times that and its own rounding. Where
+  /// steps of several radians make much more of a rounding than it was, it is no measure.
   bool is_within_felt(int multiple) {
     const Scalar count = Scalar(options_.stages), rounding = 10 * Eigen::NumTraits<Scalar>::epsilon();
-    for (Eigen::Index i = 0; i < felt_.size(); ++i)
-      if (!(stages().changed(i) <= Scalar(multiple) * (count * felt_[i] + rounding * stages().displaced(i))))
+    const bool passes_on = growth_ <= Scalar(10);
+    for (Eigen::Index i = 0; i < felt_.size(); ++i) {
+      const Scalar felt = passes_on && passed_on_[i] > felt_[i] ? passed_on_[i] : felt_[i];
+      if (!(stages().changed(i) <= Scalar(multiple) * (count * felt + rounding * stages().displaced(i))))
         return false;
+    }
     return true;
   }
 
-  /// Whether the last sweep improved an entry by more than the rounding of its own: a light body's numbers
-  /// are nothing in a sum with a heavy one's. An entry that once stops improving is left, its changes being
-  /// the rounding of others.
+  /// Whether one of the last sweeps improved an entry by more than the rounding of its own: a light body's
+  /// numbers are nothing in a sum with a heavy one's. Changes may shrink in turns, and one that shrinks no
+  /// more is the rounding of others.
   bool improves(const State& z) {
     using std::abs;
     const Scalar rounding = 100 * Eigen::NumTraits<Scalar>::epsilon();
-    bool improves = false;
+    bool above = false, better = false;
     for (Eigen::Index i = 0; i < least_.size(); ++i) {
       const Scalar change = stages().changed(i);
-      const bool better =
-          change < least_[i] && change > rounding * (abs(z.vector()[i]) + stages().displaced(i));
-      least_[i] = better ? change : Scalar(0);
-      improves = improves || better;
+      if (!(change > rounding * (abs(z.vector()[i]) + stages().displaced(i)))) continue;
+      above = true;
+      if (change < least_[i]) {
+        least_[i] = change;
+        better = true;
+      }
     }
-    return improves;
+    since_better_ = better ? 0 : since_better_ + 1;
+    return above && since_better_ < 4;
   }
 
   Stepper& stages() { return static_cast<Stepper&>(*this); }
 
   CompensatedUpdate<Scalar, Dof> update_;
-  Vec least_;                      ///< change of each entry so far; 0 where it no longer matters
-  Vec at_, felt_, field_, other_;  ///< of feel_rounding()
+  Vec least_;                                  ///< change of each entry so far
+  int since_better_ = 0;                       ///< how many sweeps ago one of these became less
+  Vec at_, felt_, passed_on_, field_, other_;  ///< of feel_rounding()
+  Scalar growth_ = Scalar(0);                  ///< from what is felt to what is passed on
   Scalar last_dt_ = Scalar(0), weights_dt_ = Scalar(0);
   Scalar ratio_ = Scalar(0);  ///< that the stages know how to follow by
 };

@@ -424,7 +424,7 @@ TEMPLATE_TEST_CASE("Steps of what is nearly at rest converge", "[gauss]", float,
           const auto off = [&](int k) { return far * epsilon * Scalar(std::sin(double(k) * (i + 1))); };
           PhasePoint<Scalar, 2> z({1 + off(3), 2 + off(5)}, {off(7), off(11)});
           CAPTURE(stages, far, i);
-          CHECK(GaussLegendre(h, {.stages = stages, .solver = solver}).step(z, Scalar(0.001) * (1 + i)).ok());
+          CHECK(GaussLegendre(h, {.stages = stages, .solver = solver}).step(z, Scalar(0.001 * (1 + i))).ok());
         }
 }
 

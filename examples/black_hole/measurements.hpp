@@ -151,7 +151,7 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
     }
     return formatted(
         "the body falls into the hole, from r = %.4g on nothing turns it back before the horizon, r = %.4g; "
-        "give %s, or a --time that ends before",
+        "give %s, a --time that ends before, or a smaller --dt, by which it goes on for longer",
         s.last_r, horizon, ellipse ? "a larger --p" : "another --r or --l");
   };
   return {observe, memory_of(seen), figures, {}, heading, ending};

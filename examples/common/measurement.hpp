@@ -337,20 +337,24 @@ class Largest {
     if (seen_ < 5) return {-INFINITY, -INFINITY};
     return in_first_step({last_[4], last_[3], last_[2], last_[1], last_[0]});
   }
-  /// Of five values, of which the first two have a neighbour on one side only: by the parabola, and by what a
-  /// cubic may add to it.
+  /// Of five values, between the first two, beside which there is nothing: by the parabola through three of
+  /// them, and by what the others may make of that.
   static Top in_first_step(const std::array<double, 5>& f) {
-    const double slope = (f[2] - f[0]) / 2, bend = f[0] - 2 * f[1] + f[2],
-                 skew = std::max(std::abs(f[3] - 3 * f[2] + 3 * f[1] - f[0]),
-                                 std::abs(f[4] - 3 * f[3] + 3 * f[2] - f[1]));
-    const auto parabola = [&](double x) { return f[1] + x * (slope + x * bend / 2); };
+    std::array<double, 5> differences = f;  // of order k, at the first value
+    for (std::size_t k = 1; k < 5; ++k)
+      for (std::size_t i = 4; i >= k; --i) differences[i] -= differences[i - 1];
+    const double skew = std::max(std::abs(differences[3]), std::abs(differences[3] + differences[4]));
     Top found{std::max(f[0], f[1]), -INFINITY};
-    if (bend < 0 && slope <= 0 && slope >= bend) found.top = parabola(-slope / bend);
-    found.possible = found.top;
     for (int i = 1; i < 64; ++i) {
-      const double x = -i / 64.0;
-      found.possible = std::max(found.possible, parabola(x) + skew * (x * x * x - x) / 2);
+      const double x = i / 64.0, second = x * (x - 1) / 2, third = second * (x - 2) / 3,
+                   fourth = third * (x - 3) / 4;
+      const double parabola = f[0] + x * differences[1] + second * differences[2];
+      found.top = std::max(found.top, parabola);
+      found.possible = std::max({found.possible, parabola + 3 * third * skew,
+                                 parabola + third * differences[3] + fourth * differences[4] +
+                                     2 * std::abs(fourth * differences[4])});
     }
+    found.possible = std::max(found.possible, found.top - differences[2] / 1e4);
     return found;
   }
 

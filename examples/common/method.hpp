@@ -42,7 +42,7 @@ struct Method {
 
   /// What the table and the legend call the coefficients.
   std::string coefficients() const {
-    return name == "gauss" ? std::to_string(stages) + (lanes ? " stages, lanes" : " stages") : scheme_name();
+    return name == "gauss" ? counted(stages, "stage") + (lanes ? ", lanes" : "") : scheme_name();
   }
 
   /// Does it work with two copies of the phase space?

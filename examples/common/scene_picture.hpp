@@ -50,6 +50,12 @@ class Path {
     x_ = x, y_ = y;
     ++rows_;
   }
+  /// The same of an angle along a curve that is drawn otherwise, whole turns included.
+  void see_angle(double angle) {
+    if (rows_ > 0 && !(std::abs(angle - x_) < std::acos(-1.0) / 12)) ++sharp_;
+    x_ = angle;
+    ++rows_;
+  }
   bool sparse() const { return 20 * sharp_ > rows_ || 100 * chords_ > rows_; }
   /// gnuplot's "with ..." in a colour, which is gnuplot's "rgb ..." or "palette ...".
   std::string style(const std::string& colour, double width = 1) const {
@@ -58,9 +64,9 @@ class Path {
            " linecolor " + colour;
   }
   /// A label above the graph for what is not plain to see.
-  std::string label() const {
+  std::string label(const std::string& turn = "orbit") const {
     const double turns = turned_ / (2 * std::acos(-1.0));
-    const std::string text = sparse()     ? std::to_string(rows_) + " rows, too few per orbit for a line"
+    const std::string text = sparse() ? std::to_string(rows_) + " rows, too few per " + turn + " for a line"
                              : turns > 30 ? formatted("the rows go round %.0f times", turns)
                                           : "";
     return text.empty() ? "unset label 1\n"

@@ -240,12 +240,12 @@ inline Measurement<3> stoermer(const Choice& c) {
               return {not_measured("largest |sin χ|, and the place nearest to the dipole", coarse)};
             std::vector<Figure> list;
             // About the axis it peaks as sharply as the path is near to it.
-            if (const std::string coarse = too_coarse(seen->azimuth, std::numbers::pi / 6); !coarse.empty())
+            if (const std::string coarse = too_coarse(seen->azimuth, std::numbers::pi / 12); !coarse.empty())
               list.push_back(not_measured(sine, "about the axis " + coarse));
             else
               list.push_back({sine, seen->sine.value(), seen->sine.uncertain(), "forbidden: above 1"});
             const std::string nearest = "nearest to the dipole, " + c.units.name(0);
-            if (const std::string coarse = too_coarse(seen->about, std::numbers::pi / 6); !coarse.empty())
+            if (const std::string coarse = too_coarse(seen->about, std::numbers::pi / 12); !coarse.empty())
               list.push_back(not_measured(nearest, "about the dipole " + coarse));
             else
               list.push_back({nearest, -seen->closeness.value(), seen->closeness.uncertain()});

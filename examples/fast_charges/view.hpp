@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,13 +17,16 @@
 
 namespace examples {
 
-/// x and y along the axis, in lengths of their own.
-inline std::string beam_plot(const std::filesystem::path& csv, const std::string& unit) {
+/// x and y along the axis, in lengths of their own; `phase` has seen the angle along the field's periods, if
+/// it has any.
+inline std::string beam_plot(const std::filesystem::path& csv, const std::string& unit, const Path& phase) {
+  const auto curve = [&](int column, const std::string& colour, const std::string& title) {
+    return quoted(csv.string()) + formatted(" skip 1 using 4:%d", column) +
+           phase.style("rgb '" + colour + "'", 1.5) + " title '" + title + "'";
+  };
   return "set size noratio\nset key top right\nset xlabel " + quoted(in("z", unit)) + "\nset ylabel " +
-         quoted(in("x, y", unit)) + "\nplot " + quoted(csv.string()) +
-         " skip 1 using 4:2 with lines linewidth 1.5 linecolor rgb '#0072B2' title 'x', " +
-         quoted(csv.string()) +
-         " skip 1 using 4:3 with lines linewidth 1.5 linecolor rgb '#D55E00' title 'y'\n";
+         quoted(in("x, y", unit)) + "\n" + (phase.sparse() ? phase.label("period of the field") : "") +
+         "plot " + curve(2, "#0072B2", "x") + ", " + curve(3, "#D55E00", "y") + "\n";
 }
 
 /// The way of a cosmic ray by its distance from the axis and height, with the region that is forbidden to it
@@ -72,7 +76,13 @@ inline View<3> fast_view(const Choice& c) {
       return stoermer_plot(csv, unit, region, paths[0].style("rgb '#0072B2'", 2), paths[2], paths[1]);
     };
   } else if (c.preset != "gyration") {
-    view.plot = [=](const auto& csv, const auto&) { return beam_plot(csv, unit); };
+    view.paths = 2;
+    const double rate = c.on("undulator") ? 2 * std::numbers::pi / c["period"] : 0;
+    view.append = [=, append = view.append](const auto& q, const auto& p, auto& row, auto& paths) {
+      append(q, p, row, paths);
+      paths[1].see_angle(rate * q[2]);
+    };
+    view.plot = [=](const auto& csv, const auto& paths) { return beam_plot(csv, unit, paths[1]); };
   }
   return view;
 }

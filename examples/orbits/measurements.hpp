@@ -21,30 +21,34 @@
 
 namespace examples {
 
-/// Follows a direction, in the plane across `axis`, from one upward passage of a function through zero to the
-/// next.
+/// How a direction turns about an axis that may turn as well, from step to step, and how far from one upward
+/// passage of a function through zero to the next.
 class Passages {
  public:
   using Direction = Eigen::Vector3d;
 
   void see(double t, double function, const Direction& direction, const Direction& axis) {
-    Crossing<7>::Values values;
-    values << function, direction, axis;
-    if (!crossing_.see(t, values)) return;
-    const Place now = crossing_.place();
-    const auto angle = [&](const Place& a, const Place& b) {
-      return angle_about(now.values.tail<3>(), a.values.segment<3>(1), b.values.segment<3>(1));
-    };
+    // Between two planes about the axis of the one in the middle, which leaves an error of third order in the
+    // step, a sixth of what two steps at once differ by.
+    const Plane now{direction, axis.normalized()};
+    const double step = last_plane_.turn_to(now);
+    turn_ += step;
+    if (!before_.axis.isZero()) turn_ -= (before_.turn_to(now) - (last_step_ + step)) / 6;
+    last_step_ = step;
+    before_ = std::exchange(last_plane_, now);
+    if (!crossing_.see(t, {function, turn_})) return;
+    const Place place = crossing_.place();
     if (passages_++ > 0) {
-      const double turn = angle(last_, now);
+      const double turn = place.values[1] - last_.values[1];
       turned_ += turn;
       largest_ = std::max(largest_, std::abs(turn));
-      passed_ += now.t - last_.t;
+      passed_ += place.t - last_.t;
     }
-    open_ = std::max(open_, crossing_.uncertain(angle));
+    open_ = std::max(
+        open_, crossing_.uncertain([](const Place& a, const Place& b) { return a.values[1] - b.values[1]; }));
     open_time_ =
-        std::max(open_time_, crossing_.uncertain([](const auto& a, const auto& b) { return a.t - b.t; }));
-    last_ = now;
+        std::max(open_time_, crossing_.uncertain([](const Place& a, const Place& b) { return a.t - b.t; }));
+    last_ = place;
   }
   int orbits() const { return std::max(passages_ - 1, 0); }
   double per_time() const { return turned_ / passed_; }
@@ -60,24 +64,34 @@ class Passages {
   /// Is it plain which way round the direction went in an orbit?
   bool plain() const { return largest_ < std::numbers::pi / 2; }
 
-  /// From a to b, both nearly across the axis.
+  /// From a to b, both nearly across the axis, to the rounding of what they differ by.
   static double angle_about(const Direction& axis, const Direction& a, const Direction& b) {
-    return std::atan2(axis.normalized().dot(a.cross(b)), a.dot(b));
+    return std::atan2(axis.normalized().dot(a.cross(b - a)), a.dot(b));
   }
 
   void visit_memory(CheckpointMemory& visit) {
     crossing_.visit_memory(visit);
     visit(passages_);
-    for (double* number : {&last_.t, &turned_, &passed_, &largest_, &open_, &open_time_}) visit(*number);
+    for (double* number : {&last_.t, &last_step_, &turn_, &turned_, &passed_, &largest_, &open_, &open_time_})
+      visit(*number);
     visit(last_.values);
+    for (Plane* plane : {&before_, &last_plane_}) visit(plane->direction), visit(plane->axis);
   }
 
  private:
-  using Place = Crossing<7>::Place;
+  using Place = Crossing<2>::Place;
+  /// A direction in the plane across an axis of length 1; none at first.
+  struct Plane {
+    Direction direction = Direction::Zero(), axis = Direction::Zero();
+    double turn_to(const Plane& next) const {
+      return axis.isZero() ? 0 : angle_about(axis + next.axis, direction, next.direction);
+    }
+  };
 
-  Crossing<7> crossing_;
+  Crossing<2> crossing_;  ///< of the function, and the turn since the start
   Place last_{};
-  double turned_ = 0, passed_ = 0, largest_ = 0, open_ = 0, open_time_ = 0;
+  Plane before_{}, last_plane_{};
+  double last_step_ = 0, turn_ = 0, turned_ = 0, passed_ = 0, largest_ = 0, open_ = 0, open_time_ = 0;
   int passages_ = 0;
 };
 

@@ -45,7 +45,9 @@ inline Measurement<Eigen::Dynamic> along_the_wall(const Choice& c) {
           [=](const Run&) -> std::vector<Figure> {
             const auto& [x, x1, x2, x3, x4] = seen->x;
             const double y = 1 / std::sqrt(seen->first - 1 / (x * x));
-            if (!std::isfinite(y) || seen->states < 5)
+            if (seen->states < 5)
+              return {not_measured("speed along the wall", "the run has too few steps; give a smaller --dt")};
+            if (!std::isfinite(y))
               return {not_measured("speed along the wall", "the pair has not parted yet; give more --time")};
             // By the polynomials through the last places. Each next order tells what the one before leaves
             // open, but for places where that goes through zero.

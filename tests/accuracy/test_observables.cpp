@@ -448,6 +448,24 @@ TEST_CASE("what large steps of the reference miss of a fast oscillation is not t
   }
 }
 
+TEST_CASE("advice on a chaotic trajectory is of runs to the end, also beside targets that nothing meets") {
+  const auto chain = from_energy<3>([](const auto& q, const auto& p) {
+    auto sum = 0 * q[0];
+    for (int i = 0; i < 3; ++i) {
+      const auto square = q[i] * q[i] + p[i] * p[i];
+      sum += square * square / 4;
+      if (i > 0) sum -= 0.19117877957528701 * (q[i] * q[i - 1] + p[i] * p[i - 1]);
+    }
+    return sum;
+  });
+  const PhasePoint<double, 3> start({-0.52682063355697495, 0.63294052494930098, 0.053482975887533965},
+                                    {-0.032654790160515354, 0.51990710687178165, -0.6849279928561044});
+  check_advice(chain, start, 316.79561565489439, 2.6e-3, 0.1,
+               {.observable = [](const auto& q, const auto&) { return 3 + q[0]; },
+                .targets = {1e-2, 2.6e-3, 7e-10, 4e-11}},
+               [](const auto& z) { return Eigen::VectorXd::Constant(1, 3 + z.q()[0]); });
+}
+
 TEST_CASE("what was given up for a tight target is no advice for a loose one") {
   // Past a centre once, and late: large steps show nothing until they come there.
   const auto h = from_energy<2>([](const auto& q, const auto& p) {

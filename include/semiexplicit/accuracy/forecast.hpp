@@ -162,8 +162,7 @@ class Forecast {
 
   /// Whether neighbouring orbits were followed for long enough to tell chaos from a power of the time.
   bool looked_beside() const {
-    return table_.invariant || table_.parting_rate > 0 ||
-           neighbour_.time() >= std::min(table_.time, enough_scales * table_.time_scale);
+    return table_.invariant || neighbour_.time() >= std::min(table_.time, enough_scales * table_.time_scale);
   }
 
   /// Neighbouring orbits part at that rate.

@@ -9,6 +9,7 @@
 #include <semiexplicit/semiexplicit.hpp>
 
 #include "refusal.hpp"
+#include "two_bodies.hpp"
 
 namespace test_solvers {
 
@@ -300,6 +301,14 @@ TEST_CASE("A step from rest is taken whatever the units", "[solver]") {
         Semiexplicit stepper(Scaled{s}, scheme), in_ones(Scaled{1}, scheme);
         CHECK(stepper.step(z, dt).ok() == in_ones.step(one, dt).ok());
       }
+}
+
+TEST_CASE("Steps of two bodies far from the origin end by the rounding of their places", "[solvers]") {
+  for (const double far : {1e7, 1e9}) {
+    auto z = two_bodies_at(far);
+    Semiexplicit stepper(two_bodies(), schemes::strang<double>());
+    CHECK_NOTHROW(integrate(stepper, z, {.dt = 0.05, .steps = 1500}));
+  }
 }
 
 }  // namespace test_solvers

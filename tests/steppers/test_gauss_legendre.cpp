@@ -12,6 +12,8 @@
 #include <semiexplicit/semiexplicit.hpp>
 #include <semiexplicit/systems.hpp>
 
+#include "two_bodies.hpp"
+
 namespace test_gauss_legendre {
 
 namespace {
@@ -392,14 +394,9 @@ TEST_CASE("Stages whose places are rounded to a part of what they turn about run
 }
 
 TEST_CASE("Steps of what is far from the origin converge, though their places are rounded", "[gauss]") {
-  const auto pair = from_energy<4>([](const auto& q, const auto& p) {
-    using std::sqrt;
-    const auto x = q[0] - q[2], y = q[1] - q[3];
-    return p.squaredNorm() / 2 - 1 / sqrt(x * x + y * y);
-  });
   for (const int stages : {1, 2, 4}) {
-    PhasePoint<double, 4> z({1e5 + 0.5, 0, 1e5 - 0.5, 0}, {0.3, 0.5, 0.3, -0.6});
-    GaussLegendre stepper(pair, {.stages = stages});
+    auto z = two_bodies_at(1e5);
+    GaussLegendre stepper(two_bodies(), {.stages = stages});
     CHECK_NOTHROW(integrate(stepper, z, {.dt = 0.05, .steps = 1500}));
     for (const StageSolver solver : {StageSolver::fixed_point, StageSolver::newton}) {
       PhasePoint<double, 1> wound(1e6, 2.5);

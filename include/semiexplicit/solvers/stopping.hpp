@@ -193,7 +193,7 @@ class Convergence {
              ((e >= previous && residual.within_rounding(100) && (e <= 8 * best_ || stalled_ >= patience)) ||
               // The rounding of a large entry, carried to others by the kicks; an iteration that converges or
               // diverges slowly has shrunk or grown by then.
-              (stalled_ >= 3 * patience && e <= 16 * best_)))
+              (stalled_ >= 3 * patience && e <= 64 * best_)))
       report_.status = Status::rounding_limited;
     else {
       // Copies that diverge have a rounding level above the state itself; the first sweep's is believed.

@@ -163,6 +163,18 @@ class GaussShell {
     bool felt_moved = false;
     using std::sqrt;
     const auto is_small = [&](const Scalar& off) { return off <= sqrt(epsilon) * displaced(); };
+    // An iteration of one stage that runs away changes momenta and positions in turns.
+    const auto settles = [&] {
+      const auto half = [&](Eigen::Index begin) {
+        Scalar changed(0), moved(0);
+        for (Eigen::Index i = begin; i < begin + dof(); ++i) {
+          changed += stages().changed(i);
+          moved += stages().displaced(i);
+        }
+        return changed <= sqrt(epsilon) * moved;
+      };
+      return half(0) && half(dof());
+    };
     // What Newton's method met on its way far out says nothing of here. Some roundings cancel each other, so
     // that it is felt again.
     const auto feel = [&](bool moved, bool again = false) {
@@ -200,7 +212,7 @@ class GaussShell {
         // or of a late time, may be above that of the displacements, or nowhere at all: it is measured.
         if (since_least >= (options_.solver == StageSolver::newton ? 1 : 3)) {
           // What a stiff field makes of them is small beside the displacements, or the iteration runs away.
-          const bool moved = is_small(change);
+          const bool moved = settles();
           feel(moved, since_least >= 12 && since_least % 4 == 0);
           if (is_within_felt(moved && since_least >= 12 ? 100 : 1)) return ended(at_rounding);
         }
@@ -215,7 +227,8 @@ class GaussShell {
       }
       if (report.evaluations < options_.max_iterations) continue;
       if (!seen) return Status::no_convergence;
-      const bool moved = is_small(change);
+      if (since_least == 0) return Status::no_convergence;  // it goes on to shrink
+      const bool moved = settles();
       feel(moved);
       return is_within_felt(moved ? 100 : 1) ? ended(at_rounding) : Status::no_convergence;
     }

@@ -17,16 +17,24 @@
 
 namespace examples {
 
-/// x and y along the axis, in lengths of their own; `phase` has seen the angle along the field's periods, if
-/// it has any.
+/// The fastest swing of x and y that the fields make, in radians a unit of z.
+inline double swing_rate(const Choice& c) {
+  const double momentum = momentum_of(c), charge = std::abs(c["charge"]);
+  double rate = c.on("undulator") ? 2 * std::numbers::pi / c["period"] : 0;
+  if (c.on("solenoid")) rate = std::max(rate, charge * std::abs(c["b0"]) / momentum);
+  if (c.on("quadrupole")) rate = std::max(rate, std::sqrt(charge * std::abs(c["slope"]) / momentum));
+  return rate;
+}
+
+/// x and y along the axis, in lengths of their own; `phase` has seen the angle of such a swing.
 inline std::string beam_plot(const std::filesystem::path& csv, const std::string& unit, const Path& phase) {
   const auto curve = [&](int column, const std::string& colour, const std::string& title) {
     return quoted(csv.string()) + formatted(" skip 1 using 4:%d", column) +
            phase.style("rgb '" + colour + "'", 1.5) + " title '" + title + "'";
   };
   return "set size noratio\nset key top right\nset xlabel " + quoted(in("z", unit)) + "\nset ylabel " +
-         quoted(in("x, y", unit)) + "\n" + (phase.sparse() ? phase.label("period of the field") : "") +
-         "plot " + curve(2, "#0072B2", "x") + ", " + curve(3, "#D55E00", "y") + "\n";
+         quoted(in("x, y", unit)) + "\n" + (phase.sparse() ? phase.label("swing") : "") + "plot " +
+         curve(2, "#0072B2", "x") + ", " + curve(3, "#D55E00", "y") + "\n";
 }
 
 /// The way of a cosmic ray by its distance from the axis and height, with the region that is forbidden to it
@@ -77,8 +85,8 @@ inline View<3> fast_view(const Choice& c) {
     };
   } else if (c.preset != "gyration") {
     view.paths = 2;
-    const double rate = c.on("undulator") ? 2 * std::numbers::pi / c["period"] : 0;
-    view.append = [=, append = view.append](const auto& q, const auto& p, auto& row, auto& paths) {
+    view.append = [rate = swing_rate(c), append = view.append](const auto& q, const auto& p, auto& row,
+                                                               auto& paths) {
       append(q, p, row, paths);
       paths[1].see_angle(rate * q[2]);
     };

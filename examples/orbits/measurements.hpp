@@ -64,9 +64,9 @@ class Passages {
   /// Is it plain which way round the direction went in an orbit?
   bool plain() const { return largest_ < std::numbers::pi / 2; }
 
-  /// From a to b, both nearly across the axis, to the rounding of what they differ by.
+  /// From a to b, both nearly across the axis.
   static double angle_about(const Direction& axis, const Direction& a, const Direction& b) {
-    return std::atan2(axis.normalized().dot(a.cross(b - a)), a.dot(b));
+    return std::atan2(axis.normalized().dot(a.cross(b)), a.dot(b));
   }
 
   void visit_memory(CheckpointMemory& visit) {
@@ -83,8 +83,12 @@ class Passages {
   /// A direction in the plane across an axis of length 1; none at first.
   struct Plane {
     Direction direction = Direction::Zero(), axis = Direction::Zero();
+    /// To the rounding of what they differ by, which adds up over many steps.
     double turn_to(const Plane& next) const {
-      return axis.isZero() ? 0 : angle_about(axis + next.axis, direction, next.direction);
+      if (axis.isZero()) return 0;
+      const Direction moved = next.direction - direction;
+      return std::atan2((axis + next.axis).normalized().dot(direction.cross(moved)),
+                        direction.dot(next.direction));
     }
   };
 

@@ -425,6 +425,34 @@ TEMPLATE_TEST_CASE("Steps of what is nearly at rest converge", "[gauss]", float,
         }
 }
 
+namespace {
+/// H = y²/2 + e^{cx} - cx of x and y in large units.
+struct Wall {
+  using Scalar = double;
+  static constexpr int Dof = 1;
+  double length = 2146837.3629374155, momentum = 0.68117081218065323, c = 0.53329089372323013;
+  void gradient(In<double, 1> q, In<double, 1> p, Out<double, 1> by_q, Out<double, 1> by_p) const {
+    by_q[0] = (std::exp(q[0] * (1 / length) * c) - 1) * c * momentum;
+    by_p[0] = p[0] * (1 / momentum) * length;
+  }
+};
+}  // namespace
+
+TEST_CASE("Positions and momenta that run away by turns are no success", "[gauss]") {
+  PhasePoint<double, 1> z(-1729273.7822723263, -0.67588149094766647);
+  CHECK_FALSE(GaussLegendre(Wall(), {.stages = 1}).step(z, 55.762009821212686).ok());
+}
+
+TEST_CASE("An iteration that is cut off while it converges is no success", "[gauss]") {
+  const auto h =
+      from_energy<1, float>([](const auto& q, const auto& p) { return (q[0] * q[0] + p[0] * p[0]) / 2; });
+  GaussLegendre stepper(h, {.stages = 4});
+  PhasePoint<float, 1> z(1, 0);
+  for (int n = 0; n < 200; ++n)
+    if (!stepper.step(z, 4.2369F).ok()) break;
+  CHECK(z.vector().norm() == Approx(1).epsilon(1e-3));
+}
+
 TEST_CASE("Few iterations are not enough, and the state is left alone", "[gauss]") {
   for (const StageSolver solver : {StageSolver::fixed_point, StageSolver::newton}) {
     PhasePoint<double, 3> z = start;

@@ -151,9 +151,11 @@ inline Measurement<3> rotation(const Choice& c) {
     const double from_axis = way.first.head<2>().norm();
     std::string off =
         too_large("the distance from the axis, in radii of the solenoid,", from_axis / c["radius"], 1);
+    const double slope = std::abs(c["charge"] * c["b0"]) * from_axis / (2 * momentum_of(c));
+    if (off.empty()) off = too_large("the slope eBρ/(2p)", slope, 0.1);
+    // Else half turns could be counted so that it holds.
     if (off.empty())
-      off = too_large("the slope eBρ/(2p)",
-                      std::abs(c["charge"] * c["b0"]) * from_axis / (2 * momentum_of(c)), 0.1);
+      off = too_large("the slope's square times the turn", slope * slope * std::abs(larmor(way)), 0.5);
     return {compared(what, turn(way), 0, "Larmor, -e∫B dz/(2p)", larmor(way), off)};
   });
 }

@@ -86,6 +86,10 @@ class RowClock {
     return true;
   }
   bool done() const { return next_ == rows_.size(); }
+  /// How far the row of the step after the next is from the one before it; 0 where there is none.
+  std::int64_t steps_to_row_behind() const {
+    return next_ > 0 && !done() && step_ + 1 == rows_[next_] ? rows_[next_] - rows_[next_ - 1] : 0;
+  }
 
   template <class Visitor>
   void visit_memory(Visitor&& visit) {

@@ -30,7 +30,15 @@ inline std::string in(const std::string& what, const std::string& unit) {
 /// does not see it.
 class Path {
  public:
+  /// What is seen next is no row, but the step before one that is so many steps behind the last: by its
+  /// length a whole turn in between is told from none.
+  void step_before_row(double steps) { steps_ = steps; }
   void see(double x, double y) {
+    if (const double steps = std::exchange(steps_, 0); steps > 0) {
+      row_steps_ = steps;
+      step_x_ = x, step_y_ = y;
+      return;
+    }
     if (std::isfinite(x) && std::isfinite(y)) {
       left = std::min(left, x), right = std::max(right, x);
       low = std::min(low, y), high = std::max(high, y);
@@ -39,7 +47,8 @@ class Path {
     if (rows_ > 1) {
       const double angle = std::abs(std::atan2(dx_ * dy - dy_ * dx, dx_ * dx + dy_ * dy));
       if (std::isfinite(angle)) turned_ += angle;
-      const bool sharp = !(angle < std::acos(-1.0) / 12);
+      const bool sharp = !(angle < std::acos(-1.0) / 12) ||
+                         row_steps_ * std::hypot(x - step_x_, y - step_y_) > 2 * std::hypot(dx, dy);
       if (sharp) ++sharp_;
       // As near the periapsis of a long ellipse.
       if (sharp &&
@@ -48,10 +57,12 @@ class Path {
     }
     dx_ = dx, dy_ = dy;
     x_ = x, y_ = y;
+    row_steps_ = 0;
     ++rows_;
   }
   /// The same of an angle along a curve that is drawn otherwise, whole turns included.
   void see_angle(double angle) {
+    if (std::exchange(steps_, 0) > 0) return;
     if (rows_ > 0 && !(std::abs(angle - x_) < std::acos(-1.0) / 12)) ++sharp_;
     x_ = angle;
     ++rows_;
@@ -73,7 +84,9 @@ class Path {
                         : "set label 1 " + quoted(text) + " at graph 0, graph 1.015 left font ',12'\n";
   }
   void visit_memory(CheckpointMemory& visit) {
-    for (double* number : {&left, &right, &low, &high, &x_, &y_, &dx_, &dy_, &turned_}) visit(*number);
+    for (double* number :
+         {&left, &right, &low, &high, &x_, &y_, &dx_, &dy_, &step_x_, &step_y_, &row_steps_, &turned_})
+      visit(*number);
     for (std::int64_t* count : {&rows_, &sharp_, &chords_}) visit(*count);
   }
 
@@ -81,6 +94,8 @@ class Path {
 
  private:
   double x_ = 0, y_ = 0, dx_ = 0, dy_ = 0, turned_ = 0;
+  double step_x_ = 0, step_y_ = 0, row_steps_ = 0;  ///< the step before the row, 0 where it is one itself
+  double steps_ = 0;
   std::int64_t rows_ = 0, sharp_ = 0, chords_ = 0;
 };
 
@@ -177,10 +192,14 @@ class ViewCsv {
 
   template <class State>
   void operator()(double t, const State& state) {
-    if (!clock_.due()) return;
+    const auto steps = static_cast<double>(clock_.steps_to_row_behind());
+    const bool due = clock_.due();
+    if (!due && steps == 0) return;
+    if (!due)
+      for (Path& path : paths_) path.step_before_row(steps);
     row_.assign(1, t);
     view_.append(state.q(), state.p(), row_, paths_);
-    writer_.row(row_);
+    if (due) writer_.row(row_);
   }
   void commit() { writer_.commit(); }
   const std::vector<Path>& paths() const { return paths_; }

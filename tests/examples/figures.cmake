@@ -167,6 +167,9 @@ prints(fast_charges "does not measure a turn that its first step hides" "--prese
   "way: not measured[^\n]*\nnearest to the dipole[^\n]*: not measured, about the dipole it turns by up to 20 degrees in a step; give a --dt 3 times smaller")
 by_shell(fast_charges "draws few rows of a swing as dots"
   "for sparse in '--preset undulator --samples 107' '--preset quadrupole --y 0 --time 3e-7s --dt 5e-11s --samples 60'; do $program $sparse --output dots && grep -q 'rows, too few per swing' dots/fast_charges.gp && grep -q '4:2 with points' dots/fast_charges.gp || exit 1; done; for preset in undulator quadrupole solenoid; do $program --preset $preset --output lines && grep -q '4:2 with lines' lines/fast_charges.gp || exit 1; done")
+# Of 1982 loops, which rows 1.006 loops apart make eleven of.
+by_shell(charges "draw rows a turn apart as dots"
+  "$program --preset gyration --effects kinetic,uniform_field,electric --ey '100 V/m' --ex 0 --time '1.3e-3 s' --output dots && grep -q 'rows, too few per orbit for a line' dots/charges.gp && grep -q '2:3 with points' dots/charges.gp")
 prints(black_hole "does not measure an orbit of three steps" "--dt 10 --time 30" "nearest r: not measured, the run has too few steps; give a smaller --dt\n")
 # By Carter's constant 48.034.
 prints(black_hole "says how far it goes from the equator between steps" "--preset kerr --dt 3 --time 60" "degrees off the equator: 48.0[0-9]* ± 0.[0-9]+\n")

@@ -183,6 +183,11 @@ inline double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) 
   return std::atan2(a.cross(b).norm(), along == 0 ? 0.0 : along);
 }
 
+/// From a to b, both nearly across the axis, in radians.
+inline double angle_about(const Eigen::Vector3d& axis, const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return std::atan2(axis.normalized().dot(a.cross(b)), a.dot(b));
+}
+
 /// Where the first of some values goes up through zero: by the cubic through the two steps before it and the
 /// two after it, at the start the three after it.
 template <int N>
@@ -295,7 +300,7 @@ class Largest {
     value_ = std::max(value_, value);
     const double before = std::exchange(ahead_, -INFINITY);
     bool seen_again = false;
-    const auto [earlier, last] = std::pair(last_[3], last_[4]);
+    const double earlier = recent_[3], last = recent_[4];
     if (const double bend = earlier - 2 * last + value; seen_ >= 2 && bend < 0) {
       const double place = (earlier - value) / (2 * bend),  // in steps from the middle one
           over = -bend * place * place / 2, top = last + over;
@@ -307,9 +312,9 @@ class Largest {
       if (place > 0 && place <= 1) ahead_ = top;
     }
     if (!seen_again) possible_ = std::max(possible_, before);
-    std::shift_left(last_.begin(), last_.end(), 1);
-    last_.back() = value;
-    if (++seen_ == 5) offer(in_first_step({last_[0], last_[1], last_[2], last_[3], last_[4]}));
+    std::shift_left(recent_.begin(), recent_.end(), 1);
+    recent_.back() = value;
+    if (++seen_ == 5) offer(in_first_step(recent_));
   }
   double value() const { return std::max(value_, ended().top); }
   /// What the steps leave open: of the largest one, and whether another one is larger. Not finite where they
@@ -322,7 +327,7 @@ class Largest {
   void visit_memory(CheckpointMemory& visit) {
     visit(seen_);
     for (double* number : {&value_, &possible_, &ahead_}) visit(*number);
-    for (double& value : last_) visit(value);
+    for (double& value : recent_) visit(value);
   }
 
  private:
@@ -335,7 +340,9 @@ class Largest {
   }
   Top ended() const {
     if (seen_ < 5) return {-INFINITY, -INFINITY};
-    return in_first_step({last_[4], last_[3], last_[2], last_[1], last_[0]});
+    auto backwards = recent_;
+    std::reverse(backwards.begin(), backwards.end());
+    return in_first_step(backwards);
   }
   /// Of five values, between the first two, beside which there is nothing: by the parabola through three of
   /// them, and by what the others may make of that.
@@ -360,7 +367,7 @@ class Largest {
 
   std::int64_t seen_ = 0;
   double value_ = -INFINITY, possible_ = -INFINITY;  ///< so far, and what it may be at most
-  std::array<double, 5> last_{};
+  std::array<double, 5> recent_{};
   /// The top that the last three have between the last two of them.
   double ahead_ = -INFINITY;
 };

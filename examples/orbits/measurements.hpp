@@ -64,11 +64,6 @@ class Passages {
   /// Is it plain which way round the direction went in an orbit?
   bool plain() const { return largest_ < std::numbers::pi / 2; }
 
-  /// From a to b, both nearly across the axis.
-  static double angle_about(const Direction& axis, const Direction& a, const Direction& b) {
-    return std::atan2(axis.normalized().dot(a.cross(b)), a.dot(b));
-  }
-
   void visit_memory(CheckpointMemory& visit) {
     crossing_.visit_memory(visit);
     visit(passages_);
@@ -181,7 +176,7 @@ inline Measurement<3> turning_orbit(const Choice& c, const std::string& unit, do
   const auto observe = [=](double t, const In<double, 3>& q, const In<double, 3>& p) {
     const Eigen::Vector3d x = q, v = p, momentum = x.cross(v), axis(0, 0, 1), node = axis.cross(momentum);
     const Eigen::Vector3d laplace = v.cross(momentum) / gm - x.normalized();  // it points to the periapsis
-    const double omega = Passages::angle_about(momentum, node, laplace);
+    const double omega = angle_about(momentum, node, laplace);
     seen->along.see(t, x.dot(v), laplace, momentum);
     seen->from_node.see(t, x.dot(v), {std::cos(omega), std::sin(omega), 0}, axis);
     seen->node.see(t, x[2], node, axis);

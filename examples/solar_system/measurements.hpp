@@ -45,7 +45,7 @@ class Perihelion {
     if (seen_ > 0) {
       LineFit& line = lines_[side_];
       line.add(last_t_, turned_);
-      turned_ += std::atan2(momentum.normalized().dot(last_.cross(now)), last_.dot(now));
+      turned_ += angle_about(momentum, last_, now);
       line.add(t, turned_);
       auto& shorter = shorter_[side_];
       while (std::abs(t) >= length_ * (0.75 + 0.25 * static_cast<double>(shorter.size()) / windows) &&

@@ -443,6 +443,47 @@ TEST_CASE("Positions and momenta that run away by turns are no success", "[gauss
   CHECK_FALSE(GaussLegendre(Wall(), {.stages = 1}).step(z, 55.762009821212686).ok());
 }
 
+TEST_CASE("A rounding that makes much of the field at the foot of a wall is no excuse elsewhere", "[gauss]") {
+  struct Case {
+    double k, c, m, q, p, dt;
+  };
+  for (const Case& wall : {Case{5.50549681197624, 1.1500540613969417, 734.3110754019574, 19.85863598409038,
+                                -0.7423294456595998, 0.039054333217918423},
+                           Case{7.2624188889207915, 1, 240.28616101597288, 43.865975287477077,
+                                -0.91071695830958099, 0.44527684941847512},
+                           Case{4.3047177766231375, 0.070555537248356406, 126.48010428108152,
+                                37.691247452515817, -1.7618047564442578, 0.081966185812648237},
+                           Case{9.1866378633508106, 0.0029387924575090805, 1, 25.404118198562617,
+                                -3.0727386073535907, 10.483092581047364}}) {
+    const auto h = make_hamiltonian<double, 1>(
+        [&](const auto& x, const auto& y) {
+          return wall.c * (std::exp(wall.k * x[0]) / wall.k - x[0]) + wall.m / 2 * y[0] * y[0];
+        },
+        [&](const auto& x, const auto& y, auto& by_x, auto& by_y) {
+          by_x[0] = (std::exp(x[0] * wall.k) - 1) * wall.c;
+          by_y[0] = wall.m * y[0];
+        });
+    PhasePoint<double, 1> z(wall.q, wall.p);
+    CAPTURE(wall.k, z.q()[0], z.p()[0]);
+    CHECK_FALSE(GaussLegendre(h, {.stages = 1}).step(z, wall.dt).ok());
+  }
+}
+
+TEST_CASE("Newton's method starts again at z where what it is extrapolated to is far off", "[gauss]") {
+  GaussLegendreOptions options{.stages = 2, .solver = StageSolver::newton};
+  GaussLegendre extrapolated(systems::Product<>(), options);
+  options.extrapolate = false;
+  GaussLegendre plain(systems::Product<>(), options);
+  PhasePoint<double, 1> z(-0.97694053099113443, 0.97219529296407625), same = z;
+  for (int n = 0; n < 2; ++n) {  // the motion is faster where the second step goes
+    const auto report = extrapolated.step(z, 0.9112410422603886);
+    REQUIRE(report.ok());
+    CHECK(report.gradients <= extrapolated.max_gradients());
+    REQUIRE(plain.step(same, 0.9112410422603886).ok());
+    CHECK((z.vector() - same.vector()).norm() < 1e-12);
+  }
+}
+
 TEST_CASE("An iteration that is cut off while it converges is no success", "[gauss]") {
   const auto h =
       from_energy<1, float>([](const auto& q, const auto& p) { return (q[0] * q[0] + p[0] * p[0]) / 2; });

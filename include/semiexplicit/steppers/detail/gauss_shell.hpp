@@ -23,7 +23,8 @@ namespace semiexplicit {
 enum class StageSolver {
   fixed_point,  ///< each stage from the newest values of the others: no derivatives, O(s² d) work an
                 ///< iteration
-  newton        ///< full Newton with a dense 2ds × 2ds matrix each iteration: for small problems
+  newton  ///< full Newton with a dense 2ds × 2ds matrix each iteration: for small problems; by steps in
+          ///< which the motion turns by a radian and more it may find another solution of the stages
 };
 
 /// What a GaussLegendre stepper is made with.
@@ -163,17 +164,28 @@ class GaussShell {
     bool felt_moved = false;
     using std::sqrt;
     const auto is_small = [&](const Scalar& off) { return off <= sqrt(epsilon) * displaced(); };
-    // An iteration of one stage that runs away changes momenta and positions in turns.
-    const auto settles = [&] {
+    // An iteration of one stage that runs away changes momenta and positions in turns. Both halves, or else
+    // either.
+    const auto is_small_half = [&](const auto& entry, const auto& beside, bool both) {
       const auto half = [&](Eigen::Index begin) {
-        Scalar changed(0), moved(0);
+        Scalar small(0), size(0);
         for (Eigen::Index i = begin; i < begin + dof(); ++i) {
-          changed += stages().changed(i);
-          moved += stages().displaced(i);
+          small += entry(i);
+          size += beside(i);
         }
-        return changed <= sqrt(epsilon) * moved;
+        return small <= sqrt(epsilon) * size;
       };
-      return half(0) && half(dof());
+      return both ? half(0) && half(dof()) : half(0) || half(dof());
+    };
+    const auto changed_in = [&](Eigen::Index i) { return stages().changed(i); };
+    const auto displaced_in = [&](Eigen::Index i) { return stages().displaced(i); };
+    const auto settles = [&] { return is_small_half(changed_in, displaced_in, true); };
+    // Rounding of z is all there is only of a state that hardly leaves z, far out or near rest: in a wall of
+    // e^q it makes as much of the field at z, wherever the stages went.
+    const auto stays = [&] {
+      using std::abs;
+      return is_small_half(
+          displaced_in, [&](Eigen::Index i) { return Scalar(abs(z.vector()[i])); }, false);
     };
     // What Newton's method met on its way far out says nothing of here. Some roundings cancel each other, so
     // that it is felt again.
@@ -214,7 +226,8 @@ class GaussShell {
           // What a stiff field makes of them is small beside the displacements, or the iteration runs away.
           const bool moved = settles();
           feel(moved, since_least >= 12 && since_least % 4 == 0);
-          if (is_within_felt(moved && since_least >= 12 ? 100 : 1)) return ended(at_rounding);
+          if ((moved || stays()) && is_within_felt(moved && since_least >= 12 ? 100 : 1))
+            return ended(at_rounding);
         }
         const bool grows = previous > Scalar(0) && change >= previous;
         if (!entries_left && grows && change <= 10 * epsilon * displaced()) {
@@ -230,7 +243,8 @@ class GaussShell {
       if (since_least == 0) return Status::no_convergence;  // it goes on to shrink
       const bool moved = settles();
       feel(moved);
-      return is_within_felt(moved ? 100 : 1) ? ended(at_rounding) : Status::no_convergence;
+      return (moved || stays()) && is_within_felt(moved ? 100 : 1) ? ended(at_rounding)
+                                                                   : Status::no_convergence;
     }
   }
 

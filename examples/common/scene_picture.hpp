@@ -44,11 +44,15 @@ class Path {
       low = std::min(low, y), high = std::max(high, y);
     }
     const double dx = x - x_, dy = y - y_;
+    const double by_steps = row_steps_ * std::hypot(x - step_x_, y - step_y_);
+    if (row_steps_ > 0) {
+      shown_ += std::hypot(dx, dy);
+      gone_ += by_steps;
+    }
     if (rows_ > 1) {
       const double angle = std::abs(std::atan2(dx_ * dy - dy_ * dx, dx_ * dx + dy_ * dy));
       if (std::isfinite(angle)) turned_ += angle;
-      const bool sharp = !(angle < std::acos(-1.0) / 12) ||
-                         row_steps_ * std::hypot(x - step_x_, y - step_y_) > 2 * std::hypot(dx, dy);
+      const bool sharp = !(angle < std::acos(-1.0) / 12) || by_steps > 2 * std::hypot(dx, dy);
       if (sharp) ++sharp_;
       // As near the periapsis of a long ellipse.
       if (sharp &&
@@ -67,6 +71,8 @@ class Path {
     x_ = angle;
     ++rows_;
   }
+  /// Most of what happens happens between rows, which show some slow motion or other.
+  bool hides_motion() const { return gone_ > 2 * shown_; }
   bool sparse() const { return 20 * sharp_ > rows_ || 100 * chords_ > rows_; }
   /// gnuplot's "with ..." in a colour, which is gnuplot's "rgb ..." or "palette ...".
   std::string style(const std::string& colour, double width = 1) const {
@@ -84,8 +90,8 @@ class Path {
                         : "set label 1 " + quoted(text) + " at graph 0, graph 1.015 left font ',12'\n";
   }
   void visit_memory(CheckpointMemory& visit) {
-    for (double* number :
-         {&left, &right, &low, &high, &x_, &y_, &dx_, &dy_, &step_x_, &step_y_, &row_steps_, &turned_})
+    for (double* number : {&left, &right, &low, &high, &x_, &y_, &dx_, &dy_, &step_x_, &step_y_, &row_steps_,
+                           &turned_, &gone_, &shown_})
       visit(*number);
     for (std::int64_t* count : {&rows_, &sharp_, &chords_}) visit(*count);
   }
@@ -96,6 +102,7 @@ class Path {
   double x_ = 0, y_ = 0, dx_ = 0, dy_ = 0, turned_ = 0;
   double step_x_ = 0, step_y_ = 0, row_steps_ = 0;  ///< the step before the row, 0 where it is one itself
   double steps_ = 0;
+  double gone_ = 0, shown_ = 0;  ///< the ways between rows by the speed at these, and straight
   std::int64_t rows_ = 0, sharp_ = 0, chords_ = 0;
 };
 

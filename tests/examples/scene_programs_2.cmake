@@ -49,6 +49,7 @@ check(lattice "lets go below the threshold" "--preset dnls --sites 2 --g 3.9 --t
   PRINTS "at least: [0-9.]+e-[0-9]+ ± [1-9]e-0[67][^\n]*; in closed form: 0 ")
 by_shell(lattice "scales its colours with the mass" "$program --preset anderson --mass 1e-9 --time 1 && grep 'cbrange .1e-15:' out/lattice.gp")
 by_shell(lattice "draws one site by a line" "$program --preset anderson --sites 1 --effects disorder --time 5 && grep 'using 1:2 with lines' out/lattice.gp && ! grep 'with image' out/lattice.gp")
+by_shell(lattice "says where rows hide beats" "$program --preset dnls --sites 2 --g 0.001 --time 3150 && grep 'farther apart than beats' out/lattice.gp && $program --preset dnls --sites 2 --g 0.001 --time 300 --output slow && ! grep 'farther apart' slow/lattice.gp")
 refuses(lattice "half a site" "--sites 2.5" "--sites: '2.5' is not a whole number from 1")
 
 check(vortices "draw apart before a wall" "--preset wall --no-plot" FILE out/vortices.csv

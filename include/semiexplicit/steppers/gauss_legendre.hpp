@@ -128,7 +128,7 @@ class GaussLegendre : public detail::GaussShell<GaussLegendre<H>, H> {
   }
 
   Status solve(const State& z, bool extrapolate, StepReport& report) {
-    constexpr Scalar largest = std::numeric_limits<Scalar>::max();
+    const Scalar largest = std::numeric_limits<Scalar>::max();
     detail::inlined<Scalar>([&] { start(z, extrapolate, report); });
     const auto sweep = [&] {
       if (options_.solver == StageSolver::fixed_point)

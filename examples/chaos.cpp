@@ -8,6 +8,7 @@
 #include <iterator>
 #include <numbers>
 #include <random>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -159,7 +160,7 @@ int main(int argc, char** argv) {
       all.push_back({regime, {}});
       try {
         run(regime, request, all.back().series);
-      } catch (const IntegrationError&) {
+      } catch (const std::runtime_error&) {  // of the run, or of the exponents: the step has no tangent map
         if (all.back().series.t.empty()) all.pop_back();
         if (!all.empty()) {
           write_and_tell();

@@ -97,7 +97,7 @@ struct CostRequest {
     prepare(settings, file);
     const CostTable cost = cost_of_accuracy(hamiltonian, z0, settings.time, options);
     if (curve) {
-      std::cout << cost;
+      std::cout << told(cost);
       write(cost, settings, file, title);
     } else {
       if (angle.direction)
@@ -131,8 +131,10 @@ struct CostRequest {
              (safely > 1 ? formatted(" (%g times the estimate)", safely) : "");
     };
     std::string why = "--accuracy " + formatted("%g", accuracy) + unit_behind + " is out of reach";
-    if (const auto best = cost.best(); !best)
+    if (std::none_of(cost.rows.begin(), cost.rows.end(), works))
       why += "; no setting works";
+    else if (const auto best = cost.best(); !best)
+      why += "; no setting was seen to the end";
     else if (best->error > target)  // else it has another reason, which comes next
       why += ": the best found is " + as_asked(best->error) + " by " + best->setting.name() +
              " with dt = " + formatted("%.3g", best->setting.dt);
@@ -216,15 +218,14 @@ struct CostRequest {
 
     const bool seconds = cost.by == CostBy::seconds;
     const auto shown = [&](const CostRow& row) {  // on logarithmic axes
-      return row.works() && row.error > 0 && (seconds ? row.seconds : row.gradients) > 0;
+      return row.works() && row.error > 0 && std::isfinite(row.error) &&
+             (seconds ? row.seconds : row.gradients) > 0;
     };
-    if (std::none_of(cost.rows.begin(), cost.rows.end(), shown)) {
-      const bool works =
-          std::any_of(cost.rows.begin(), cost.rows.end(), [](const CostRow& row) { return row.works(); });
+    if (std::none_of(cost.rows.begin(), cost.rows.end(), shown))
       return tell_no_picture(
-          png, works ? "no setting has an error and a cost above 0, as logarithmic axes want them"
-                     : "no setting works; give a shorter --time, or another start");
-    }
+          png, std::any_of(cost.rows.begin(), cost.rows.end(), works)
+                   ? "no setting has a known error and a cost above 0, as logarithmic axes want them"
+                   : "no setting works; give a shorter --time, or another start");
     std::ostringstream out;
     out << gnuplot_prologue(png, 1200, 800) << "set title "
         << quoted(title + ": what accuracy costs over T = " + formatted("%g", cost.time)) << " noenhanced\n"
@@ -266,6 +267,18 @@ struct CostRequest {
     }
   }
 
+  static bool works(const CostRow& row) { return row.works(); }
+  /// The table, with advice that a program can follow.
+  static std::string told(const CostTable& cost) {
+    std::ostringstream out;
+    out << cost;
+    std::string text = out.str();
+    static const std::string options = "raise options.budget, min_gradients or max_gradients";
+    for (std::size_t at = 0; (at = text.find(options, at)) != std::string::npos;)
+      text.replace(at, options.size(), "give a shorter --time");
+    return text;
+  }
+
   std::string text_, figure_, figure_unit_;
   double asked_ = 0;  ///< the accuracy in the unit of the figure
   double longest_dt_ = std::numeric_limits<double>::infinity();
@@ -282,7 +295,7 @@ struct CostRequest {
     method.lanes = setting.method == Setting::Method::gauss_lanes;
     const bool too_long = setting.dt > longest_dt_;
     settings.dt = settings.time / std::ceil(settings.time / (too_long ? longest_dt_ : setting.dt));
-    std::cout << cost << "\nchosen: " << setting.name() << ", dt = " << formatted("%.4g", settings.dt)
+    std::cout << told(cost) << "\nchosen: " << setting.name() << ", dt = " << formatted("%.4g", settings.dt)
               << (too_long ? " (shorter than it could be, to measure the figure)" : "") << ", " << among(cost)
               << "\n\n";
   }

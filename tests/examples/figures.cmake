@@ -170,6 +170,9 @@ by_shell(fast_charges "draws few rows of a swing as dots"
 # Of 1982 loops, which rows 1.006 loops apart make eleven of.
 by_shell(charges "draw rows a turn apart as dots"
   "$program --preset gyration --effects kinetic,uniform_field,electric --ey '100 V/m' --ex 0 --time '1.3e-3 s' --output dots && grep -q 'rows, too few per orbit for a line' dots/charges.gp && grep -q '2:3 with points' dots/charges.gp")
+# Behind the trials it is at mirrors of 4 T, which come back.
+by_shell(charges "tells no error of settings that have not seen what is hard"
+  "$program --preset bottle --pitch '30 deg' --cost --no-plot && grep ',inf,' out/charges_cost.csv && awk -F, 'NR > 1 && $4 > 1 && $4 != \"inf\" && $4 != \"nan\" { exit 1 }' out/charges_cost.csv")
 prints(black_hole "does not measure an orbit of three steps" "--dt 10 --time 30" "nearest r: not measured, the run has too few steps; give a smaller --dt\n")
 # By Carter's constant 48.034.
 prints(black_hole "says how far it goes from the equator between steps" "--preset kerr --dt 3 --time 60" "degrees off the equator: 48.0[0-9]* ± 0.[0-9]+\n")

@@ -35,7 +35,8 @@ enum class LimitedBy {
 /// A setting, and what a run with it over the whole time is expected to give and to cost.
 struct CostRow {
   Setting setting{};
-  double error = 0;      ///< the largest over the time; see CostTable for what it is relative to
+  double error = 0;      ///< the largest over the time; see CostTable for what it is relative to. Infinite
+                         ///< where it is not known, as hard places come back that were not tried
   double gradients = 0;  ///< gradient calls
   double seconds = 0;    ///< of processor time; NaN where that was not measured
   LimitedBy limit = LimitedBy::step;
@@ -291,7 +292,8 @@ SEMIEXPLICIT_COLD inline std::ostream& operator<<(std::ostream& out, const CostT
   for (const CostRow& row : cost.rows) {
     out << "         " << row;
     if (row.works() && row.tried < cost.time)
-      out << "; tried over " << in_words(100 * row.tried / cost.time, 2) << "%";
+      out << "; tried over " << in_words(100 * row.tried / cost.time, 2) << "%"
+          << (std::isinf(row.error) ? ", without what is hard behind" : "");
     out << '\n';
   }
   out << "\nThe best were tried from z0 to t = " << in_words(cost.tried, 3) << ", "

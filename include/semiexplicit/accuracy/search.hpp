@@ -527,7 +527,9 @@ class Search {
                   .harder = forecast_.harder_behind(seen.seen_to())};
       if (seen.works() && !forecast_.lasts(candidate, seen)) row.lasts = false;
       if (row.works()) {
-        row.error = forecast_.error_of(candidate, seen, step);
+        row.error = candidate.setting.reversible || std::isfinite(row.harder)
+                        ? forecast_.error_of(candidate, seen, step)
+                        : std::numeric_limits<double>::infinity();
         row.gradients = seen.rate * table_.time;
         const double per_call = seconds_per_call(candidate);  // 0: no calls were left to measure it
         if (per_call > 0 || options().by == CostBy::seconds) row.seconds = row.gradients * per_call;

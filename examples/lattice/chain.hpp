@@ -73,7 +73,7 @@ inline Measurement<Eigen::Dynamic> localisation(const Choice& c) {
   const auto figure = [=]() -> Figure {
     return {.name = "participation number at the end",
             .value = participation(seen->last),
-            .beside = "of " + std::to_string(sites(c)) + " sites"};
+            .beside = "of " + std::to_string(sites(c)) + (sites(c) == 1 ? " site" : " sites")};
   };
   return {[=](double t, const In<double, Eigen::Dynamic>& q, const In<double, Eigen::Dynamic>& p) {
             seen->t = t;

@@ -161,12 +161,19 @@ int main(int argc, char** argv) {
       try {
         run(regime, request, all.back().series);
       } catch (const std::runtime_error&) {  // of the run, or of the exponents: the step has no tangent map
-        if (all.back().series.t.empty()) all.pop_back();
+        const std::int64_t done = all.back().series.realizations();
+        if (done == 0) all.pop_back();
         if (!all.empty()) {
           write_and_tell();
-          std::cout << "data so far: " << csv.string() << std::endl;
-          if (!settings.no_plot) tell_of_earlier_picture(png);
+          std::cout << "data so far: " << csv.string();
+          if (done > 0)
+            std::cout << ", of " << regime.name << " chaos " << done << " of " << request.realizations
+                      << " realizations";
+          std::cout << std::endl;
+        } else if (std::filesystem::exists(csv)) {
+          std::cerr << csv.string() << " stays as it is, of an earlier run\n";
         }
+        if (!settings.no_plot) tell_of_earlier_picture(png);
         throw;
       }
     }

@@ -27,6 +27,8 @@ class Series {
       if (exponents[i] > 0) logarithms_[i] += std::log10(exponents[i]), ++positive_[i];
   }
 
+  std::int64_t realizations() const { return realizations_; }
+
   /// At t[i], or at the last t; NaN where none is positive.
   double exponent(std::size_t i) const { return std::pow(10.0, mean(i)); }
   double end() const { return exponent(t.size() - 1); }

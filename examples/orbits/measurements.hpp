@@ -227,7 +227,7 @@ inline Measurement<3> turning_orbit(const Choice& c, const std::string& unit, do
       if (!(uncertain <= (expected.largest > 0 ? 0.1 * expected.largest : 1e-3) * motion))
         return print_none(out, what,
                           formatted("a companion run leaves ± %.2g ", uncertain) + unit +
-                              " open; give a smaller --dt, or a --scheme of higher order");
+                              " open; give a smaller --dt, or a method of higher order");
       const int digits =
           uncertain < 1 ? std::clamp(-static_cast<int>(std::floor(std::log10(uncertain))), 0, 15) : 0;
       const auto decimals = [&](double x) {

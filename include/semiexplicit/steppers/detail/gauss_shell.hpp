@@ -168,12 +168,12 @@ class GaussShell {
     // either.
     const auto is_small_half = [&](const auto& entry, const auto& beside, bool both) {
       const auto half = [&](Eigen::Index begin) {
-        Scalar small(0), size(0);
+        Scalar small(0), whole(0);
         for (Eigen::Index i = begin; i < begin + dof(); ++i) {
           small += entry(i);
-          size += beside(i);
+          whole += beside(i);
         }
-        return small <= sqrt(epsilon) * size;
+        return small <= sqrt(epsilon) * whole;
       };
       return both ? half(0) && half(dof()) : half(0) || half(dof());
     };

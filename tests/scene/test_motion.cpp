@@ -5,6 +5,8 @@
 #include <numbers>
 #include <sstream>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <semiexplicit/accuracy.hpp>
 #include <semiexplicit/chaos.hpp>
@@ -294,6 +296,37 @@ TEST_CASE("Books of many short runs are those of one long run, whatever the time
   CHECK(kicked.by_events() == Approx(scene.energy(z.q(), z.p()) - energy).epsilon(1e-14));
   integrate(stepper, z, {.dt = dt, .steps = 200, .t0 = first.t}, kicked);
   CHECK(std::abs(kicked.difference()) < 1e-7);
+}
+
+TEST_CASE("Books close whatever the steps from run to run differ by", "[motion]") {
+  const Scene scene(Kinetic{}, Spring{}, Drag{.linear = 0.1});
+  const auto open = [&](const std::vector<std::pair<double, double>>& runs) {  // dt and length of each
+    auto stepper = stepper_for(scene);
+    PhasePoint<double, 2> z({1, 0.5}, {0.2, 0.7});
+    Books books(scene);
+    double t = 0;
+    for (const auto& [dt, length] : runs) {
+      integrate(stepper, z, {.dt = dt, .t0 = t, .t_end = t + length}, books);
+      t += length;
+    }
+    return std::abs(books.difference());
+  };
+  const double even = open({{0.05, 6}});
+  CHECK(even < 1e-8);
+  // To times that are one but for rounding, as 3 * 0.1 and 0.3.
+  std::vector<std::pair<double, double>> twice;
+  for (int i = 0; i < 60; ++i) {
+    twice.emplace_back(0.05, 0.1);
+    twice.emplace_back(0.05, 1e-15);
+  }
+  CHECK(open(twice) < 10 * even);
+  for (const double finer : {3.0, 10.0, 100.0, 6000.0, 1e6})
+    for (const int then : {1, 2, 3, 5, 20}) {
+      CAPTURE(finer, then);
+      const double dt = 0.05, most = finer < 32 ? 1e-8 : 1e-5;  // one step by the trapezoidal rule
+      CHECK(open({{dt / finer, 40 * dt / finer}, {dt, then * dt}}) < most);
+      CHECK(open({{dt, 10 * dt}, {dt / finer, 40 * dt / finer}, {dt, then * dt}}) < most);
+    }
 }
 
 TEST_CASE("Books in float at late times are those at early ones", "[motion]") {

@@ -87,7 +87,7 @@ class RunningIntegral {
 
  private:
   static constexpr std::int64_t nodes = 8;
-  static constexpr int uneven = 32;  ///< lengths that differ by more do not go together
+  static constexpr int most_uneven = 32;  ///< lengths that differ by more do not go together
   std::size_t last() const { return static_cast<std::size_t>(count_ - 1); }
 
   void add(const Scalar& part) {  // with the rounding errors kept
@@ -130,8 +130,8 @@ class RunningIntegral {
     const auto next_of = [&](std::size_t last, std::size_t step) {
       for (std::size_t i = last + step; i < n; i += step) {  // below 0 it is above n
         const Scalar gap = abs(times_[i] - times_[last]);
-        if (gap > uneven * length) return n;
-        if (gap * uneven >= length) return i;
+        if (gap > most_uneven * length) return n;
+        if (gap * most_uneven >= length) return i;
       }
       return n;
     };

@@ -136,7 +136,7 @@ class GaussLegendre : public detail::GaussShell<GaussLegendre<H>, H> {
       const Scalar change = newton_iteration(z, report);
       // From far off Newton's method may find another solution: what does not continue the last step starts
       // at z.
-      if (!extrapolate || report.evaluations > 0 || is_near()) return change;
+      if (!extrapolate || report.evaluations > 0 || this->changed_by(Scalar(1) / 2)) return change;
       start(z, false, report);
       return change < largest ? change : largest;
     };
@@ -184,19 +184,6 @@ class GaussLegendre : public detail::GaussShell<GaussLegendre<H>, H> {
       ++report.gradients;
     }
     return detail::sum_of_absolutes(changed_);
-  }
-
-  /// Whether the last correction is well below the displacements, positions and momenta by themselves.
-  bool is_near() const {
-    const auto half = [&](Eigen::Index begin) {
-      Scalar changed(0), moved(0);
-      for (Eigen::Index i = begin; i < begin + dof(); ++i) {
-        changed += changed_[i];
-        moved += displaced(i);
-      }
-      return changed <= moved / 2;
-    };
-    return half(0) && half(dof());
   }
 
   /// What Newton's method needs: the Hessian of a stage, and the matrix and right-hand side of all.

@@ -164,28 +164,18 @@ class GaussShell {
     bool felt_moved = false;
     using std::sqrt;
     const auto is_small = [&](const Scalar& off) { return off <= sqrt(epsilon) * displaced(); };
-    // An iteration of one stage that runs away changes momenta and positions in turns. Both halves, or else
-    // either.
-    const auto is_small_half = [&](const auto& entry, const auto& beside, bool both) {
-      const auto half = [&](Eigen::Index begin) {
-        Scalar small(0), whole(0);
-        for (Eigen::Index i = begin; i < begin + dof(); ++i) {
-          small += entry(i);
-          whole += beside(i);
-        }
-        return small <= sqrt(epsilon) * whole;
-      };
-      return both ? half(0) && half(dof()) : half(0) || half(dof());
-    };
-    const auto changed_in = [&](Eigen::Index i) { return stages().changed(i); };
-    const auto displaced_in = [&](Eigen::Index i) { return stages().displaced(i); };
-    const auto settles = [&] { return is_small_half(changed_in, displaced_in, true); };
+    // An iteration of one stage that runs away changes momenta and positions in turns.
+    const auto settles = [&] { return changed_by(sqrt(epsilon)); };
     // Rounding of z is all there is only of a state that hardly leaves z, far out or near rest: in a wall of
     // e^q it makes as much of the field at z, wherever the stages went.
     const auto stays = [&] {
       using std::abs;
-      return is_small_half(
-          displaced_in, [&](Eigen::Index i) { return Scalar(abs(z.vector()[i])); }, false);
+      const auto half = [&](Eigen::Index begin) {
+        Scalar moved(0);
+        for (Eigen::Index i = begin; i < begin + dof(); ++i) moved += stages().displaced(i);
+        return moved <= sqrt(epsilon) * sum_of_absolutes(z.vector().segment(begin, dof()));
+      };
+      return half(0) || half(dof());
     };
     // What Newton's method met on its way far out says nothing of here. Some roundings cancel each other, so
     // that it is felt again.
@@ -246,6 +236,20 @@ class GaussShell {
       return (moved || stays()) && is_within_felt(moved ? 100 : 1) ? ended(at_rounding)
                                                                    : Status::no_convergence;
     }
+  }
+
+  /// Whether the last sweep changed the displacements by no more than that part of them, in positions and in
+  /// momenta.
+  bool changed_by(const Scalar& part) {
+    const auto half = [&](Eigen::Index begin) {
+      Scalar changed(0), moved(0);
+      for (Eigen::Index i = begin; i < begin + dof(); ++i) {
+        changed += stages().changed(i);
+        moved += stages().displaced(i);
+      }
+      return changed <= part * moved;
+    };
+    return half(0) && half(dof());
   }
 
   H hamiltonian_;

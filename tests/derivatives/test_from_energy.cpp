@@ -143,6 +143,32 @@ TEST_CASE("Automatic gradients have the precision of their numbers", "[derivativ
   CHECK(std::abs(gradient[0] - 0.2L * std::exp(0.1L * 0.2L)) <= 1e-19L);
 }
 
+TEST_CASE("A power with an exponent of fewer digits has the precision of its base", "[derivatives]") {
+  using Wide = long double;
+  const auto check = [](auto c, int dof) {
+    const auto energy = [=](const auto& q, const auto& p) {
+      using std::pow;
+      return p[0] * p[0] / 2 + pow(q[0], c);
+    };
+    const auto h = from_energy<Wide>(dof, energy);  // by duals, or by a tape
+    PhasePoint<Wide, Eigen::Dynamic> z(dof), gradient(dof);
+    z.vector().setConstant(3.5L);
+    h.gradient(z.q(), z.p(), gradient.q(), gradient.p());
+    const Wide exact = Wide(c) * std::pow(3.5L, Wide(c) - 1), slope = (Wide(c) - 1) / 3.5L * exact;
+    const Wide epsilon = std::numeric_limits<Wide>::epsilon();
+    CHECK(std::abs(gradient.q()[0] / exact - 1) < 4 * epsilon);
+    Eigen::Matrix<Wide, Eigen::Dynamic, Eigen::Dynamic> hessian(2 * dof, 2 * dof);
+    h.hessian(z.q(), z.p(), hessian);
+    CHECK(std::abs(hessian(0, 0) / slope - 1) < 8 * epsilon);
+  };
+  for (const int dof : {1, 12}) {
+    check(0.3, dof);
+    check(-0.45, dof);
+    check(1.7F, dof);
+    check(3, dof);
+  }
+}
+
 TEST_CASE("Powers have second derivatives at and below zero, mixed arguments theirs", "[derivatives]") {
   const auto h = from_energy<1>([](const auto& q, const auto& p) {
     using std::pow, std::atan2, std::hypot, std::asinh;

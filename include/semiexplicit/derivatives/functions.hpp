@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <concepts>
+#include <limits>
 #include <type_traits>
 
 #include <semiexplicit/core/inlined.hpp>
@@ -335,6 +336,14 @@ template <Number X>
 X pow(const X& x, const X& y) {
   return power_log(x, y, 0);
 }
+/// What a number, of numbers or not, is made of in the end.
+template <class X>
+struct PlainOf {
+  using Type = X;
+};
+template <Number X>
+struct PlainOf<X> : PlainOf<typename X::Base> {};
+
 /// x^c with a constant exponent: also for negative x where c is an integer.
 template <Number X, class U>
 requires(X::template constant<U>) SEMIEXPLICIT_INTO_TERM X pow(const X& x, const U& c) {
@@ -342,6 +351,9 @@ requires(X::template constant<U>) SEMIEXPLICIT_INTO_TERM X pow(const X& x, const
   using T = typename X::Base;
   if constexpr (Number<U>) {
     return pow(x, X(c));  // constant on the outer level only
+  } else if constexpr (std::floating_point<U> && std::numeric_limits<typename PlainOf<X>::Type>::digits >
+                                                     std::numeric_limits<U>::digits) {
+    return pow(x, typename PlainOf<X>::Type(c));  // c - 1 would be rounded
   } else {
     if (c == U(0)) return X(1);
     // c stays a plain number, so that a dual of duals comes back here, and not to the logarithm.

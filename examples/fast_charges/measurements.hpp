@@ -112,12 +112,18 @@ inline Measurement<3> wiggle(const Choice& c) {
                  behind = (1 + strength * strength / 2) / (gamma * gamma);
     std::string off = too_large("k|y|", k * way.highest, 0.1);
     if (off.empty()) off = too_large("the slope K/(γβ)", slope, 0.1);
-    std::vector<Figure> list{compared("wiggle, m", (way.widest.value() + way.closest.value()) / 2,
-                                      (way.widest.uncertain() + way.closest.uncertain()) / 2, "K/(γβk)",
-                                      slope / k, off)};
+    // Far from the origin places are rounded.
+    const auto rounding_of = [](double place) {
+      return std::numeric_limits<double>::epsilon() * std::abs(place);
+    };
+    std::vector<Figure> list{
+        compared("wiggle, m", (way.widest.value() + way.closest.value()) / 2,
+                 (way.widest.uncertain() + way.closest.uncertain()) / 2 + rounding_of(way.first[0]),
+                 "K/(γβk)", slope / k, off)};
     if (off.empty()) off = too_large("(1 + K²/2)/γ²", behind, 0.01);
     const double light = c["c"] * (way.t - way.t0), slippage = (light - (way.last - way.first)[2]) / passed,
-                 rounding = std::numeric_limits<double>::epsilon() * light / passed;
+                 farthest = std::max(std::abs(way.first[2]), std::abs(way.last[2])),
+                 rounding = rounding_of(light + farthest) / passed;
     list.push_back(std::abs(slippage) > rounding
                        ? compared("slippage a period, m", slippage, rounding, "λ(1 + K²/2)/(2γ²)",
                                   period * behind / 2, off)

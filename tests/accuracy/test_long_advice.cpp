@@ -349,7 +349,7 @@ TEST_CASE("a tight target takes nothing away from a loose one", "[long]") {
     return (p[0] * p[0] + p[1] * p[1]) / 2 - 1 / sqrt(q[0] * q[0] + q[1] * q[1]);
   });
   const auto cost =
-      cost_of_accuracy(h, at_periapsis(0.9), 1908.0,
+      cost_of_accuracy(h, at_periapsis(0.9), 1800.0,
                        {.observable = observables::Coordinate{0}, .targets = {1e-6, 1e-8, 1e-10}});
   const auto advice = cost.cheapest(1e-6);
   REQUIRE(advice);

@@ -40,10 +40,12 @@ class Bouncing {
     last_t_ = t;
     highest_.see(std::abs(z));
   }
-  /// Why there is no figure of a charge that gyrates by about `rate`, in a field alone or with other effects;
-  /// empty where there is one.
-  std::string missing(double rate, bool alone) const {
+  /// Why there is no figure of a charge that gyrates by about `rate`, and so many times as fast where it
+  /// turns back, in a field alone or with other effects; empty where there is one.
+  std::string missing(double rate, double faster, bool alone) const {
     if (const std::string coarse = too_coarse(rate * longest_); !coarse.empty()) return coarse;
+    if (const std::string coarse = too_coarse(rate * faster * longest_, 2); !coarse.empty())
+      return "where it turns back " + coarse;
     if (passages_ < 2)
       return alone ? "the run has no whole bounce; give more --time"
                    : "the run has no whole bounce through z = 0, which need not be the middle with other "
@@ -119,8 +121,10 @@ inline Measurement<3> mirrors(const Choice& c) {
       [=](double t, const In<double, 3>& q, const In<double, 3>&) { bouncing->see(t, q[2]); },
       memory_of(bouncing),
       [=](const Run&) -> std::vector<Figure> {
-        std::string why = v.crosses() ? bouncing->missing(std::abs(c["charge"] * c["b0"]) / c["mass"], alone)
-                                      : Velocity::no_crossing;
+        const double top = bouncing->highest().value() / length, faster = 1 + top * top;
+        std::string why = v.crosses()
+                              ? bouncing->missing(std::abs(c["charge"] * c["b0"]) / c["mass"], faster, alone)
+                              : Velocity::no_crossing;
         const bool stays = length * std::abs(v.along) / v.across < 1e-6 * gyroradius;
         if (v.crosses() && stays && bouncing->highest().value() < 1e-6 * gyroradius)
           why = "the charge stays in the middle; give another --pitch";
@@ -182,7 +186,7 @@ inline Measurement<3> bounce_and_drift(const Choice& c) {
                                           : !lost.empty()  ? lost
                                           : stays && bouncing->highest().value() < 1e-6 * l
                                               ? "the charge stays in the equator; give another --pitch"
-                                              : bouncing->missing(v / (gyroradius * l), alone),
+                                              : bouncing->missing(v / (gyroradius * l), 1, alone),
                               no_drift =
                                   !alone            ? "other effects than the field make the drift uneven"
                                   : !lost.empty()   ? lost

@@ -392,7 +392,10 @@ TEST_CASE(
   const CostTable single = cost_of_accuracy(systems::Product<float>(), PhasePoint<float, 1>(-3, 0), 100);
   CHECK(single.reach(1e-4) == Reach::met);
   CHECK(single.reach(1e-8) == Reach::rounding);
-  CHECK(single.spent_gradients <= 1.6 * single.budget);
+  CHECK(single.spent_gradients <= 2 * single.budget);
+  // A step that ends at rounding is done.
+  for (const CostRow& row : single.rows)
+    if (row.setting.method == Setting::Method::semiexplicit && row.setting.dt < 0.2) CHECK(row.works());
 }
 
 TEST_CASE("no advice is given for an orbit that ends before T") {

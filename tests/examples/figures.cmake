@@ -173,6 +173,14 @@ by_shell(charges "draw rows a turn apart as dots"
 # Behind the trials it is at mirrors of 4 T, which come back.
 by_shell(charges "tells no error of settings that have not seen what is hard"
   "$program --preset bottle --pitch '30 deg' --cost --no-plot && grep ',inf,' out/charges_cost.csv && awk -F, 'NR > 1 && $4 > 1 && $4 != \"inf\" && $4 != \"nan\" { exit 1 }' out/charges_cost.csv")
+prints(charges "does not measure a turning point where the charge turns by two steps a gyration"
+  "--preset bottle --effects kinetic,magnetic_bottle,electric --time 2036.5363293435341 --dt 0.20943951023931953 --charge -1 --mass 1 --energy 8.410086243631372e-08 --pitch 2.867661437300563 --b0 1.0 --length 0.004857351993464593 --ex 8.714603286921047e-08 --ey 2.3583475778363736e-07 --ez -6.846327904224275e-10 --method gauss --stages 8"
+  "not measured, where it turns back it turns by up to 16[0-9] degrees in a step; give a --dt 3 times smaller")
+# Truly 5.4535645e-06, by shorter steps.
+prints(orbits "says how well steps tell what a loss of energy turns" "--preset hulse_taylor --effects kinetic,attraction,2.5pn --c 11000 --time 300000 --dt 20"
+  "perihelion advance: 0.00000545[0-9]* ± [12]e-09 degrees a year")
+prints(fast_charges "says what rounding leaves of the slippage far from the origin" "--preset undulator --gamma 1e5 --y 0 --z 300 --time 7e-10"
+  "slippage a period, m: 4.3[0-9]*e-12 ± 1e-14")
 prints(black_hole "does not measure an orbit of three steps" "--dt 10 --time 30" "nearest r: not measured, the run has too few steps; give a smaller --dt\n")
 # By Carter's constant 48.034.
 prints(black_hole "says how far it goes from the equator between steps" "--preset kerr --dt 3 --time 60" "degrees off the equator: 48.0[0-9]* ± 0.[0-9]+\n")

@@ -48,7 +48,7 @@ struct CostRow {
                                     ///< did not suffice to look at neighbouring orbits, and was not
   bool interpolated = false;        ///< between two trials of the same scheme, instead of tried itself
 
-  bool works() const { return status == Status::success; }
+  bool works() const { return is_done(status); }
   double cost(CostBy by) const { return by == CostBy::gradients ? gradients : seconds; }
 };
 

@@ -24,7 +24,7 @@ struct Probe {
   double evaluations = 0;       ///< a step
   bool cut = false;             ///< the calls ended before the trial
   bool given_up = false;  ///< before the end, at an error that is hopeless for the target it was tried for
-  bool works() const { return status == Status::success && !cut; }
+  bool works() const { return is_done(status) && !cut; }
 
   /// How far it is known what it does.
   double seen_to() const { return given_up ? length : asked; }

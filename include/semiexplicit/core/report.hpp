@@ -30,6 +30,11 @@ enum class Status {
   observer_threw    ///< a member of an Ensemble only: an observer of its own, by each(), threw an exception
 };
 
+/// Whether a step that ended so was done.
+constexpr bool is_done(Status status) {
+  return status == Status::success || status == Status::rounding_limited;
+}
+
 namespace detail {
 /// The last of them, for who reads one from a file.
 inline constexpr Status last_status = Status::observer_threw;
@@ -99,7 +104,7 @@ struct StepReport {
     return dt * std::min(oscillating, growing);
   }
 
-  bool ok() const { return status == Status::success || status == Status::rounding_limited; }
+  bool ok() const { return is_done(status); }
 };
 
 namespace detail {
@@ -130,7 +135,7 @@ struct SolverReport {
   Scalar rate = 0;               ///< e over the one before it; 0 after a single evaluation
   int escalations = 0;           ///< solvers that failed before the one that made this report; see Robust
 
-  bool ok() const { return status == Status::success || status == Status::rounding_limited; }
+  bool ok() const { return is_done(status); }
   /// What a step says of its solve.
   void tell(StepReport& report) const {
     report.status = status;

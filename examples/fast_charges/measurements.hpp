@@ -123,7 +123,7 @@ inline Measurement<3> wiggle(const Choice& c) {
     if (off.empty()) off = too_large("(1 + K²/2)/γ²", behind, 0.01);
     const double light = c["c"] * (way.t - way.t0), slippage = (light - (way.last - way.first)[2]) / passed,
                  farthest = std::max(std::abs(way.first[2]), std::abs(way.last[2])),
-                 rounding = rounding_of(light + farthest) / passed;
+                 rounding = rounding_of(std::max(light, farthest)) / passed;
     list.push_back(std::abs(slippage) > rounding
                        ? compared("slippage a period, m", slippage, rounding, "λ(1 + K²/2)/(2γ²)",
                                   period * behind / 2, off)

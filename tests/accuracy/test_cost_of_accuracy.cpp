@@ -393,6 +393,11 @@ TEST_CASE(
   CHECK(single.reach(1e-4) == Reach::met);
   CHECK(single.reach(1e-8) == Reach::rounding);
   CHECK(single.spent_gradients <= 2 * single.budget);
+  // A run in floats goes to a time that a float has, and so do its trials.
+  const double T =
+      cost_of_accuracy(systems::Product<float>(), PhasePoint<float, 1>(-3, 0), 100.1, {.targets = {1e-3}})
+          .time;
+  CHECK(T == static_cast<double>(100.1F));
   // A step that ends at rounding is done.
   for (const CostRow& row : single.rows)
     if (row.setting.method == Setting::Method::semiexplicit && row.setting.dt < 0.2) CHECK(row.works());

@@ -32,7 +32,12 @@ IntegrationReport run(const H& hamiltonian, PhasePoint<typename H::Scalar, H::Do
   using Scalar = typename H::Scalar;
   const detail::Erased<H> erased(hamiltonian);
   detail::AnyStepperOf<Scalar, H::Dof> stepper(erased.stepper(setting), dof_of(hamiltonian));
-  const IntegrationOptions<Scalar> options{.dt = Scalar(setting.dt), .t_end = Scalar(T)};
+  IntegrationOptions<Scalar> options{.dt = Scalar(setting.dt), .t_end = Scalar(T)};
+  if (!setting.reversible) {  // as many steps as its trials had, though setting.dt is rounded
+    const double end = static_cast<double>(Scalar(T));
+    options.dt = Scalar(end / detail::steps_between(0.0, end, setting.dt));
+    options.dt += 16 * Eigen::NumTraits<Scalar>::epsilon() * options.dt;
+  }
   if (!setting.reversible) return integrate(stepper, z, options, std::forward<Observers>(observers)...);
   if constexpr ((false || ... || ChangesState<Observers>)) {
     throw std::invalid_argument(
@@ -135,6 +140,7 @@ auto cost_of_accuracy(
       throw std::invalid_argument("cost_of_accuracy: z0 holds NaN or Inf; give a finite initial state");
     detail::require_symplectic(hamiltonian, "cost_of_accuracy",
                                "its energy changes by their work: give runs with_error_estimate() instead");
+    T = static_cast<double>(typename H::Scalar(T));  // as far as runs go
     using Any = detail::Erased<H>;
     const double start = detail::cpu_seconds();
     PhasePoint<typename H::Scalar, Eigen::Dynamic> at(z0.dof());

@@ -357,15 +357,15 @@ class FlowSplitting {
 
   SEMIEXPLICIT_INLINE void kick_p(Moving& z, const Scalar& t) {
     const Eigen::Index d = dof();
-    hamiltonian_.rest_position_gradient(Eigen::Map<const Column>(z.at.data(), d),
-                                        Eigen::Map<Column>(z.dq.data(), d));
+    Eigen::Map<Column> gradient(z.dq.data(), d);  // which H may take by reference
+    hamiltonian_.rest_position_gradient(Eigen::Map<const Column>(z.at.data(), d), gradient);
     for (Eigen::Index i = 0; i < d; ++i) z.move(d + i, -t * z.dq[i]);
     ++halves_;
   }
   SEMIEXPLICIT_INLINE void drift_q(Moving& z, const Scalar& t) {
     const Eigen::Index d = dof();
-    hamiltonian_.rest_momentum_gradient(Eigen::Map<const Column>(z.at.data() + d, d),
-                                        Eigen::Map<Column>(z.dp.data(), d));
+    Eigen::Map<Column> gradient(z.dp.data(), d);
+    hamiltonian_.rest_momentum_gradient(Eigen::Map<const Column>(z.at.data() + d, d), gradient);
     for (Eigen::Index i = 0; i < d; ++i) z.move(i, t * z.dp[i]);
     ++halves_;
   }

@@ -170,8 +170,8 @@ int main(int argc, char** argv) {
             std::cout << ", of " << regime.name << " chaos " << done << " of " << request.realizations
                       << " realizations";
           std::cout << std::endl;
-        } else if (std::filesystem::exists(csv)) {
-          std::cerr << csv.string() << " stays as it is, of an earlier run\n";
+        } else {
+          tell_of_earlier(csv, "the data");
         }
         if (!settings.no_plot) tell_of_earlier_picture(png);
         throw;

@@ -107,8 +107,7 @@ View<any> view(const Choice& c) {
     // Rows are evenly spaced, but for the last one, which is left out where it is not.
     const std::string word =
         paths[0].hides_motion()
-            ? "set label 1 'the rows are farther apart than beats: what looks slow may be fast' at graph 0, "
-              "graph 1.015 left font ',12'\n"
+            ? label_above("the rows are farther apart than beats: what looks slow may be fast")
             : "";
     return word + "stats " + quoted(csv.string()) +
            " skip 1 using 1 nooutput\nend = STATS_max\nlast = STATS_records - 1\n" + "stats " +

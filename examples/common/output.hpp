@@ -64,12 +64,13 @@ inline std::string gnuplot_prologue(const std::filesystem::path& png, int width,
          "\n}\nset output output\nset datafile separator ','\nset encoding utf8\n";
 }
 
-/// Says of a picture that is there that it is not of this run.
-inline void tell_of_earlier_picture(const std::filesystem::path& png) {
+/// Says of a file that is there that it is not of this run.
+inline void tell_of_earlier(const std::filesystem::path& file, const std::string& what) {
   std::error_code none;
-  if (std::filesystem::exists(png, none))
-    std::cerr << png.string() << " stays as it is, a picture of an earlier run\n";
+  if (std::filesystem::exists(file, none))
+    std::cerr << file.string() << " stays as it is, " << what << " of an earlier run\n";
 }
+inline void tell_of_earlier_picture(const std::filesystem::path& png) { tell_of_earlier(png, "a picture"); }
 
 /// Says why a run that succeeded has no picture.
 inline void tell_no_picture(const std::filesystem::path& png, const std::string& why) {

@@ -25,6 +25,11 @@ inline std::string in(const std::string& what, const std::string& unit) {
   return unit.empty() ? what : what + ", " + unit;
 }
 
+/// gnuplot's line for a word above a graph.
+inline std::string label_above(const std::string& text) {
+  return "set label 1 " + quoted(text) + " at graph 0, graph 1.015 left font ',12'\n";
+}
+
 /// Sees the rows of a path in the plane, and tells how to draw it: rows that lie too far apart, fewer than 24
 /// a turn, must not be joined by lines, which would show places where nothing has been. A few may, where one
 /// does not see it.
@@ -44,19 +49,18 @@ class Path {
       low = std::min(low, y), high = std::max(high, y);
     }
     const double dx = x - x_, dy = y - y_;
-    const double by_steps = row_steps_ * std::hypot(x - step_x_, y - step_y_);
+    const double straight = std::hypot(dx, dy), by_steps = row_steps_ * std::hypot(x - step_x_, y - step_y_);
     if (row_steps_ > 0) {
-      shown_ += std::hypot(dx, dy);
+      shown_ += straight;
       gone_ += by_steps;
     }
     if (rows_ > 1) {
       const double angle = std::abs(std::atan2(dx_ * dy - dy_ * dx, dx_ * dx + dy_ * dy));
       if (std::isfinite(angle)) turned_ += angle;
-      const bool sharp = !(angle < std::acos(-1.0) / 12) || by_steps > 2 * std::hypot(dx, dy);
+      const bool sharp = !(angle < std::acos(-1.0) / 12) || by_steps > 2 * straight;
       if (sharp) ++sharp_;
       // As near the periapsis of a long ellipse.
-      if (sharp &&
-          30 * std::min(std::hypot(dx, dy), std::hypot(dx_, dy_)) > std::max(right - left, high - low))
+      if (sharp && 30 * std::min(straight, std::hypot(dx_, dy_)) > std::max(right - left, high - low))
         ++chords_;
     }
     dx_ = dx, dy_ = dy;
@@ -86,8 +90,7 @@ class Path {
     const std::string text = sparse() ? std::to_string(rows_) + " rows, too few per " + turn + " for a line"
                              : turns > 30 ? formatted("the rows go round %.0f times", turns)
                                           : "";
-    return text.empty() ? "unset label 1\n"
-                        : "set label 1 " + quoted(text) + " at graph 0, graph 1.015 left font ',12'\n";
+    return text.empty() ? "unset label 1\n" : label_above(text);
   }
   void visit_memory(CheckpointMemory& visit) {
     for (double* number : {&left, &right, &low, &high, &x_, &y_, &dx_, &dy_, &step_x_, &step_y_, &row_steps_,

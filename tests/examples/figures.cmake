@@ -172,7 +172,7 @@ by_shell(charges "draw rows a turn apart as dots"
   "$program --preset gyration --effects kinetic,uniform_field,electric --ey '100 V/m' --ex 0 --time '1.3e-3 s' --output dots && grep -q 'rows, too few per orbit for a line' dots/charges.gp && grep -q '2:3 with points' dots/charges.gp")
 # Behind the trials it is at mirrors of 4 T, which come back.
 by_shell(charges "tells no error of settings that have not seen what is hard"
-  "$program --preset bottle --pitch '30 deg' --cost --no-plot && grep ',inf,' out/charges_cost.csv && awk -F, 'NR > 1 && $4 > 1 && $4 != \"inf\" && $4 != \"nan\" { exit 1 }' out/charges_cost.csv")
+  "$program --preset bottle --pitch '30 deg' --cost --no-plot >said && ! grep options.budget said && grep 'give a shorter --time' said && grep ',inf,' out/charges_cost.csv && awk -F, 'NR > 1 && $4 > 1 && $4 != \"inf\" && $4 != \"nan\" { exit 1 }' out/charges_cost.csv")
 prints(charges "does not measure a turning point where the charge turns by two steps a gyration"
   "--preset bottle --effects kinetic,magnetic_bottle,electric --time 2036.5363293435341 --dt 0.20943951023931953 --charge -1 --mass 1 --energy 8.410086243631372e-08 --pitch 2.867661437300563 --b0 1.0 --length 0.004857351993464593 --ex 8.714603286921047e-08 --ey 2.3583475778363736e-07 --ez -6.846327904224275e-10 --method gauss --stages 8"
   "not measured, where it turns back it turns by up to 16[0-9] degrees in a step; give a --dt 3 times smaller")

@@ -33,12 +33,11 @@ IntegrationReport run(const H& hamiltonian, PhasePoint<typename H::Scalar, H::Do
   const detail::Erased<H> erased(hamiltonian);
   detail::AnyStepperOf<Scalar, H::Dof> stepper(erased.stepper(setting), dof_of(hamiltonian));
   IntegrationOptions<Scalar> options{.dt = Scalar(setting.dt), .t_end = Scalar(T)};
-  if (!setting.reversible) {  // as many steps as its trials had, though setting.dt is rounded
-    const double end = static_cast<double>(Scalar(T));
+  if (!setting.reversible) {  // by the steps that its trials took, though setting.dt may be no Scalar
+    const double end = static_cast<double>(*options.t_end);
     options.dt = Scalar(end / detail::steps_between(0.0, end, setting.dt));
-    options.dt += 16 * Eigen::NumTraits<Scalar>::epsilon() * options.dt;
+    return integrate(stepper, z, options, std::forward<Observers>(observers)...);
   }
-  if (!setting.reversible) return integrate(stepper, z, options, std::forward<Observers>(observers)...);
   if constexpr ((false || ... || ChangesState<Observers>)) {
     throw std::invalid_argument(
         "run: events that change the state need equal steps, and setting.reversible asks for others; "

@@ -128,7 +128,6 @@ class GaussLegendre : public detail::GaussShell<GaussLegendre<H>, H> {
   }
 
   Status solve(const State& z, bool extrapolate, StepReport& report) {
-    const Scalar largest = std::numeric_limits<Scalar>::max();
     detail::inlined<Scalar>([&] { start(z, extrapolate, report); });
     const auto sweep = [&] {
       if (options_.solver == StageSolver::fixed_point)
@@ -138,6 +137,7 @@ class GaussLegendre : public detail::GaussShell<GaussLegendre<H>, H> {
       // at z.
       if (!extrapolate || report.evaluations > 0 || this->changed_by(Scalar(1) / 2)) return change;
       start(z, false, report);
+      const Scalar largest = std::numeric_limits<Scalar>::max();
       return change < largest ? change : largest;
     };
     return this->iterate(z, report, sweep);

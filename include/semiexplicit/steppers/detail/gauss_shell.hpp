@@ -169,7 +169,6 @@ class GaussShell {
     // Rounding of z is all there is only of a state that hardly leaves z, far out or near rest: in a wall of
     // e^q it makes as much of the field at z, wherever the stages went.
     const auto stays = [&] {
-      using std::abs;
       const auto half = [&](Eigen::Index begin) {
         Scalar moved(0);
         for (Eigen::Index i = begin; i < begin + dof(); ++i) moved += stages().displaced(i);

@@ -392,7 +392,7 @@ TEST_CASE(
   const CostTable single = cost_of_accuracy(systems::Product<float>(), PhasePoint<float, 1>(-3, 0), 100);
   CHECK(single.reach(1e-4) == Reach::met);
   CHECK(single.reach(1e-8) == Reach::rounding);
-  CHECK(single.spent_gradients <= 2 * single.budget);
+  CHECK(single.spent_gradients <= 1.6 * single.budget);
   // A run in floats goes to a time that a float has, and so do its trials.
   const double T =
       cost_of_accuracy(systems::Product<float>(), PhasePoint<float, 1>(-3, 0), 100.1, {.targets = {1e-3}})

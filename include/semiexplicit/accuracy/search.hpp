@@ -365,15 +365,17 @@ class Search {
     }
     if (dt == 0) return infinity;
     // Where the projection takes several evaluations, a smaller step may be cheaper; with one it costs
-    // `single` a kick.
+    // `single` a kick. Not where rounding alone takes them.
     const double single = cost_of_call(candidate);
     for (int attempt = 0; attempt < 5 && candidate.projects() && trials[dt].evaluations >= 1.1; ++attempt) {
-      dt /= trials[dt].evaluations > 1.5 ? 1.3 : 1.12;
+      const double before = trials[dt].evaluations;
+      dt /= before > 1.5 ? 1.3 : 1.12;
       if (candidate.kicks / (dt * candidate.unit) * single > std::min(cheapest, 1.2 * best)) break;
       const Probe* const smaller = trial(candidate, dt, aim);
       if (smaller == nullptr || !smaller->works()) break;
       if (forecast_.error_of(candidate, *smaller, dt) <= aim && cost_of(candidate, *smaller) < cheapest)
         cheapest = cost_of(candidate, *smaller), candidate.rate = smaller->rate;
+      if (smaller->evaluations >= before) break;
     }
     return cheapest;
   }

@@ -315,6 +315,9 @@ TEST_CASE("An audit keeps its bound on gradient calls, or says what to change", 
   CHECK(static_cast<double>(calls) <= least);
   CHECK(bounded(1e9) == accepted);
   CHECK(says(bounded(0), "options.max_gradients is not positive"));
+  AuditOptions<double, 2> unfilled{.dt = 0.05};
+  unfilled.invariants = {{"L", {}}};
+  CHECK(refuses([&] { audit(counted, z, 10, unfilled); }, "the invariant L of options.invariants is empty"));
   // A time that no loop counter holds.
   CHECK(refuses([&] { audit(counted, z, 1e300, {.dt = 1e-10}); }, "options.max_gradients is 1e+09"));
 }

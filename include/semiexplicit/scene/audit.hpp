@@ -63,6 +63,10 @@ class Auditor {
     if (!(options.max_gradients > 0))
       throw std::invalid_argument(
           "audit: options.max_gradients is not positive; give a number of gradient calls");
+    for (const auto& [name, value] : options.invariants)
+      if (!value)
+        throw std::invalid_argument("audit: the invariant " + name +
+                                    " of options.invariants is empty; give it a function of (q, p)");
     const double steps = static_cast<double>(abs(t_end / options.dt));
     const double runs = 3 + static_cast<double>(scene_.effects().size());
     spent_ = 2 * (runs - 3) * (std::min<double>(options.samples, steps) + 2);  // to measure their sizes

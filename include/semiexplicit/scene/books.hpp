@@ -194,6 +194,10 @@ class Books {
   template <class... Effects>
   explicit Books(const Scene<Effects...>& scene) : Books(RuntimeScene<Scalar, Dof>(scene)) {}
 
+  // Moving copies, as of the scene: no books are without their accounts.
+  Books(const Books&) = default;
+  Books& operator=(const Books&) = default;
+
   template <class State>
   void operator()(const Scalar& t, const State& state, const IntegrationReport& run = {}) {
     const In<Scalar, Dof> q = state.q(), p = state.p();

@@ -183,7 +183,7 @@ inline Measurement<3> turning_orbit(const Choice& c, const std::string& unit, do
     seen->node.see(t, x[2], node, axis);
     seen->upright = std::min(seen->upright, node.norm() / momentum.norm());
     seen->eccentric = std::min(seen->eccentric, laplace.norm());
-    if (!seen->last.isZero()) seen->step = std::max(seen->step, angle_between(seen->last, x));
+    if (!seen->last.isZero(0)) seen->step = std::max(seen->step, angle_between(seen->last, x));
     seen->last = x;
     const TurnRates now = expected.rates(1 / (2 / x.norm() - v.squaredNorm() / gm), laplace.norm(),
                                          momentum.z() / momentum.norm());

@@ -232,8 +232,7 @@ inline Measurement<3> turning_orbit(const Choice& c, const std::string& unit, do
         return print_none(out, what,
                           formatted("a companion run leaves ± %.2g ", uncertain) + unit +
                               " open; give a smaller --dt, or a method of higher order");
-      const int digits =
-          uncertain < 1 ? std::clamp(-static_cast<int>(std::floor(std::log10(uncertain))), 0, 15) : 0;
+      const int digits = static_cast<int>(std::clamp(-std::floor(std::log10(uncertain)), 0.0, 40.0));
       const auto decimals = [&](double x) {
         const double last = std::pow(10, -digits);
         return formatted("%.*f", digits, std::round(x / last) * last + 0.0);

@@ -66,6 +66,8 @@ prints(orbits "turn along the orbit of each step" "--preset gps --a 6959.374 --e
   "along the orbit: 1517.70[89][0-9]* ± 0.000[1-9]")
 # 2e-5 of it were rounded away beside ± 1e-09.
 prints(orbits "have the digits of their ±" "--preset hulse_taylor --time \"0.2 year\"" "perihelion advance: 4.226908[5-7] ± [1-3]e-07 ")
+prints(orbits "have the digits of a small ±" "--preset hulse_taylor --effects kinetic,attraction,1pn --a \"1e4 AU\" --time \"2e6 year\" --dt \"1e3 year\""
+  "perihelion advance: 0.0000000000000081[0-9] ± [1-9]e-17 ")
 
 # The periapsis, 9/1.5, is within the last step.
 prints(black_hole "sees the closest approach within the last step" "--preset schwarzschild --p 9 --e 0.5 --time 170.5076314687729 --dt 2" "nearest r: (6[.]0000|5[.]9999)[0-9]* ± [1-9]e-05\n")

@@ -398,6 +398,15 @@ TEST_CASE(
       cost_of_accuracy(systems::Product<float>(), PhasePoint<float, 1>(-3, 0), 100.1, {.targets = {1e-3}})
           .time;
   CHECK(T == static_cast<double>(100.1F));
+  // As many of them where a setting's dt is a Scalar of more digits, or of fewer.
+  const auto steps_by = [](auto z, double dt) {
+    const systems::Product<typename decltype(z)::Scalar> h;
+    return run(h, z, 7, {.method = Setting::Method::gauss, .stages = 4, .dt = dt}).steps;
+  };
+  for (int n = 14; n <= 60; ++n) {
+    CHECK(steps_by(PhasePoint<long double, 1>(0.3, 0.2), 7.0 / n * (1 + 1e-6)) == n);
+    CHECK(steps_by(PhasePoint<float, 1>(0.3F, 0.2F), 7.0 / n * (1 + 1e-6)) == n);
+  }
   // A step that ends at rounding is done.
   for (const CostRow& row : single.rows)
     if (row.setting.method == Setting::Method::semiexplicit && row.setting.dt < 0.2) CHECK(row.works());

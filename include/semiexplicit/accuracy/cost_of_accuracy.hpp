@@ -34,8 +34,9 @@ IntegrationReport run(const H& hamiltonian, PhasePoint<typename H::Scalar, H::Do
   detail::AnyStepperOf<Scalar, H::Dof> stepper(erased.stepper(setting), dof_of(hamiltonian));
   IntegrationOptions<Scalar> options{.dt = Scalar(setting.dt), .t_end = Scalar(T)};
   if (!setting.reversible) {  // by the steps that its trials took, though setting.dt may be no Scalar
+    using Time = std::common_type_t<double, Scalar>;
     const double end = static_cast<double>(*options.t_end);
-    options.dt = Scalar(end / detail::steps_between(0.0, end, setting.dt));
+    options.dt = Scalar(Time(*options.t_end) / Time(detail::steps_between(0.0, end, setting.dt)));
     return integrate(stepper, z, options, std::forward<Observers>(observers)...);
   }
   if constexpr ((false || ... || ChangesState<Observers>)) {

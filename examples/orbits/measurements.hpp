@@ -108,12 +108,15 @@ class FirstOrder {
   explicit FirstOrder(const Choice& c) : gm_(c["gm"]) {
     const double a = c["a"], e = c["e"], tilt = c["inclination"], p = a * (1 - e * e);
     const double relativity = 3 * gm_ / (c["c"] * c["c"]);
+    double strongest = 0, at_most = 0;  // of what turns the node, and of all times its factor
     const auto take = [&](const char* name, double& coefficient, double value, double power,
                           double of_square) {
       terms += (terms.empty() ? "" : " and ") + std::string(name);
       coefficient = value;
       const double size = std::abs(value / std::pow(p, power));
       largest = std::max(largest, size);
+      if (&coefficient != &relativity_) strongest = std::max(strongest, size);
+      at_most = std::max(at_most, of_square * size);
       second = std::max(second, of_square * size * size);
     };
     // Of relativity the terms of second order are measured to be two to four squares, of J2 up to one, and
@@ -123,7 +126,8 @@ class FirstOrder {
     if (c.on("spin_orbit"))
       take("spin", spin_, 2 * c["gs"] / (c["c"] * c["c"] * std::sqrt(gm_)), 1.5, 3 + 21 * std::pow(1 - e, 4));
     if (c.on("2pn")) second = std::max(second, 3 * std::pow(relativity / p, 2));  // of that order itself
-    if (c.on("j2")) at_periapsis = 1 + 0.3 / e, at_node = 2.5;
+    second_of_node = (c.on("j2") ? 2.5 : 1) * strongest * at_most;                // by J2 at most, Brouwer
+    if (c.on("j2")) at_periapsis = 1 + 0.3 / e;
     at_start = rates(a, e, std::cos(tilt));
   }
 
@@ -140,10 +144,10 @@ class FirstOrder {
 
   std::string terms{};
   TurnRates at_start{};
-  double largest = 0;       ///< of the terms, in radians a radian of the mean motion
-  double second = 0;        ///< those of second order for mean elements, likewise
-  double at_periapsis = 1;  ///< how many times that for a periapsis that is hardly determined
-  double at_node = 1;       ///< for a node; by J2 at most, Brouwer, Astron. J. 64 (1959) 378
+  double largest = 0;         ///< of the terms, in radians a radian of the mean motion
+  double second = 0;          ///< those of second order for mean elements, likewise
+  double at_periapsis = 1;    ///< how many times that for a periapsis that is hardly determined
+  double second_of_node = 0;  ///< those of a node; Brouwer, Astron. J. 64 (1959) 378
 
  private:
   double gm_, relativity_ = 0, j2_ = 0, spin_ = 0;
@@ -242,11 +246,11 @@ inline Measurement<3> turning_orbit(const Choice& c, const std::string& unit, do
       if (expected.holds()) {
         out << "; " << (expected.terms.empty() ? "Kepler" : expected.terms + " to first order") << ": "
             << decimals(expected.at_start.*rate * factor);
-        if (expected.second > 0)
+        const double second =
+            rate == &TurnRates::node ? expected.second_of_node : expected.second * expected.at_periapsis;
+        if (second > 0)
           out << formatted(", terms of second order: about %.0g",
-                           seen->swing.*rate * factor +
-                               expected.second * motion *
-                                   (rate == &TurnRates::node ? expected.at_node : expected.at_periapsis));
+                           seen->swing.*rate * factor + second * motion);
       } else {
         out << "; too strong a field for a formula of first order";
       }

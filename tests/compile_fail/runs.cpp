@@ -7,6 +7,7 @@
 // case stepper_without_state: this stepper does not say what it moves: write `using Scalar = double; using State =
 // case stepper_without_step: this stepper has no step: write `StepReport step(State& state, const Scalar& dt)`
 // case step_of_a_copy: takes the state by value, so that it stays where it is: write `StepReport step(State&
+// case step_of_a_copy_on_lvalues: takes the state by value, so that it stays where it is: write `StepReport step(State&
 // case state_of_other_size: the state is of another type than the one that the stepper moves
 // case const_state: the state is const, and a run moves it: leave `const` out, or give it a copy
 // case const_stepper: the stepper is const, and a step changes it: leave `const` out
@@ -90,6 +91,8 @@ struct MyStepper {
 #ifndef stepper_without_step
 #ifdef step_of_a_copy
   StepReport step(Point z, const double& dt) {
+#elif defined(step_of_a_copy_on_lvalues)
+  StepReport step(Point z, const double& dt) & noexcept {
 #else
   StepReport step(Point& z, const double& dt) {
 #endif
@@ -144,7 +147,8 @@ int main() {
 #if defined(saved_without_memory) || defined(saved_without_options)
   MyStepper stepper;
   Checkpoints checkpoints("file", {}, stepper, options);
-#elif defined(stepper_without_state) || defined(stepper_without_step) || defined(step_of_a_copy)
+#elif defined(stepper_without_state) || defined(stepper_without_step) || defined(step_of_a_copy) || \
+    defined(step_of_a_copy_on_lvalues)
   MyStepper stepper;
   integrate(stepper, z, options, right);
 #elif defined(solver_without_options)

@@ -38,6 +38,7 @@ namespace semiexplicit {
 /// a step.
 template <class Stepper>
 class TangentVectors {
+  static_assert(detail::is_stepper<Stepper>());
   using Step = detail::TangentStep<Stepper>;
 
  public:

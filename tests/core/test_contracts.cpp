@@ -165,13 +165,13 @@ TEST_CASE("Exponents, alignment and scenes that were moved from refuse by name, 
   // Nor do books lose their accounts.
   const Scene lossy(effects::orbits::Kinetic<double, 2>{}, effects::orbits::Attraction<double, 2>{},
                     effects::orbits::Drag<double, 2>{.linear = 0.1});
-  Books from(lossy);
-  const auto to = std::move(from);
+  Books books(lossy);
+  const auto moved = std::move(books);
   auto orbit = PhasePoint<double, 2>({1, 0}, {0, 1});
   auto damped = stepper_for(lossy);
-  integrate(damped, orbit, {.dt = 0.01, .steps = 10}, from);  // NOLINT: that is what is tested
-  CHECK(from.work("drag") < 0);
-  CHECK(to.names() == from.names());
+  integrate(damped, orbit, {.dt = 0.01, .steps = 10}, books);  // NOLINT: that is what is tested
+  CHECK(books.work("drag") < 0);
+  CHECK(moved.names() == books.names());
   // Scenes of run time share their effects, and lose none.
   const auto check_kept = [](auto from, const auto& z0) {
     const auto to = std::move(from);

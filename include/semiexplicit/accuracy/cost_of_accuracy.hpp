@@ -4,6 +4,7 @@
 #include <concepts>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <utility>
 
 #include <semiexplicit/accuracy/search.hpp>

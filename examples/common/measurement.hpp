@@ -87,6 +87,7 @@ struct Measurement {
   std::function<void(std::ostream&, const Run&)> report{};  ///< instead of the figures; optional
   std::function<std::string()> heading{};                   ///< before them; optional
   std::function<std::string()> ending{};  ///< why a run ended early, where the motion tells; optional
+  std::function<std::string()> doubt{};   ///< why a run that came to its end means nothing; optional
 
   template <class State>
   void operator()(double t, const State& z) const {

@@ -126,7 +126,14 @@ Measurement<Dof> with_books(const RuntimeScene<double, Dof>& scene, const Measur
             measurement.tell(out, run);
           },
           {},
-          measurement.ending};
+          measurement.ending,
+          [=]() -> std::string {
+            const double first = std::abs(books->energy_at_start()), now = std::abs(books->energy_now()),
+                         off = std::abs(books->difference());
+            if (off <= std::max(first / 2, (first + now) / 100)) return "";
+            return "the books do not close by more than half of the energy, the result means nothing; give a "
+                   "smaller --dt, or another method";
+          }};
 }
 
 /// What an accuracy with a unit asks for; nothing where there is none. Throws std::invalid_argument where the
@@ -294,7 +301,8 @@ int run_scene_program(const SceneProgram<Dof>& program, int argc, char** argv, c
     Run run =
         method.name == "splitting" ? go(SeparableRuntimeScene<double, Dof>(scene)) : with_hamiltonian(go);
 
-    if (!scene.is_symplectic()) run.doubt.clear();  // the energy is meant to change
+    // Where the energy is meant to change its books are to close.
+    if (!scene.is_symplectic() && !run.doubt.empty()) run.doubt = measurement.doubt();
     measurement.explain(run);
     print_table(std::cout, {run}, settings.dt);
     measurement.print(std::cout, run);

@@ -108,7 +108,7 @@ class FirstOrder {
   explicit FirstOrder(const Choice& c) : gm_(c["gm"]) {
     const double a = c["a"], e = c["e"], tilt = c["inclination"], p = a * (1 - e * e);
     const double relativity = 3 * gm_ / (c["c"] * c["c"]);
-    double strongest = 0, at_most = 0;  // of what turns the node, and of all times its factor
+    double second = 0, strongest = 0, at_most = 0;  // of what turns the node, and of all times its factor
     const auto take = [&](const char* name, double& coefficient, double value, double power,
                           double of_square) {
       terms += (terms.empty() ? "" : " and ") + std::string(name);
@@ -127,7 +127,11 @@ class FirstOrder {
       take("spin", spin_, 2 * c["gs"] / (c["c"] * c["c"] * std::sqrt(gm_)), 1.5, 3 + 21 * std::pow(1 - e, 4));
     if (c.on("2pn")) second = std::max(second, 3 * std::pow(relativity / p, 2));  // of that order itself
     second_of_node = (c.on("j2") ? 2.5 : 1) * strongest * at_most;                // by J2 at most, Brouwer
-    if (c.on("j2")) at_periapsis = 1 + 0.3 / e;
+    // A periapsis that is hardly determined turns by more. A loss of energy bends a circle by such a part of
+    // its radius, which counts beside e.
+    second_of_periapsis = second * (c.on("j2") ? 1 + 0.3 / e : 1);
+    if (c.on("2.5pn"))
+      second_of_periapsis += largest * 4 * 6.4 * c["nu"] * std::pow(relativity / (3 * p), 2.5) / e;
     at_start = rates(a, e, std::cos(tilt));
   }
 
@@ -144,10 +148,9 @@ class FirstOrder {
 
   std::string terms{};
   TurnRates at_start{};
-  double largest = 0;         ///< of the terms, in radians a radian of the mean motion
-  double second = 0;          ///< those of second order for mean elements, likewise
-  double at_periapsis = 1;    ///< how many times that for a periapsis that is hardly determined
-  double second_of_node = 0;  ///< those of a node; Brouwer, Astron. J. 64 (1959) 378
+  double largest = 0;  ///< of the terms, in radians a radian of the mean motion
+  /// Those of second order for mean elements, likewise. Of a node: Brouwer, Astron. J. 64 (1959) 378.
+  double second_of_periapsis = 0, second_of_node = 0;
 
  private:
   double gm_, relativity_ = 0, j2_ = 0, spin_ = 0;
@@ -247,7 +250,7 @@ inline Measurement<3> turning_orbit(const Choice& c, const std::string& unit, do
         out << "; " << (expected.terms.empty() ? "Kepler" : expected.terms + " to first order") << ": "
             << decimals(expected.at_start.*rate * factor);
         const double second =
-            rate == &TurnRates::node ? expected.second_of_node : expected.second * expected.at_periapsis;
+            rate == &TurnRates::node ? expected.second_of_node : expected.second_of_periapsis;
         if (second > 0)
           out << formatted(", terms of second order: about %.0g",
                            seen->swing.*rate * factor + second * motion);

@@ -104,10 +104,11 @@ inline Measurement<Eigen::Dynamic> trapping(const Choice& c) {
     // The integral by trapezoids, and up to the last even step by those, and by half as many; by how much the
     // share bends at the end.
     double sum = 0, even = 0, coarse = 0, last_even = 1;
-    double steps = -1, last = 1, last_change = 0, bend = 0, change = 0;
+    double steps = -1, last = 1, last_change = 0, bend = 0, change = 0, t = 0, longest = 0;
     void visit_memory(CheckpointMemory& visit) {
       below.visit_memory(visit);
-      for (double* number : {&sum, &even, &coarse, &last_even, &steps, &last, &last_change, &bend, &change})
+      for (double* number :
+           {&sum, &even, &coarse, &last_even, &steps, &last, &last_change, &bend, &change, &t, &longest})
         visit(*number);
     }
   };
@@ -116,7 +117,13 @@ inline Measurement<Eigen::Dynamic> trapping(const Choice& c) {
   const double mass = c["mass"];
   // Both references are for on_site and hopping alone.
   const double strength = c.only({"on_site", "hopping"}) ? c["g"] * mass / c["j"] : NAN;
-  return {[=](double, const In<double, Eigen::Dynamic>& q, const In<double, Eigen::Dynamic>& p) {
+  // Of the fastest beats, which a step as long as one would not show: the width of the band, and what the
+  // energies of sites differ by.
+  const double fastest = (c.on("hopping") ? (sites(c) > 2 ? 4 : 2) * std::abs(c["j"]) : 0) +
+                         (c.on("disorder") ? c["width"] : 0) +
+                         (c.on("on_site") ? std::abs(c["g"]) * mass : 0);
+  return {[=](double t, const In<double, Eigen::Dynamic>& q, const In<double, Eigen::Dynamic>& p) {
+            seen->longest = std::max(seen->longest, t - std::exchange(seen->t, t));
             const double share = (q[middle] * q[middle] + p[middle] * p[middle]) / mass;
             seen->below.see(-share);
             if (++seen->steps > 0) seen->sum += (seen->last + share) / 2;
@@ -133,6 +140,8 @@ inline Measurement<Eigen::Dynamic> trapping(const Choice& c) {
           memory_of(seen),
           [=, n = sites(c)](const Run& run) -> std::vector<Figure> {
             const std::string what = "left on the site of the start, ";
+            if (const std::string coarse = too_coarse(fastest * seen->longest, 2); !coarse.empty())
+              return {not_measured(what + "at least", coarse)};
             if (seen->change > 0.1)
               return {not_measured(what + "at least",
                                    "it changes by more than a tenth in a step; give a smaller --dt")};

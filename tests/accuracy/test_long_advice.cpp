@@ -505,6 +505,22 @@ TEST_CASE("a reference is judged by how it converges: the energy of a chain's sl
   CHECK(std::abs(energy(z.q(), z.p()) - energy(exact.q(), exact.p())) <= 3 * target * cost.unit);
 }
 
+TEST_CASE("what the stopping rule of a projection lets the energy drift by is seen behind a trial: a well") {
+  const auto well = from_energy<1>(
+      [](const auto& q, const auto& p) { return p[0] * p[0] / 2 + q[0] * q[0] * (q[0] * q[0] - 2) / 4; });
+  const PhasePoint<double, 1> z0(1.1, 0.1);
+  const double target = 1.5e-10;
+  const auto cost = cost_of_accuracy(well, z0, 1e6, {.targets = {target}});
+  const auto advice = cost.cheapest(target);
+  REQUIRE(advice);
+  REQUIRE(advice->setting.method == Setting::Method::semiexplicit);
+  CHECK(advice->tried < 0.1 * cost.time);
+  auto z = z0;
+  Invariants invariants(well);
+  cost.run(z, *advice, invariants);
+  CHECK(invariants["energy"].worst <= 1.2 * target);  // it was 2.3 times the target
+}
+
 TEST_CASE("a linear motion over thousands of periods gets no harder along the way", "[long]") {
   const auto oscillator =
       from_energy<1>([](const auto& q, const auto& p) { return (q[0] * q[0] + p[0] * p[0]) / 2; });

@@ -135,6 +135,8 @@ prints(charges "do not bounce in the equator" "--preset dipole --pitch 90deg --t
 prints(charges "do not call a short run one that stays in the equator" "--preset dipole --time 5e-7 --dt 1e-8" "bounce period, s: not measured, the run has no whole bounce. give more --time")
 prints(charges "do not call a short run one that stays in the middle" "--preset bottle --time 1e-14 --dt 1e-14" "bounce period: not measured, the run has no whole bounce. give more --time")
 prints(lattice "counts sites of next to no mass" "--preset anderson --mass 1e-200" "participation number at the end: 8.4204")
+# cos² t, whose mean is a half: every second step is at the start of a beat.
+prints(lattice "does not measure beats by a step a beat" "--preset dnls --sites 2 --effects hopping --method gauss --stages 8 --dt 3.14159 --time 62.8318" "on the site of the start, at least: not measured, it turns by up to 3[56][0-9] degrees in a step; give a --dt [0-9] times smaller")
 prints(lattice "does not compare a start with the end of an exchange" "--preset dnls --sites 2 --time 0.2" "no closed form for that")
 prints(vortices "do not measure turns that a step hides" "--preset disk --effects pairs,disk,rotation --rotation_rate 62.7 --dt 0.1" "turns at: not measured, it turns by up to 360 degrees in a step")
 prints(vortices "do not measure a turn that has hardly begun" "--preset disk --time 0.3" "turns at: not measured")

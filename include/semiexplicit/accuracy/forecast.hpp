@@ -88,7 +88,8 @@ class Forecast {
         if (step > dt && seen.works() && seen.asked == probe.asked && seen.error > 4 * known)
           hidden = error_of(candidate, seen, step) * std::pow(dt / step, candidate.order);
     return std::max(error * growth * harder, hidden) +
-           (table_.invariant ? problem_.rounding_of_invariant(dt) : table_.rounding);
+           (table_.invariant ? problem_.rounding_of_invariant(dt) + drift_of(candidate, probe, dt, known)
+                             : table_.rounding);
   }
   /// Whether the error of such a run goes on to grow.
   bool grows(const Candidate& candidate, const Probe& probe) const {
@@ -125,6 +126,15 @@ class Forecast {
  private:
   double loosest() const { return *std::max_element(table_.targets.begin(), table_.targets.end()); }
   double tightest() const { return *std::min_element(table_.targets.begin(), table_.targets.end()); }
+
+  /// What the stopping rule of a projection lets an invariant drift behind a trial: as fast as in it, by no
+  /// more than so many times the rule's part of it a step.
+  double drift_of(const Candidate& candidate, const Probe& probe, double dt, double known) const {
+    if (!candidate.projects() || probe.given_up) return 0;
+    const double left = table_.time - probe.length,
+                 most = most_drift * StoppingRule{}.tolerance * problem_.judged.terms * left / dt;
+    return std::min(most, std::max(0.0, probe.drift - 2 * known) * 2 * left / probe.length);
+  }
 
   /// What the reference is worth at T.
   SEMIEXPLICIT_COLD void judge_reference(double length) {
@@ -180,6 +190,7 @@ class Forecast {
   }
 
   static constexpr double much = 20;             ///< for a power of the time, from third to third
+  static constexpr double most_drift = 30;       ///< 15 were seen of unlike units of q and p
   static constexpr double hidden_growth = 0.4;   ///< in a trial, of the error that it saw
   static constexpr double more_rounding = 2;     ///< than the reference's, whose steps are few
   static constexpr double enough_scales = 1000;  ///< that neighbouring orbits are to be followed

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -22,6 +23,7 @@ struct Probe {
   double asked = 0;             ///< how far it was to go
   double rate = 0;              ///< gradient calls a unit of time
   double evaluations = 0;       ///< a step
+  double drift = 0;             ///< of the mean of an invariant, from one half of the trial to the other
   bool cut = false;             ///< the calls ended before the trial
   bool given_up = false;  ///< before the end, at an error that is hopeless for the target it was tried for
   bool works() const { return is_done(status) && !cut; }
@@ -122,6 +124,33 @@ struct Sample {
   double apart;  ///< how far the two runs of the reference differ there
 };
 
+/// By how much the mean of something moves from the first half of a time to the second. Weights that rise and
+/// fall leave its oscillations out.
+template <class Value>
+class DriftOfMean {
+ public:
+  void see(double part, const Value& value) {
+    Half& half = part < 0.5 ? first_ : second_;
+    const double weight = std::pow(std::sin(2 * std::numbers::pi * part), 2);
+    if (half.weight == 0) half.sum = Value::Zero(value.size());
+    half.sum += typename Value::Scalar(weight) * value;
+    half.weight += weight;
+  }
+  double size() const {
+    if (!(first_.weight > 0 && second_.weight > 0)) return 0;
+    using Scalar = typename Value::Scalar;
+    return static_cast<double>(
+        norm((second_.sum / Scalar(second_.weight) - first_.sum / Scalar(first_.weight)).eval()));
+  }
+
+ private:
+  struct Half {
+    Value sum{};
+    double weight = 0;
+  };
+  Half first_{}, second_{};
+};
+
 /// Tries a setting as far as `length`: against the first value at every step where there are no samples,
 /// else against these. Gives up at the first step that fails, or where the error exceeds `hopeless`. Between
 /// the steps' ends the observable is found by shorter steps back from the later one, so that no error of a
@@ -145,10 +174,14 @@ SEMIEXPLICIT_COLD Probe try_setting(Problem<Any>& problem, const Setting& settin
     return !probe.given_up && probe.works();
   };
   auto next = samples.begin();
+  DriftOfMean<typename Problem<Any>::Value> drift;
   Time t = 0;
   while (t < length * (1 - 1e-12) && walker.step_on(z, t, dt, probe)) {
     probe.length = static_cast<double>(t);
-    if (samples.empty() && !note(t, z, problem.first)) break;
+    if (samples.empty()) {
+      if (!note(t, z, problem.first)) break;
+      drift.see(probe.length / length, value - problem.first);
+    }
     bool goes_on = true;
     for (; goes_on && next != samples.end() && next->t <= t; ++next) {
       at.vector() = z.vector();
@@ -159,6 +192,7 @@ SEMIEXPLICIT_COLD Probe try_setting(Problem<Any>& problem, const Setting& settin
     if (!goes_on) break;
   }
   walker.finish(probe);
+  probe.drift = drift.size() / unit;
   return probe;
 }
 

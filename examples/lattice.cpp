@@ -85,6 +85,7 @@ View<any> view(const Choice& c) {
   View<any> view;
   // All densities as one point in the plane, whose way tells whether rows are farther apart than beats.
   view.paths = 1;
+  view.fastest = fastest_beats(c);
   for (Eigen::Index i = 0; i < sites(c); ++i) view.columns.push_back("density" + std::to_string(i));
   view.append = [](const Half& q, const Half& p, auto& row, auto& paths) {
     double x = 0, y = 0;

@@ -72,16 +72,17 @@ int run(const Ranks& ranks, Job& job) {
     if (ranks.first()) std::cerr << "nls_mpi: " << IntegrationError(report, job.settings.dt).what() << '\n';
     return 1;
   }
-  checkpoints.finish();
-  if (!ranks.first()) return 0;
-  std::cout << "sites: " << job.sites << ", steps: " << report.steps
-            << ", evaluations: " << report.evaluations << '\n'
-            << "participation number: " << formatted("%.15g", spread)
-            << " by these steps, all digits to compare runs: in chaos dt and rounding change it\n"
-            << "worst energy error: " << formatted("%.1e", invariants["energy"].worst)
-            << ", worst mass error: " << formatted("%.1e", invariants["mass"].worst) << '\n'
-            << ranks.size() << (ranks.size() > 1 ? " processes: " : " process: ")
-            << throughput(site_steps, "site-steps", seconds, processor_seconds) << std::endl;
+  if (ranks.first())
+    std::cout << "sites: " << job.sites << ", steps: " << report.steps
+              << ", evaluations: " << report.evaluations << '\n'
+              << "participation number: " << formatted("%.15g", spread)
+              << " by these steps, all digits to compare runs: in chaos dt and rounding change it\n"
+              << "worst energy error: " << formatted("%.1e", invariants["energy"].worst)
+              << ", worst mass error: " << formatted("%.1e", invariants["mass"].worst) << '\n'
+              << ranks.size() << (ranks.size() > 1 ? " processes: " : " process: ")
+              << throughput(site_steps, "site-steps", seconds, processor_seconds) << std::endl;
+  // Where that could not be told it is to be had again from the last save.
+  if (ranks.sum(std::cout.good() ? 0 : 1) == 0) checkpoints.finish();
   return 0;
 }
 

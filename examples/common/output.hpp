@@ -111,6 +111,9 @@ inline void draw(const std::filesystem::path& png, const std::string& script) {
   std::cout << "picture: " << png.string() << '\n';
 }
 
+/// Radians of a beat that a step may go through and still show it.
+inline constexpr double most_in_a_step = 2;
+
 /// "77.8 ± 0.7", no more digits than that means; eight of them where none of these is uncertain.
 inline std::string with_uncertainty(double value, double uncertain) {
   if (!(uncertain > 1e-8 * std::abs(value))) return formatted("%.8g", value);

@@ -53,9 +53,9 @@ struct CheckpointRequest {
   }
 
   bool wanted() const { return !file.empty(); }
-  /// The run is done and its files are there.
+  /// The run is done, its files are there and its figures are told; else the checkpoint stays.
   void finish() const {
-    if (wanted()) remove_checkpoint(file);
+    if (wanted() && std::cout.flush()) remove_checkpoint(file);
   }
 };
 

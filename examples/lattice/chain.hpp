@@ -94,6 +94,14 @@ inline Measurement<Eigen::Dynamic> localisation(const Choice& c) {
           }};
 }
 
+/// Radians a unit of time of the fastest beats of the densities, which a step as long as one would not show:
+/// by the width of the band, and by what the energies of sites differ by.
+inline double fastest_beats(const Choice& c) {
+  return (c.on("hopping") ? (sites(c) > 2 ? 4 : 2) * std::abs(c["j"]) : 0) +
+         (c.on("disorder") ? c["width"] : 0) +
+         (c.on("on_site") && c.has("mass") ? std::abs(c["g"]) * c["mass"] : 0);
+}
+
 /// Does the mass stay where it starts? On two sites the least that is left there is known: M. Kenkre and D.
 /// Campbell, Phys. Rev. B 34 (1986) 4959. Of the long chain the threshold is a measured one (in the mean to t
 /// = 150, on 401 sites, 0.04 are left at 3.6, and 0.15 at 3.8); 3.2 is that of one nonlinear site in a linear
@@ -117,11 +125,6 @@ inline Measurement<Eigen::Dynamic> trapping(const Choice& c) {
   const double mass = c["mass"];
   // Both references are for on_site and hopping alone.
   const double strength = c.only({"on_site", "hopping"}) ? c["g"] * mass / c["j"] : NAN;
-  // Of the fastest beats, which a step as long as one would not show: the width of the band, and what the
-  // energies of sites differ by.
-  const double fastest = (c.on("hopping") ? (sites(c) > 2 ? 4 : 2) * std::abs(c["j"]) : 0) +
-                         (c.on("disorder") ? c["width"] : 0) +
-                         (c.on("on_site") ? std::abs(c["g"]) * mass : 0);
   return {[=](double t, const In<double, Eigen::Dynamic>& q, const In<double, Eigen::Dynamic>& p) {
             seen->longest = std::max(seen->longest, t - std::exchange(seen->t, t));
             const double share = (q[middle] * q[middle] + p[middle] * p[middle]) / mass;
@@ -140,7 +143,8 @@ inline Measurement<Eigen::Dynamic> trapping(const Choice& c) {
           memory_of(seen),
           [=, n = sites(c)](const Run& run) -> std::vector<Figure> {
             const std::string what = "left on the site of the start, ";
-            if (const std::string coarse = too_coarse(fastest * seen->longest, 2); !coarse.empty())
+            if (const std::string coarse = too_coarse(fastest_beats(c) * seen->longest, most_in_a_step);
+                !coarse.empty())
               return {not_measured(what + "at least", coarse)};
             if (seen->change > 0.1)
               return {not_measured(what + "at least",

@@ -141,6 +141,17 @@ TEST_CASE("a solenoid turns the plane of a ray by Larmor's angle, a quadrupole f
   // Of a point on the axis of the sheet the field is that of its angles.
   CHECK(2 * field.slopes(std::array{0.0, 0.0, 0.4}).g ==
         Approx(0.15 * (1.4 / std::hypot(1.4, 0.2) + 0.6 / std::hypot(0.6, 0.2))));
+  // In a float, too, of lengths whose fifth powers have no room there.
+  for (const double unit : {1.0, 1e8, 1e9}) {
+    const auto slopes = [unit](auto one) {
+      using Scalar = decltype(one);
+      const auto length = [unit](double x) { return static_cast<Scalar>(x * unit); };
+      const charges::SolenoidField<Scalar> of_size(Scalar(0.3), length(2), length(0.2));
+      const auto at = of_size.slopes(std::array{length(0.05), length(0.02), length(0.9)});
+      return Eigen::Vector4d(at.g, at.by_x * unit, at.by_y * unit, at.by_z * unit);
+    };
+    CHECK((slopes(1.0F).array() / slopes(1.0).array() - 1).abs().maxCoeff() < 1e-5);
+  }
 
   const double g = 0.5, root = std::sqrt(g / p);
   const charges::RelativisticKinetic focusing(1.0, 1.0, 1.0, charges::QuadrupoleField(g));

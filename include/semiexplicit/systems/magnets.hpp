@@ -54,9 +54,10 @@ struct SolenoidField : detail::AxialPotential<SolenoidField<Scalar>> {
   template <class Number>
   Edge<Number> edge(const Number& u) const {
     using std::sqrt;
-    const Scalar r2 = radius * radius;
-    const Number d2 = 1 / (u * u + r2), d1 = sqrt(d2), d3 = d1 * d2, d5 = d3 * d2;
-    return {u * d1, r2 * d3, -3 * r2 * u * d5, 3 * r2 * (5 * u * u * d2 - 1) * d5};
+    // By ratios: fifth powers of large lengths have no room in a float.
+    const Number d2 = 1 / (u * u + radius * radius), d1 = sqrt(d2), part = u * d1,
+                 first = radius * radius * d2 * d1, by_d2 = first * d2;
+    return {part, first, -3 * part * first * d1, 3 * (5 * part * part - 1) * by_d2};
   }
 };
 

@@ -75,7 +75,7 @@ class Path {
     x_ = angle;
     ++rows_;
   }
-  /// What is seen next is a step that hides beats itself.
+  /// A step was so long that it hides beats itself.
   void step_hides() { ++hiding_; }
   /// Most of what happens happens between rows, which show some slow motion or other.
   bool hides_motion() const { return hiding_ > 0 || gone_ > 2 * shown_; }

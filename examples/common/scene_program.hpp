@@ -131,8 +131,8 @@ Measurement<Dof> with_books(const RuntimeScene<double, Dof>& scene, const Measur
             const double first = std::abs(books->energy_at_start()), now = std::abs(books->energy_now()),
                          off = std::abs(books->difference());
             if (off <= std::max(first / 2, (first + now) / 100)) return "";
-            return "the books do not close by more than half of the energy, the result means nothing; give a "
-                   "smaller --dt, or another method";
+            return "the books do not close, they are off by more than half of the energy at the start: the "
+                   "result means nothing; give a smaller --dt, or another method";
           }};
 }
 

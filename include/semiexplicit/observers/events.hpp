@@ -697,14 +697,14 @@ class Events {
 /// What s or a gradient throws in the search passes through, and a crossing in that interval is not told.
 ///
 /// Where an action may change the state, integrate() cuts the step at every event: it finds the time by steps
-/// of the stepper itself, to 1e-12 of the step and better, for about ten steps more an event, twenty at most;
-/// every other observer sees the state before and after the action, both at the time of the event; and what
-/// is left of the step is taken from the changed state, so that times stay t0 + n dt. An action that returns
-/// false ends the run at the event, with the state there. Said plainly what that does: between the events
-/// each arc is as symplectic as its steps, but the map as a whole is not, since the cut depends on the state
-/// (a reversible action, as a bounce, in a reversible system keeps it reversible); what a stepper carries
-/// begins anew, as the compensation of its sums and the first iterates of Gauss's method; dense output begins
-/// anew; Lyapunov exponents refuse such a run. With a TimeTransformed p_t takes up what the action does to H.
+/// of the stepper itself, to 1e-12 of the step and better, for some ten to twenty steps more an event; every
+/// other observer sees the state before and after the action, both at the time of the event; and what is left
+/// of the step is taken from the changed state, so that times stay t0 + n dt. An action that returns false
+/// ends the run at the event, with the state there. Said plainly what that does: between the events each arc
+/// is as symplectic as its steps, but the map as a whole is not, since the cut depends on the state (a
+/// reversible action, as a bounce, in a reversible system keeps it reversible); what a stepper carries begins
+/// anew, as the compensation of its sums and the first iterates of Gauss's method; dense output begins anew;
+/// Lyapunov exponents refuse such a run. With a TimeTransformed p_t takes up what the action does to H.
 ///
 /// Surfaces crossed at the same time, to rounding, all have their events, in order of kinds behind the first,
 /// each action seeing what the one before made of the state; one that has turned the orbit back is met again

@@ -139,6 +139,20 @@ TEST_CASE("a tighter target costs more, from one scan") {
   }
 }
 
+TEST_CASE("advice for a tighter target is advice for a looser one that was tried farther") {
+  CostTable cost;
+  cost.by = CostBy::gradients;
+  cost.time = 1;
+  cost.targets = {1e-3, 1e-6};
+  cost.tried_for = {0.5, 0.01};
+  cost.rows = {{.error = 1e-5, .gradients = 100, .tried = 0.5, .harder = 1},
+               {.error = 1e-7, .gradients = 10, .tried = 0.01, .harder = 1},
+               {.error = 1e-5, .gradients = 1, .tried = 0.01, .harder = 1}};  // not tried far enough for that
+  REQUIRE(cost.cheapest(1e-3));
+  CHECK(cost.cheapest(1e-3)->gradients == 10);
+  CHECK(cost.cheapest(1e-6)->gradients == 10);
+}
+
 TEST_CASE("an accuracy out of reach is said to be so") {
   const CostTable cost =
       cost_of_accuracy(systems::Product<double>(), PhasePoint<double, 1>(-3, 0), 1000, {.targets = {1e-18}});

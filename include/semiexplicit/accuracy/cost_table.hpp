@@ -164,9 +164,16 @@ struct CostTable {
       return found;
     const double far = tried_to(target);
     const auto offer = [&](const CostRow& row) {
-      if (counts(row, far) && row.error <= target && (!found || row.cost(by) < found->cost(by))) found = row;
+      if (!found || row.cost(by) < found->cost(by)) found = row;
     };
-    for (const CostRow& row : rows) offer(row);
+    const auto offer_all = [&](double error, double least) {
+      for (const CostRow& row : rows)
+        if (counts(row, least) && row.error <= error) offer(row);
+    };
+    offer_all(target, far);
+    // What is advice for a tighter target is for this one, too, though tried less far.
+    for (const double tighter : targets)
+      if (tighter < target && !parts_before(tighter)) offer_all(tighter, tried_to(tighter));
     if (found && std::find(targets.begin(), targets.end(), target) != targets.end()) return found;
     for (std::size_t i = 1; i < rows.size(); ++i)
       if (rows[i - 1].setting.name() == rows[i].setting.name() && counts(rows[i - 1], far) &&

@@ -127,13 +127,14 @@ class Forecast {
   double loosest() const { return *std::max_element(table_.targets.begin(), table_.targets.end()); }
   double tightest() const { return *std::min_element(table_.targets.begin(), table_.targets.end()); }
 
-  /// What the stopping rule of a projection lets an invariant drift behind a trial: as fast as in it, by no
-  /// more than so many times the rule's part of it a step.
+  /// What the stopping rule of a projection, and rounding that has a sign, let an invariant drift behind a
+  /// trial: as fast as in it, by no more than so many of these a step.
   double drift_of(const Candidate& candidate, const Probe& probe, double dt, double known) const {
-    if (!candidate.projects() || probe.given_up) return 0;
-    const double left = table_.time - probe.length,
-                 most = most_drift * StoppingRule{}.tolerance * problem_.judged.terms * left / dt;
-    return std::min(most, std::max(0.0, probe.drift - 2 * known) * 2 * left / probe.length);
+    if (!candidate.is_symplectic() || probe.given_up) return 0;
+    const double a_step = (candidate.projects() ? most_drift * StoppingRule{}.tolerance : 0) +
+                          most_bias * problem_.epsilon,
+                 left = table_.time - probe.length, most = a_step * problem_.judged.terms * left / dt;
+    return std::min(most, std::max(0.0, probe.drift - known / 2) * 2 * left / probe.length);
   }
 
   /// What the reference is worth at T.
@@ -191,6 +192,7 @@ class Forecast {
 
   static constexpr double much = 20;             ///< for a power of the time, from third to third
   static constexpr double most_drift = 30;       ///< 15 were seen of unlike units of q and p
+  static constexpr double most_bias = 0.1;       ///< 0.02 were seen
   static constexpr double hidden_growth = 0.4;   ///< in a trial, of the error that it saw
   static constexpr double more_rounding = 2;     ///< than the reference's, whose steps are few
   static constexpr double enough_scales = 1000;  ///< that neighbouring orbits are to be followed

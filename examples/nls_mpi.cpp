@@ -81,8 +81,8 @@ int run(const Ranks& ranks, Job& job) {
               << ", worst mass error: " << formatted("%.1e", invariants["mass"].worst) << '\n'
               << ranks.size() << (ranks.size() > 1 ? " processes: " : " process: ")
               << throughput(site_steps, "site-steps", seconds, processor_seconds) << std::endl;
-  // Where that could not be told it is to be had again from the last save.
-  if (ranks.sum(std::cout.good() ? 0 : 1) == 0) checkpoints.finish();
+  // Where that could not be told it is to be had again from the last save. The others have no output.
+  if (ranks.sum(ranks.first() && !std::cout ? 1 : 0) == 0) checkpoints.finish();
   return 0;
 }
 

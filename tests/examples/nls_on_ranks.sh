@@ -65,6 +65,12 @@ common=$(sed -nE 's/^resumed: ([0-9]+) of 800 steps .*/\1/p' resumed.log)
 [ "$(figures resumed.log)" = "$(figures whole.log)" ] || fail "the resumed run has other figures: $(cat whole.log)"
 [ -z "$(ls saved)" ] || fail "checkpoints were left behind"
 
+# Figures that could not be written are to be had again.
+mkdir kept
+if timeout 100 "$program" --sites 300 --time 2 --checkpoint 5 --output "$folder/kept" >/dev/full 2>full.log; then fail "lost figures went unnoticed"; fi
+grep -q "its text is lost" full.log || fail "$(cat full.log)"
+[ -n "$(ls kept)" ] || fail "the checkpoints of lost figures were taken away"
+
 # A run leaves a file alone that another run has written since it began.
 mkdir shared
 timeout 100 "$mpiexec" -n 2 "$program" --sites 100000 --dt 0.005 --time 4 --checkpoint 400 --output "$folder/shared" >shared.log 2>&1 &

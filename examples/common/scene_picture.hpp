@@ -75,10 +75,10 @@ class Path {
     x_ = angle;
     ++rows_;
   }
-  /// A step was so long that it hides beats itself.
-  void step_hides() { ++hiding_; }
+  /// Steps are so long that they hide beats themselves.
+  void hide_motion() { hidden_ = true; }
   /// Most of what happens happens between rows, which show some slow motion or other.
-  bool hides_motion() const { return hiding_ > 0 || gone_ > 2 * shown_; }
+  bool hides_motion() const { return hidden_ || gone_ > 2 * shown_; }
   bool sparse() const { return 20 * sharp_ > rows_ || 100 * chords_ > rows_; }
   /// gnuplot's "with ..." in a colour, which is gnuplot's "rgb ..." or "palette ...".
   std::string style(const std::string& colour, double width = 1) const {
@@ -98,7 +98,7 @@ class Path {
     for (double* number : {&left, &right, &low, &high, &x_, &y_, &dx_, &dy_, &step_x_, &step_y_, &row_steps_,
                            &turned_, &gone_, &shown_})
       visit(*number);
-    for (std::int64_t* count : {&rows_, &sharp_, &chords_, &hiding_}) visit(*count);
+    for (std::int64_t* count : {&rows_, &sharp_, &chords_}) visit(*count);
   }
 
   double left = std::numeric_limits<double>::infinity(), right = -left, low = left, high = -left;
@@ -108,7 +108,8 @@ class Path {
   double step_x_ = 0, step_y_ = 0, row_steps_ = 0;  ///< the step before the row, 0 where it is one itself
   double steps_ = 0;
   double gone_ = 0, shown_ = 0;  ///< the ways between rows by the speed at these, and straight
-  std::int64_t rows_ = 0, sharp_ = 0, chords_ = 0, hiding_ = 0;
+  std::int64_t rows_ = 0, sharp_ = 0, chords_ = 0;
+  bool hidden_ = false;
 };
 
 /// gnuplot's ranges of a square around paths.
@@ -200,15 +201,17 @@ class ViewCsv {
  public:
   static constexpr const char* name = "ViewCsv";
 
-  ViewCsv(const std::filesystem::path& path, const View<Dof>& view, const Rows& rows)
-      : view_(view), clock_(rows), writer_(path, view.columns), paths_(view.paths) {}
+  /// Of a run by steps of dt.
+  ViewCsv(const std::filesystem::path& path, const View<Dof>& view, const Rows& rows, double dt)
+      : view_(view), clock_(rows), writer_(path, view.columns), paths_(view.paths) {
+    if (view.fastest * dt > most_in_a_step)
+      for (Path& one : paths_) one.hide_motion();
+  }
 
   template <class State>
   void operator()(double t, const State& state) {
     const auto steps = static_cast<double>(clock_.steps_to_row_behind());
-    const bool due = clock_.due(), hides = view_.fastest * (t - std::exchange(t_, t)) > most_in_a_step;
-    if (hides)
-      for (Path& path : paths_) path.step_hides();
+    const bool due = clock_.due();
     if (!due && steps == 0) return;
     if (!due)
       for (Path& path : paths_) path.step_before_row(steps);
@@ -227,7 +230,6 @@ class ViewCsv {
     writer_.visit_memory(visit);
     for (Path& path : paths_) path.visit_memory(visit);
     clock_.visit_memory(visit);
-    visit(t_);
   }
 
  private:
@@ -236,7 +238,6 @@ class ViewCsv {
   CsvWriter writer_;
   std::vector<Path> paths_;
   std::vector<double> row_;
-  double t_ = 0;
 };
 
 /// gnuplot's lines of the view above, the errors of the invariants below.

@@ -282,7 +282,7 @@ int run_scene_program(const SceneProgram<Dof>& program, int argc, char** argv, c
     prepare_outputs(settings, {csv, path_csv, png}, checkpoint.file);
     const View<Dof> view = program.view(choice);
     const Rows rows = evenly_spaced(steps, settings.samples);
-    ViewCsv<Dof> path(path_csv, view, rows);
+    ViewCsv<Dof> path(path_csv, view, rows, settings.dt);
     Measurement<Dof> measurement, of_companion;
     if (preset.measure) {
       measurement = preset.measure(choice);

@@ -112,11 +112,10 @@ inline Measurement<Eigen::Dynamic> trapping(const Choice& c) {
     // The integral by trapezoids, and up to the last even step by those, and by half as many; by how much the
     // share bends at the end.
     double sum = 0, even = 0, coarse = 0, last_even = 1;
-    double steps = -1, last = 1, last_change = 0, bend = 0, change = 0, t = 0, longest = 0;
+    double steps = -1, last = 1, last_change = 0, bend = 0, change = 0;
     void visit_memory(CheckpointMemory& visit) {
       below.visit_memory(visit);
-      for (double* number :
-           {&sum, &even, &coarse, &last_even, &steps, &last, &last_change, &bend, &change, &t, &longest})
+      for (double* number : {&sum, &even, &coarse, &last_even, &steps, &last, &last_change, &bend, &change})
         visit(*number);
     }
   };
@@ -125,8 +124,7 @@ inline Measurement<Eigen::Dynamic> trapping(const Choice& c) {
   const double mass = c["mass"];
   // Both references are for on_site and hopping alone.
   const double strength = c.only({"on_site", "hopping"}) ? c["g"] * mass / c["j"] : NAN;
-  return {[=](double t, const In<double, Eigen::Dynamic>& q, const In<double, Eigen::Dynamic>& p) {
-            seen->longest = std::max(seen->longest, t - std::exchange(seen->t, t));
+  return {[=](double, const In<double, Eigen::Dynamic>& q, const In<double, Eigen::Dynamic>& p) {
             const double share = (q[middle] * q[middle] + p[middle] * p[middle]) / mass;
             seen->below.see(-share);
             if (++seen->steps > 0) seen->sum += (seen->last + share) / 2;
@@ -143,7 +141,7 @@ inline Measurement<Eigen::Dynamic> trapping(const Choice& c) {
           memory_of(seen),
           [=, n = sites(c)](const Run& run) -> std::vector<Figure> {
             const std::string what = "left on the site of the start, ";
-            if (const std::string coarse = too_coarse(fastest_beats(c) * seen->longest, most_in_a_step);
+            if (const std::string coarse = too_coarse(fastest_beats(c) * run.report.dt, most_in_a_step);
                 !coarse.empty())
               return {not_measured(what + "at least", coarse)};
             if (seen->change > 0.1)

@@ -115,16 +115,17 @@ class FirstOrder {
       coefficient = value;
       const double size = std::abs(value / std::pow(p, power));
       largest = std::max(largest, size);
-      if (&coefficient != &relativity_) strongest = std::max(strongest, size);
       at_most = std::max(at_most, of_square * size);
       second = std::max(second, of_square * size * size);
+      return size;
     };
     // Of relativity the terms of second order are measured to be two to four squares, of J2 up to one, and
     // more where the orbit is nearly circular; of spin 24 of a circle, 15 at e = 0.05, 10 at 0.2, 3.3 at 0.6.
     if (c.on("1pn")) take("1PN", relativity_, relativity, 1, 3);
-    if (c.on("j2")) take("J2", j2_, 1.5 * c["j2"] * std::pow(c["radius"], 2), 2, 1);
+    if (c.on("j2")) strongest = take("J2", j2_, 1.5 * c["j2"] * std::pow(c["radius"], 2), 2, 1);
     if (c.on("spin_orbit"))
-      take("spin", spin_, 2 * c["gs"] / (c["c"] * c["c"] * std::sqrt(gm_)), 1.5, 3 + 21 * std::pow(1 - e, 4));
+      strongest = std::max(strongest, take("spin", spin_, 2 * c["gs"] / (c["c"] * c["c"] * std::sqrt(gm_)),
+                                           1.5, 3 + 21 * std::pow(1 - e, 4)));
     if (c.on("2pn")) second = std::max(second, 3 * std::pow(relativity / p, 2));  // of that order itself
     second_of_node = (c.on("j2") ? 2.5 : 1) * strongest * at_most;                // by J2 at most, Brouwer
     // A periapsis that is hardly determined turns by more. A loss of energy bends a circle by such a part of

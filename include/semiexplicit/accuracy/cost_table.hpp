@@ -41,12 +41,11 @@ struct CostRow {
   double seconds = 0;    ///< of processor time; NaN where that was not measured
   LimitedBy limit = LimitedBy::step;
   Status status = Status::success;  ///< why the setting failed in a trial; the figures above are NaN then
-  double tried = 0;                 ///< how far, in time: less than the whole where calls did not suffice,
-                                    ///< 0 where interpolated
+  double tried = 0;                 ///< how far, in time: less than the whole where calls did not suffice
   double harder = 1;                ///< how much finer steps must be in what comes after that
   bool lasts = true;                ///< false: it has to be tried to the end to be advised, as where calls
                                     ///< did not suffice to look at neighbouring orbits, and was not
-  bool interpolated = false;        ///< between two trials of the same scheme, instead of tried itself
+  bool interpolated = false;        ///< no: all advice was tried itself
 
   bool works() const { return is_done(status); }
   double cost(CostBy by) const { return by == CostBy::gradients ? gradients : seconds; }
@@ -153,33 +152,23 @@ struct CostTable {
     return "";
   }
 
-  /// The cheapest setting whose error is expected to stay below `target`, or nothing where none was found:
-  /// `best()` says how near one comes. For a target that is not among `targets`, where two trials of a scheme
-  /// lie far apart, the step between them is interpolated, and was not tried.
+  /// The cheapest setting that was tried and whose error is expected to stay below `target`, or nothing where
+  /// none was found: `best()` says how near one comes.
   SEMIEXPLICIT_COLD std::optional<CostRow> cheapest(double target) const {
     if (!(target > 0))
       throw std::invalid_argument("CostTable::cheapest: target is not a positive error; give one");
     std::optional<CostRow> found;
     if (parts_before(target) || std::isinf(unfinished) || observable_end <= time || orbit_end < time)
       return found;
-    const double far = tried_to(target);
-    const auto offer = [&](const CostRow& row) {
-      if (!found || row.cost(by) < found->cost(by)) found = row;
-    };
-    const auto offer_all = [&](double error, double least) {
+    const auto offer = [&](double error, double least) {
       for (const CostRow& row : rows)
-        if (counts(row, least) && row.error <= error) offer(row);
+        if (counts(row, least) && row.error <= error && (!found || row.cost(by) < found->cost(by)))
+          found = row;
     };
-    offer_all(target, far);
+    offer(target, tried_to(target));
     // What is advice for a tighter target is for this one, too, though tried less far.
     for (const double tighter : targets)
-      if (tighter < target && !parts_before(tighter)) offer_all(tighter, tried_to(tighter));
-    if (found && std::find(targets.begin(), targets.end(), target) != targets.end()) return found;
-    for (std::size_t i = 1; i < rows.size(); ++i)
-      if (rows[i - 1].setting.name() == rows[i].setting.name() && counts(rows[i - 1], far) &&
-          counts(rows[i], far) && rows[i - 1].error > target && rows[i].error < target / 2.5 &&
-          rows[i - 1].setting.dt > 1.25 * rows[i].setting.dt)
-        offer(between(rows[i - 1], rows[i], target));
+      if (tighter < target && !parts_before(tighter)) offer(tighter, tried_to(tighter));
     return found;
   }
 
@@ -208,22 +197,6 @@ struct CostTable {
     for (std::size_t i = 0; i < targets.size() && i < tried_for.size(); ++i)
       if (targets[i] <= target && targets[i] >= next) next = targets[i], far = tried_for[i];
     return far;
-  }
-
-  /// The setting between two of the same scheme, a with the larger step, whose error is `target`: errors and
-  /// costs follow powers of the step.
-  SEMIEXPLICIT_COLD static CostRow between(const CostRow& a, const CostRow& b, double target) {
-    const double w = std::log(a.error / target) / std::log(a.error / b.error);
-    const auto mean = [w](double x, double y) { return std::pow(x, 1 - w) * std::pow(y, w); };
-    CostRow row = b;
-    row.setting.dt = mean(a.setting.dt, b.setting.dt);
-    row.error = target;
-    row.gradients = mean(a.gradients, b.gradients);
-    row.seconds = mean(a.seconds, b.seconds);
-    row.limit = b.limit == LimitedBy::rounding ? a.limit : b.limit;
-    row.interpolated = true;
-    row.tried = 0;
-    return row;
   }
 };
 

@@ -30,8 +30,6 @@ namespace semiexplicit {
 /// 34 (2001) 10029.
 template <class Stepper>
 class AlignmentIndex {
-  static_assert(detail::is_stepper<Stepper>());
-
  public:
   using Scalar = typename Stepper::Scalar;
   static constexpr int Dof = Stepper::Dof;

@@ -37,8 +37,6 @@ namespace semiexplicit {
 /// Source: G. Benettin, L. Galgani, A. Giorgilli, J.-M. Strelcyn, Meccanica 15 (1980) 9 and 21.
 template <class Stepper>
 class LyapunovExponents {
-  static_assert(detail::is_stepper<Stepper>());
-
  public:
   using Scalar = typename Stepper::Scalar;
   static constexpr int Dof = Stepper::Dof;

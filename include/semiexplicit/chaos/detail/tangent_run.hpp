@@ -19,6 +19,8 @@ namespace semiexplicit::detail {
 /// orthonormal.
 template <class Stepper>
 class TangentRun {
+  static_assert(is_stepper<Stepper>());
+
  public:
   using Scalar = typename Stepper::Scalar;
   using State = PhasePoint<Scalar, Stepper::Dof>;

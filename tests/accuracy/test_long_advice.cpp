@@ -37,6 +37,29 @@ struct Tidal {
   }
 };
 
+/// Two coupled oscillators, the second one in a unit of its own: its position is y/unit, its momentum Y unit.
+struct UnlikeUnits {
+  using Scalar = double;
+  static constexpr int Dof = 2;
+  double unit, coupling;
+  double energy(const In<double, 2>& q, const In<double, 2>& p) const {
+    const double x = q[0], X = p[0], y = unit * q[1], Y = p[1] / unit;
+    const double first = x * x + X * X, second = y * y + Y * Y, both = first + second;
+    return first / 2 + 1.0001 * second / 2 + 0.0111 * (x * y - X * Y) * x + coupling * first * second / 4 +
+           1.5737e-4 * both * both;
+  }
+  void gradient(const In<double, 2>& q, const In<double, 2>& p, Out<double, 2> dHdq,
+                Out<double, 2> dHdp) const {
+    const double x = q[0], X = p[0], y = unit * q[1], Y = p[1] / unit;
+    const double of_first = 1 + coupling * (y * y + Y * Y) / 2,
+                 of_second = 1.0001 + coupling * (x * x + X * X) / 2,
+                 of_both = 4 * 1.5737e-4 * (x * x + X * X + y * y + Y * Y);
+    dHdq << (of_first + of_both) * x + 0.0111 * (2 * x * y - X * Y),
+        unit * ((of_second + of_both) * y + 0.0111 * x * x);
+    dHdp << (of_first + of_both) * X - 0.0111 * Y * x, ((of_second + of_both) * Y - 0.0111 * X * x) / unit;
+  }
+};
+
 PhasePoint<double, 2> at_periapsis(double e) { return {{1 - e, 0}, {0, std::sqrt((1 + e) / (1 - e))}}; }
 
 /// Kepler's equation, by halving.
@@ -535,6 +558,28 @@ TEST_CASE("a linear motion over thousands of periods gets no harder along the wa
   cost.run(z, *advice,
            [&](double t, const auto& now) { worst = std::max(worst, std::abs(now.q()[0] - std::cos(t))); });
   CHECK(worst <= 2e-6);
+}
+
+TEST_CASE("degrees of freedom in units far apart get the same advice as in one: two oscillators") {
+  struct Case {
+    double unit, T, first, second, at_first, at_second, coupling;
+  };
+  const Case one = GENERATE(Case{1.32e-7, 2.37e4, 0.992, 0.605, 5.17, 0.742, 0.0278},
+                            Case{2.63e-7, 2.213e5, 0.99, 0.775, 0.759, 4.538, 0.0249},
+                            Case{8.32e6, 1.097e4, 0.839, 0.596, 4.589, 0.733, 0.0489});
+  const double unit = one.unit;
+  const PhasePoint<double, 2> z0(
+      {one.first * std::cos(one.at_first), one.second * std::cos(one.at_second) / unit},
+      {one.first * std::sin(one.at_first), one.second * std::sin(one.at_second) * unit});
+  const auto in_one_unit = [unit](const auto& q, const auto& p) {
+    return Eigen::Vector4d(q[0], p[0], unit * q[1], p[1] / unit);
+  };
+  const auto cost = cost_of_accuracy(UnlikeUnits{unit, one.coupling}, z0, one.T,
+                                     {.observable = in_one_unit, .targets = {1e-3, 1e-6}});
+  for (const double target : {1e-3, 1e-6}) {
+    INFO("unit " << unit << ", target " << target << ": " << cost.why(target));
+    CHECK(cost.cheapest(target));  // was refused: "the gradient calls ended"
+  }
 }
 
 TEST_CASE("an angle that winds is rounded more and more, and advice counts that", "[long]") {

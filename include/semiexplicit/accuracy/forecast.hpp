@@ -55,8 +55,7 @@ class Forecast {
 
   /// Follows a neighbouring orbit by that setting, as far as the calls go. False: its steps fail.
   SEMIEXPLICIT_COLD bool look_beside(const Setting& setting) {
-    const auto sizes = scout_.sizes();
-    const bool followed = neighbour_.go(setting, sizes.length, sizes.momentum);
+    const bool followed = neighbour_.go(setting, scout_.lengths());
     if (neighbour_.time() < table_.time && neighbour_.rate() > 0) parts(neighbour_.rate());
     judge_reference(reference_.time());
     return followed;

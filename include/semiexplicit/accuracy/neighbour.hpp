@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
-#include <semiexplicit/accuracy/trial.hpp>
+#include <semiexplicit/accuracy/pacer.hpp>
 #include <semiexplicit/core/cold.hpp>
 #include <semiexplicit/core/extended_phase_space.hpp>
 
@@ -18,9 +19,10 @@ class Neighbour {
   explicit Neighbour(Problem<Any>& problem) : problem_(problem) {}
 
   /// Takes both orbits to T by equal steps of that setting, as far as the calls go, and until they are apart
-  /// by a part of `length` in q or `momentum` in p. False: a step failed.
-  SEMIEXPLICIT_COLD bool go(const Setting& setting, double length, double momentum) {
-    seen_.clear();
+  /// by a part of the `lengths` of steps. What an attempt before has seen stays where that was more, and
+  /// calm. False: a step failed.
+  SEMIEXPLICIT_COLD bool go(const Setting& setting, const LengthsOfWays& lengths) {
+    auto before = std::exchange(seen_, {});
     Walker<Any> walker(problem_, setting), beside(problem_, setting);
     const double T = problem_.table.time, dt = T / steps_between(0.0, T, setting.dt);
     auto z = problem_.z0, other = z;
@@ -28,22 +30,28 @@ class Neighbour {
     const double small = 0.1 * std::sqrt(Problem<Any>::epsilon);
     using Scalar = typename Any::Scalar;
     for (Eigen::Index i = 0; i < own; ++i) {  // in a direction of no symmetry
-      other.q()[i] += Scalar(small * length * std::sin(1.0 + static_cast<double>(i * i)));
-      other.p()[i] += Scalar(small * momentum * std::cos(2.0 + static_cast<double>(i * i)));
+      const double unit = lengths.unit[i], along = static_cast<double>(i * i);
+      other.q()[i] += Scalar(small * lengths.in_q * unit * std::sin(1.0 + along));
+      other.p()[i] += Scalar(small * lengths.in_p / unit * std::cos(2.0 + along));
     }
     Probe probe;
     double most = 0, t = 0, t_beside = 0;
     while (t < T && most < far) {
       if (!walker.step_on(z, t, dt, probe) || !beside.step_on(other, t_beside, dt, probe)) break;
       const auto off = [own](const auto& a, const auto& b) {
-        return static_cast<double>(norm((a - b).head(own).eval()));
+        return (a - b).head(own).template cast<double>().eval();
       };
-      const double now = off(z.q(), other.q()) / length + off(z.p(), other.p()) / momentum;
+      const double now = off(z.q(), other.q()).cwiseQuotient(lengths.unit).norm() / lengths.in_q +
+                         off(z.p(), other.p()).cwiseProduct(lengths.unit).norm() / lengths.in_p;
       if (!std::isfinite(now)) return false;
       most = std::max(most, now);
       if (t >= T || most >= far || seen_.empty() || t >= 1.05 * seen_.back().t) seen_.push_back({t, most});
     }
     if (!seen_.empty() && t > seen_.back().t) seen_.push_back({t, most});
+    if (probe.cut && !before.empty() && before.back().t > time()) {
+      seen_.swap(before);
+      if (rate() > 0) seen_.swap(before);
+    }
     return probe.cut || t >= T || most >= far;
   }
 

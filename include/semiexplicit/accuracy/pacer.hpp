@@ -9,6 +9,17 @@
 
 namespace semiexplicit::detail {
 
+/// The longest ways that steps have made in q and in p. Degrees of freedom whose units are far apart count in
+/// units of their own, √(length/momentum): in these q and p are as large as the root of the action, which is
+/// the same in all units.
+struct LengthsOfWays {
+  Eigen::VectorXd unit{};  ///< of each degree of freedom
+  double in_q = 0, in_p = 0;
+};
+
+/// 1 for what is no size.
+inline double positive(double size) { return size > 0 && std::isfinite(size) ? size : 1; }
+
 /// Steps that follow the motion: an explicit method of the fourth order makes each whole and in two halves,
 /// and what these differ by is a small part of the way.
 template <class Any>
@@ -54,32 +65,56 @@ class Pacer {
   /// The step that is asked for where the last one was, 0 where that is not known: how hard the motion is
   /// there.
   double pace() const { return pace_; }
-  /// The longest way that a step has made in q, and in p.
-  double longest_in_q() const { return longest_q_; }
-  double longest_in_p() const { return longest_p_; }
+  /// The longest way that a step has made in q, and in p; 1 where nothing moves.
+  double longest_in_q() const { return positive(longest_q_); }
+  double longest_in_p() const { return positive(longest_p_); }
+  /// The same with each degree of freedom in its own unit.
+  LengthsOfWays lengths() const { return {longest_.unit, positive(longest_.in_q), positive(longest_.in_p)}; }
   /// How long the next step may be.
   double next() const { return dt_; }
   /// Whether it was the calls that ended the last step.
   bool cut() const { return cut_; }
 
  private:
+  using Column = Eigen::VectorXd;
+
   /// The error of the step made whole, as a part of what is allowed.
   SEMIEXPLICIT_COLD double error_of(const State& whole, const State& next, const State& before) const {
-    const Eigen::Index d = own_dof<Any>(next.dof());  // a late time says nothing
-    const auto of_half = [this, d](const auto& a, const auto& b, const auto& from, double longest) {
-      const auto size = [d](const auto& v) { return static_cast<double>(norm(v.head(d).eval())); };
-      const double error = size(a - b);
-      if (error <= 32 * Problem<Any>::epsilon * size(b)) return 1e-9;  // rounding says nothing
-      return error / (tolerance_ * (size(b - from) + 0.03 * longest));
+    const auto of_half = [this](double error, double made, double at, double longest) {
+      if (error <= 32 * Problem<Any>::epsilon * at) return 1e-9;  // rounding says nothing
+      return error / (tolerance_ * (made + 0.03 * longest));
     };
-    return std::max(of_half(whole.q(), next.q(), before.q(), longest_q_),
-                    of_half(whole.p(), next.p(), before.p(), longest_p_));
+    return std::max(of_half(size_in_q(whole.q() - next.q()), size_in_q(next.q() - before.q()),
+                            size_in_q(next.q()), longest_.in_q),
+                    of_half(size_in_p(whole.p() - next.p()), size_in_p(next.p() - before.p()),
+                            size_in_p(next.p()), longest_.in_p));
   }
-  /// Notes the longest way that a step has made in q and in p.
   SEMIEXPLICIT_COLD void grow_lengths(const State& next, const State& before) {
-    const Eigen::Index d = own_dof<Any>(next.dof());
-    longest_q_ = std::max(longest_q_, static_cast<double>(norm((next.q() - before.q()).head(d).eval())));
-    longest_p_ = std::max(longest_p_, static_cast<double>(norm((next.p() - before.p()).head(d).eval())));
+    const Column way_q = own(next.q() - before.q()).cwiseAbs(), way_p = own(next.p() - before.p()).cwiseAbs();
+    if (in_each_q_.size() == 0) in_each_q_ = way_q, in_each_p_ = way_p;
+    in_each_q_ = in_each_q_.cwiseMax(way_q), in_each_p_ = in_each_p_.cwiseMax(way_p);
+    longest_q_ = std::max(longest_q_, way_q.norm()), longest_p_ = std::max(longest_p_, way_p.norm());
+    const Column unit = units();
+    const auto changed = [](double now, double then) { return now > 2 * then || then > 2 * now ? 1.0 : 0.0; };
+    if (longest_.unit.size() == 0 || unit.binaryExpr(longest_.unit, changed).any())
+      longest_ = {unit, in_each_q_.cwiseQuotient(unit).norm(), in_each_p_.cwiseProduct(unit).norm()};
+    longest_.in_q = std::max(longest_.in_q, size_in_q(next.q() - before.q()));
+    longest_.in_p = std::max(longest_.in_p, size_in_p(next.p() - before.p()));
+  }
+
+  /// Of the system's own degrees of freedom: a late time says nothing.
+  static Column own(const auto& v) { return v.head(own_dof<Any>(v.size())).template cast<double>(); }
+  double size_in_q(const auto& v) const {
+    return longest_.unit.size() == 0 ? own(v).norm() : own(v).cwiseQuotient(longest_.unit).norm();
+  }
+  double size_in_p(const auto& v) const {
+    return longest_.unit.size() == 0 ? own(v).norm() : own(v).cwiseProduct(longest_.unit).norm();
+  }
+  /// All 1 where they are as near as the motion alone can bring them.
+  SEMIEXPLICIT_COLD Column units() const {
+    const Column unit = in_each_q_.binaryExpr(
+        in_each_p_, [](double length, double momentum) { return positive(std::sqrt(length / momentum)); });
+    return unit.maxCoeff() > far_apart * unit.minCoeff() ? unit : Column(Column::Ones(unit.size()));
   }
   /// To ten bits: the times then add up without rounding.
   static double rounded(double dt) {
@@ -89,10 +124,13 @@ class Pacer {
   }
 
   inline static const Setting method{.method = Setting::Method::midpoint, .scheme = "low_defect4_s7"};
+  static constexpr double far_apart = 30;                     ///< units
   static constexpr int most_attempts = 60, most_refused = 6;  ///< at a kink no step is short enough
 
   Walker<Any> in_one_, in_halves_;
   double tolerance_, dt_, pace_ = 0, longest_q_ = 0, longest_p_ = 0;
+  Column in_each_q_{}, in_each_p_{};  ///< the longest way of each coordinate
+  LengthsOfWays longest_{};
   bool cut_ = false;
 };
 

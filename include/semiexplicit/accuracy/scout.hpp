@@ -79,12 +79,12 @@ class Scout {
 
   /// What reversible steps follow, and what they take on an average.
   SEMIEXPLICIT_COLD monitors::TimeScaleOptions<double> sizes() const {
-    const auto size = [](double way) { return way > 0 && std::isfinite(way) ? way : 1; };
     const auto [least, varies] = paces();
-    return {.length = size(pacer_->longest_in_q()),
-            .momentum = size(pacer_->longest_in_p()),
-            .longest = size(least * varies)};
+    return {.length = pacer_->longest_in_q(),
+            .momentum = pacer_->longest_in_p(),
+            .longest = positive(least * varies)};
   }
+  LengthsOfWays lengths() const { return pacer_->lengths(); }
   double mean_step() const { return time_ / static_cast<double>(std::max<std::size_t>(steps_, 1)); }
 
   /// The shortest trial of so many steps of the scout, or up to eight times as many, that sees places not far

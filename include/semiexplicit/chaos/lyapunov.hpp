@@ -26,6 +26,7 @@ namespace semiexplicit {
 /// series. The exponents of a Hamiltonian system come in pairs ±λ, two of them zero for each integral of
 /// motion. Of a driven system, Autonomous of d degrees of freedom with the time, there are 2d - 1: its work
 /// p_t does not count, and that of the time is zero; where its orbit leaves only the first is to be trusted.
+/// With TimeTransformed, too, they are per unit of the time t, not of s.
 /// Let the stepper be the one that makes the run.
 ///
 /// k exponents cost 2 + ck plain steps a step, where c is the cost of a product over that of a gradient (1 to

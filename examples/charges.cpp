@@ -120,6 +120,7 @@ std::vector<ScenePreset<3>> presets() {
 
 int main(int argc, char** argv) {
   SceneProgram<3> program{.name = "charges", .about = "A charge in magnetic and electric fields."};
+  program.joint = field_names;
   program.parameters = {
       {"charge", "C", "the charge", {"a number other than 0", [](double x) { return x != 0; }}},
       {"mass", "kg", "its mass", above_zero},

@@ -95,6 +95,7 @@ std::vector<ScenePreset<3>> presets() {
 
 int main(int argc, char** argv) {
   SceneProgram<3> program{.name = "fast_charges", .about = "A charge at any speed in magnetic fields."};
+  program.joint = fast_field_names;
   program.parameters = {
       {"charge", "C", "the charge", {"a number other than 0", [](double x) { return x != 0; }}},
       {"mass", "kg", "its mass", above_zero},

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -104,6 +105,11 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
     std::vector<Figure> list{{"nearest r", nearest, s.closeness.uncertain()},
                              {"farthest r", farthest, s.distance.uncertain()},
                              {"degrees off the equator", highest, open}};
+    // The force of L²/sin²θ beside a pole is then that of chance, of the companion's steps as well.
+    if (s.momentum != 0 && 4 * std::abs(s.momentum) < s.tilt * std::sqrt(std::max(0.0, s.carter)))
+      for (std::size_t i = 0; i < 2; ++i)
+        list[i].missing =
+            "the orbit passes the poles by less than a step; give a smaller --dt, or another --l";
     Figure turns{.name = "turns from apoapsis to apoapsis"};
     turns.missing =
         nearest <= outer_horizon(hole) ? "the body has fallen through the horizon"

@@ -51,8 +51,8 @@ namespace examples {
 template <int Dof>
 void show_audit(const RuntimeScene<double, Dof>& scene, const PhasePoint<double, Dof>& z0,
                 const Invariants<double, Dof>& invariants, const Settings& settings, const Method& method,
-                Compare compare) {
-  AuditOptions<double, Dof> options{.dt = settings.dt, .compare = compare};
+                AuditOptions<double, Dof> options) {
+  options.dt = settings.dt;
   if (method.scheme) options.scheme = schemes::by_name<double>(*method.scheme);
   for (const auto& row : invariants.rows())
     if (row.name != "energy") options.invariants.emplace_back(row.name, row.value);
@@ -263,7 +263,14 @@ int run_scene_program(const SceneProgram<Dof>& program, int argc, char** argv, c
     std::cout << preset.name << (choice.is_preset ? ": " : ", changed by options: ") << preset.about
               << " (units: " << preset.units.about << ")\n";
     if (request.audit) {
-      show_audit(scene, z0, invariants, settings, method, program.compare);
+      const auto without = [&](const std::string& name) {
+        const auto& joint = program.joint;
+        if (std::find(joint.begin(), joint.end(), name) == joint.end()) return scene.without(name);
+        Choice others = choice;
+        std::erase(others.effects, name);
+        return request.scene(others);
+      };
+      show_audit(scene, z0, invariants, settings, method, {.compare = program.compare, .without = without});
       return 0;
     }
     if (cost_wanted) {

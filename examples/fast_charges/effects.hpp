@@ -54,12 +54,13 @@ class FastFieldEffect {
   bool moves_;
 };
 
+inline const std::vector<std::string> fast_field_names{"uniform_field", "dipole_field", "solenoid",
+                                                       "undulator", "quadrupole"};
+
 /// The motion in the fields that are on and come before `end` in this order; all of them: "".
 inline charges::FieldSum fast_fields(const Choice& c, const std::string& end) {
   charges::FieldSum sum;
-  const std::vector<std::string> names{"uniform_field", "dipole_field", "solenoid", "undulator",
-                                       "quadrupole"};
-  for (const std::string& name : names) {
+  for (const std::string& name : fast_field_names) {
     if (name == end) break;
     if (!c.on(name)) continue;
     if (name == "uniform_field") sum.add(charges::UniformField(c["b"]));

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <limits>
 #include <numbers>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <semiexplicit/chaos.hpp>
@@ -126,6 +128,23 @@ State4 start_of(const M& metric, const Region& region, std::int64_t k, std::int6
   return *start;
 }
 
+/// How far north of the equator.
+inline double latitude(const auto& q) { return std::numbers::pi / 2 - q[2]; }
+
+/// Where the orbit passes the equator at about the time `after` z, by steps to that place: between long steps
+/// interpolation tells the time, and the place badly. None where such a step fails.
+template <class Stepper>
+std::optional<State4> passage(Stepper stepper, State4 z, double after) {
+  for (int i = 0; i < 30; ++i) {
+    if (after != 0 && !stepper.step(z, after).ok()) return std::nullopt;
+    if (!(std::abs(latitude(z.q())) > 1e-14)) break;
+    State4 gradient(4);
+    stepper.hamiltonian().gradient(z.q(), z.p(), gradient.q(), gradient.p());
+    after = latitude(z.q()) / gradient.p()[2];
+  }
+  return z;
+}
+
 /// One orbit from the equator, until it has passed it so often upwards; seen(n) hears of each passage.
 inline Orbit follow(const RuntimeScene<double, 4>& scene, const Method& method, const State4& start,
                     const Region& region, double dt, std::int64_t crossings,
@@ -136,14 +155,25 @@ inline Orbit follow(const RuntimeScene<double, 4>& scene, const Method& method, 
     AlignmentIndex alignment(stepper, 2);
     Invariants invariants(scene);
     std::int64_t count = 0;
-    const auto write = [&](double, const State4& z) {
+    std::deque<std::pair<double, State4>> last;  // the states that the section may be between
+    const auto keep = [&](double t, const State4& z) {
+      last.emplace_back(t, z);
+      if (last.size() > 8) last.pop_front();
+    };
+    const auto write = [&](double t, const State4&) {
       if (orbit.end == End::failed) return false;  // within the step that lost the energy
-      orbit.points.insert(orbit.points.end(), {z.q()[1], z.p()[1]});
+      const auto behind =
+          std::find_if(last.begin(), last.end() - 1, [t](const auto& one) { return one.first > t; });
+      const auto& [begin, z] = *(behind == last.begin() ? behind : behind - 1);
+      const auto point = passage(stepper, z, t - begin);
+      if (!point) orbit.end = End::failed;
+      if (!point) return false;
+      orbit.points.insert(orbit.points.end(), {point->q()[1], point->p()[1]});
       seen(++count);
       return count < crossings;
     };
     auto section = poincare_section(
-        scene, [](const auto& q, const auto&) { return std::numbers::pi / 2 - q[2]; }, write);
+        scene, [](const auto& q, const auto&) { return latitude(q); }, write);
     const auto stays = [&](double t, const State4& now) {  // comes before the section
       const double r = now.q()[1];
       orbit.time = t;
@@ -158,7 +188,7 @@ inline Orbit follow(const RuntimeScene<double, 4>& scene, const Method& method, 
       const IntegrationReport run =
           integrate(stepper, z,
                     {.dt = dt, .steps = static_cast<std::int64_t>(most_steps), .on_failure = OnFailure::stop},
-                    invariants, stays, section, alignment);
+                    invariants, stays, keep, section, alignment);
       orbit.time = run.t;
       if (!run.ok())
         orbit.end = End::failed;

@@ -1,6 +1,7 @@
 // What lies beyond the trials: slow drift, hard places that come back, and errors that are rounding. Advice
 // is judged by closed forms over the whole time.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <sstream>
 #include <string>
@@ -580,6 +581,73 @@ TEST_CASE("degrees of freedom in units far apart get the same advice as in one: 
     INFO("unit " << unit << ", target " << target << ": " << cost.why(target));
     CHECK(cost.cheapest(target));  // was refused: "the gradient calls ended"
   }
+}
+
+TEST_CASE(
+    "an orbit that leaves exponentially is not lost where neighbours part as fast: a charge on a saddle",
+    "[long]") {
+  struct Charge {
+    double field, mass, force, saddle, unit_x, unit_y;
+  };
+  const std::array<Charge, 3> charges{Charge{0.919695, 5.57317, -0.404058, 0, 1, 0.0625},
+                                      Charge{5.05115, 0.23845, 0.0387787, 0.00280135, 4, 16},
+                                      Charge{0.524764, 2.58741, -0.364988, 0.0102483, 8, 8}};
+  const auto all = from_energy<6>([charges](const auto& q, const auto& p) {
+    auto sum = 0 * q[0];
+    for (int i = 0; i < 3; ++i) {
+      const auto& [field, mass, force, saddle, unit_x, unit_y] = charges[static_cast<std::size_t>(i)];
+      const auto x = q[2 * i] / unit_x, y = q[2 * i + 1] / unit_y;
+      const auto vx = p[2 * i] * unit_x + field / 2 * y, vy = p[2 * i + 1] * unit_y - field / 2 * x;
+      sum += (vx * vx + vy * vy) / (2 * mass) - force * x + saddle / 2 * (x * x - y * y);
+    }
+    return sum;
+  });
+  const PhasePoint<double, 6> z0({0.240384, -0.0338671, -0.669575, 9.26991, -7.91145, -7.70007},
+                                 {0.563201, -15.4032, 0.0771045, 0.0190203, -0.0958586, 0.0678581});
+  const auto cost =
+      cost_of_accuracy(all, z0, 1900, {.observable = observables::Trajectory{}, .targets = {5.8e-8, 1e-8}});
+  for (const double target : {5.8e-8, 1e-8}) {
+    INFO(cost.why(target));
+    CHECK(cost.reach(target) != Reach::orbits_part);
+  }
+}
+
+TEST_CASE("the energy of an orbit that leaves is rounded as its terms grow, and advice counts that") {
+  const double rate = 0.0625, target = GENERATE(1e-4, 1e-6), T = GENERATE(270.0, 300.0, 340.0);
+  CAPTURE(target, T);
+  const auto energy = [rate](const auto& q, const auto& p) {
+    return (p[0] * p[0] - rate * rate * q[0] * q[0] + p[1] * p[1] + q[1] * q[1] +
+            q[1] * q[1] * q[1] * q[1] / 4) /
+           2;
+  };
+  const PhasePoint<double, 2> z0({0.1, 1}, {0.01, 0.3});
+  const auto cost = cost_of_accuracy(from_energy<2>(energy), z0, T, {.targets = {target}});
+  const auto advice = cost.cheapest(target);
+  if (!advice) {
+    CHECK(cost.reach(target) == Reach::rounding);
+    return;
+  }
+  const auto exact = [&](const auto& z) {
+    return energy(z.q().template cast<long double>().eval(), z.p().template cast<long double>().eval());
+  };
+  auto z = z0;
+  long double worst = 0;
+  cost.run(z, *advice,
+           [&](double, const auto& now) { worst = std::max(worst, std::abs(exact(now) - exact(z0))); });
+  CHECK(static_cast<double>(worst / std::abs(exact(z0))) < 3 * target);
+}
+
+TEST_CASE("advice does not depend on the unit of mass where an angle is cyclic") {
+  const double mass = std::ldexp(1.0, GENERATE(0, -40, -66));
+  CAPTURE(mass);
+  const auto polar = from_energy<2>([mass](const auto& q, const auto& p) {
+    return (p[0] * p[0] + p[1] * p[1] / (q[0] * q[0])) / (2 * mass) - mass / q[0];
+  });
+  const PhasePoint<double, 2> z0({1, 0}, {mass / 16, 1.08 * mass});
+  const auto cost =
+      cost_of_accuracy(polar, z0, 4e4, {.observable = observables::Coordinate{0}, .targets = {1e-4}});
+  INFO(cost.why(1e-4));
+  CHECK(cost.cheapest(1e-4));
 }
 
 TEST_CASE("an angle that winds is rounded more and more, and advice counts that", "[long]") {

@@ -128,6 +128,9 @@ prints(charges "does not measure a drift that is uneven" "--preset dipole --effe
   "bounce period, s: 6.00[0-9]+; mean of 25 bounces; no closed form, .*drift period[^\n]*: not measured, other effects than the field make the drift uneven")
 prints(charges "does not measure a drift that has hardly begun" "--preset dipole --time 1s" "drift period[^\n]*not measured, the drift is not yet large")
 prints(charges "says how uncertain a short drift is" "--preset dipole --time 10s" "drift period[^\n]*: -7[4-9] ± [2-9]; adiabatic: -78")
+prints(black_hole "does not measure r of orbits that pass a pole by less than a step"
+  "--preset zoom_whirl --spin -0.9 --r 10.987174850656027 --l 0.0001324775949589623 --carter 23.66575623016902 --dt 0.5861833906757277 --time 616.5567159833214 --scheme blanes_moan6"
+  "nearest r: not measured, the orbit passes the poles by less than a step.*farthest r: not measured, the orbit passes")
 prints(black_hole "does not say a pole of an orbit that passes by" "--preset kerr --r 12.77 --l 6.89e-05 --carter 28.49 --dt 2.62 --time 212 --method gauss --stages 3" "degrees off the equator: 90 ± 5\n")
 prints(charges "do not measure bounces that only touch the equator" "--preset dipole --effects kinetic,dipole_field,electric --ey 0 --ez \"1e-5 V/m\" --pitch 90deg --time 30"
   "bounce period, s: not measured, the charge turns near z = 0, where no bounce plainly ends")

@@ -62,6 +62,13 @@ check(vortices "are strained" "--effects pairs,strain --strain_angle 45deg --tim
   HEADER "t,energy_error,defect" PRINTS "coupled by pairs, strain")
 check(vortices "double nothing in a rotation" "--effects rotation --time 10 --no-plot" FILE out/vortices.csv
   HEADER "t,energy_error,angular_impulse_error" PRINTS "separable: plain explicit splitting, no doubling")
+# Against runs of another integrator with one field alone, from the same canonical momentum: 0.257 and 5.8e-04.
+check(charges "leaves out a field that another counts as there" "--preset dipole --effects kinetic,dipole_field,uniform_field --time 10s --audit"
+  PRINTS "uniform_field +[0-9.]+% +[^ ]+ +[^ ]+ +[^ ]+ +2[.]6e-01 ")
+check(fast_charges "leaves out a field that another counts as there" "--preset solenoid --effects kinetic,solenoid,uniform_field --b 50mT --audit"
+  PRINTS "uniform_field +[0-9.]+% +[^ ]+ +[^ ]+ +[^ ]+ +5[.]8e-04 ")
+check(charges "leaves out a field where there is no motion but in fields" "--preset dipole --effects dipole_field,uniform_field --b 1e-13T --time 2s --audit"
+  PRINTS "called for at 1e-02: dipole_field\n")
 check(vortices "audit their effects" "--audit --time 20" ABSENT out PRINTS "called for at 1e-10: pairs, strain, rotation\n")
 file(WRITE ${CMAKE_CURRENT_BINARY_DIR}/vortices.toml "preset = \"wall\"\neffects = [\"pairs\", \"half_plane\"]\ntime = 5\nno-plot = true\n")
 check(vortices "read a configuration" "--config ${CMAKE_CURRENT_BINARY_DIR}/vortices.toml" FILE out/vortices.csv ABSENT out/vortices.png

@@ -5,6 +5,7 @@
 
 #include "catch.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -103,6 +104,25 @@ TEST_CASE("an orbit that loses its energy has no point of that step", "[examples
     });
   }
   CHECK(lost > 0);
+}
+
+TEST_CASE("points of a section are as good as the steps, however long these are", "[examples]") {
+  // Carter's constant of what passes the equator, by r and p_r; B. Carter, Phys. Rev. 174 (1968) 1559, (60).
+  const double energy = 0.96, l = 3.2, spin = hole.spin;
+  const auto carter = [&](double r, double p_r) {
+    const double delta = r * r - 2 * r + spin * spin, k = (r * r + spin * spin) * energy - spin * l;
+    return (k * k - delta * delta * p_r * p_r) / delta - r * r - std::pow(l - spin * energy, 2);
+  };
+  const Region region = allowed(hole, energy, l);
+  const State4 start = start_of(hole, region, 0, 20, energy, l);
+  const Orbit orbit = follow(scene, {}, start, region, 13, 40, [](std::int64_t) {});
+  REQUIRE(orbit.points.size() == 80);
+  const double first = carter(start.q()[1], 0);
+  double worst = 0;
+  for (std::size_t i = 0; i < 80; i += 2)
+    worst = std::max(worst, std::abs(carter(orbit.points[i], orbit.points[i + 1]) / first - 1));
+  CAPTURE(worst, orbit.worst_energy);
+  CHECK(worst < 1e-3);  // it was 0.1 by interpolation between the steps
 }
 
 TEST_CASE("an error is that of all orbits which came through a step", "[examples]") {

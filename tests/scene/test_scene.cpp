@@ -1,6 +1,7 @@
 #include "catch.hpp"
 #include "refusal.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdint>
@@ -320,6 +321,49 @@ TEST_CASE("An audit keeps its bound on gradient calls, or says what to change", 
   CHECK(refuses([&] { audit(counted, z, 10, unfilled); }, "the invariant L of options.invariants is empty"));
   // A time that no loop counter holds.
   CHECK(refuses([&] { audit(counted, z, 1e300, {.dt = 1e-10}); }, "options.max_gradients is 1e+09"));
+}
+
+namespace {
+
+/// A force in x, and a spring that another effect may bring along.
+struct Pull {
+  using Acts = OnPosition<double, 2>;
+  std::string called;
+  double force, spring = 0;
+  std::string name() const { return called; }
+  double energy(const auto& q) const { return force * q[0] + spring * q[0] * q[0] / 2; }
+  void add_gradient(const auto& q, auto& dHdq) const { dHdq[0] += force + spring * q[0]; }
+};
+
+}  // namespace
+
+TEST_CASE("An audit leaves out an effect that others count as there by making these anew", "[scene]") {
+  using Chosen = RuntimeScene<double, 2>;
+  const auto scene = [](std::vector<AnyEffect<double, 2>> pulls) {
+    pulls.insert(pulls.begin(), {Kinetic<double, 2>{}, Oscillator{}});
+    return Chosen(pulls);
+  };
+  const Chosen both = scene({Pull{"first", 0.2}, Pull{"second", 0.1, 0.3}}),
+               alone = scene({Pull{"second", 0.1}});
+  const Point z0({1, 0}, {0, 0.5});
+  const auto without = [&](const std::string& name) { return name == "first" ? alone : both.without(name); };
+  const Audit found = audit(both, z0, 10, {.dt = 0.01, .without = without});
+  const auto end = [&](const Chosen& of) {
+    Point z = z0;
+    auto stepper = stepper_for(of, schemes::low_defect6_s13<double>());
+    integrate(stepper, z, {.dt = 0.01, .t_end = 10});
+    return z;
+  };
+  double size = z0.q().norm();
+  Point z = z0;
+  auto stepper = stepper_for(both, schemes::low_defect6_s13<double>());
+  integrate(stepper, z, {.dt = 0.05, .t_end = 10},
+            [&](double, const Point& now) { size = std::max(size, now.q().norm()); });
+  CHECK(found.rows[2].name == "first");
+  CHECK(found.rows[2].shift_final == Approx((end(both).q() - end(alone).q()).norm() / size).epsilon(1e-6));
+  const Audit as_it_is = audit(both, z0, 10, {.dt = 0.01});
+  CHECK(std::abs(found.rows[2].shift_final / as_it_is.rows[2].shift_final - 1) > 0.1);
+  CHECK(found.rows[3].shift_final == Approx(as_it_is.rows[3].shift_final).epsilon(1e-12));
 }
 
 TEST_CASE("What strays is relative to nothing that is zero up to rounding", "[scene]") {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include <semiexplicit/accuracy/candidates.hpp>
@@ -158,6 +159,7 @@ class Forecast {
     const bool stays_near = neighbour_.time() > length && neighbour_.rate() == 0;
     const bool exponential = std::min(second / first, last / second) > much && !stays_near;
     const double power = std::log(apart(length) / apart(length / 4)) / std::log(4.0);
+    note_growth(end);
     if (lost && exponential) parts(rate);
     suspected_rate_ = !lost && exponential ? rate : 0;
     // A random walk of the energy moves the phase by the power 3/2, and more where steps change.
@@ -175,10 +177,20 @@ class Forecast {
     return table_.invariant || neighbour_.time() >= std::min(table_.time, enough_scales * table_.time_scale);
   }
 
-  /// Neighbouring orbits part at that rate.
+  /// Neighbouring orbits part at that rate. Of an observable that grows as fast there is something left.
   void parts(double rate) {
     table_.parting_rate = rate;
-    table_.horizon = std::log(1 / problem_.epsilon) / rate;
+    const double beside_size = rate - rate_of_size_;
+    table_.horizon = beside_size > 0.1 * rate ? std::log(1 / problem_.epsilon) / beside_size
+                                              : std::numeric_limits<double>::infinity();
+  }
+  /// Notes at which rate the observable grows where it does so exponentially, as that of an orbit that
+  /// leaves.
+  SEMIEXPLICIT_COLD void note_growth(double end) {
+    const double first = reference_.size_until(end / 3), second = reference_.size_until(2 * end / 3),
+                 last = reference_.size_until(end);
+    const bool exponential = std::min(second / first, last / second) > 5;  // a power: less in the last third
+    rate_of_size_ = exponential ? std::log(last / first) / (2 * end / 3) : 0;
   }
 
   /// By how much what grows with that power of the time, or as neighbouring orbits part, grows until T.
@@ -203,6 +215,7 @@ class Forecast {
   Neighbour<Any> neighbour_;
   double varies_ = 1;          ///< how far paces differ along the way
   double suspected_rate_ = 0;  ///< at which neighbouring orbits may part
+  double rate_of_size_ = 0;    ///< at which the observable itself grows
   mutable double looked_from_ = 0, harder_ = 1;
   bool counts_harder_ = false;
 };

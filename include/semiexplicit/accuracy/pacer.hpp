@@ -90,10 +90,11 @@ class Pacer {
                             size_in_p(next.p()), longest_.in_p));
   }
   SEMIEXPLICIT_COLD void grow_lengths(const State& next, const State& before) {
-    const Column way_q = own(next.q() - before.q()).cwiseAbs(), way_p = own(next.p() - before.p()).cwiseAbs();
+    longest_q_ = std::max(longest_q_, own(next.q() - before.q()).norm());
+    longest_p_ = std::max(longest_p_, own(next.p() - before.p()).norm());
+    const Column way_q = moved(next.q(), before.q()), way_p = moved(next.p(), before.p());
     if (in_each_q_.size() == 0) in_each_q_ = way_q, in_each_p_ = way_p;
     in_each_q_ = in_each_q_.cwiseMax(way_q), in_each_p_ = in_each_p_.cwiseMax(way_p);
-    longest_q_ = std::max(longest_q_, way_q.norm()), longest_p_ = std::max(longest_p_, way_p.norm());
     const Column unit = units();
     const auto changed = [](double now, double then) { return now > 2 * then || then > 2 * now ? 1.0 : 0.0; };
     if (longest_.unit.size() == 0 || unit.binaryExpr(longest_.unit, changed).any())
@@ -110,10 +111,18 @@ class Pacer {
   double size_in_p(const auto& v) const {
     return longest_.unit.size() == 0 ? own(v).norm() : own(v).cwiseProduct(longest_.unit).norm();
   }
-  /// All 1 where they are as near as the motion alone can bring them.
+  /// How far each coordinate went, by more than rounding.
+  static Column moved(const auto& to, const auto& from) {
+    const Column end = own(to), way = (end - own(from)).cwiseAbs();
+    return (way.array() > 100 * Problem<Any>::epsilon * end.array().abs()).select(way, 0);
+  }
+  /// All 1 where they are as near as the motion alone can bring them. One of which q or p stays, as of an
+  /// angle that nothing depends on, tells none of its own.
   SEMIEXPLICIT_COLD Column units() const {
-    const Column unit = in_each_q_.binaryExpr(
-        in_each_p_, [](double length, double momentum) { return positive(std::sqrt(length / momentum)); });
+    const double usual = positive(std::sqrt(longest_q_ / longest_p_));
+    const Column unit = in_each_q_.binaryExpr(in_each_p_, [usual](double length, double momentum) {
+      return length > 0 && momentum > 0 ? positive(std::sqrt(length / momentum)) : usual;
+    });
     return unit.maxCoeff() > far_apart * unit.minCoeff() ? unit : Column(Column::Ones(unit.size()));
   }
   /// To ten bits: the times then add up without rounding.

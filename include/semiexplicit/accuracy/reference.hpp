@@ -67,6 +67,14 @@ class Reference {
     return worst;
   }
 
+  /// The largest ‖f‖ until t.
+  SEMIEXPLICIT_COLD double size_until(double t) const {
+    double largest = static_cast<double>(norm(problem_.first));
+    for (const auto& sample : samples_)
+      if (sample.t <= t) largest = std::max(largest, static_cast<double>(norm(sample.value)));
+    return largest;
+  }
+
   /// Whether the observable is constant as far as the runs tell.
   SEMIEXPLICIT_COLD bool is_constant() const {
     double known = 50 * Problem<Any>::epsilon * scale();

@@ -155,7 +155,7 @@ class Scout {
             largest_.back() = std::max(largest_.back(), size);
         }
       }
-      if (time_ < 2 * last_look_) continue;
+      if (time_ < 2 * last_look_ && time_ < T) continue;
       last_look_ = time_;
       if (keeps_energy_) largest_.push_back(largest_.back());
       terms_.push_back(problem_.terms_at(z_));

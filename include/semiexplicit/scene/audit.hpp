@@ -37,6 +37,9 @@ struct AuditOptions {
   /// Bound on the gradient calls of all runs together, which is kept: an audit that needs more is refused, or
   /// given up. The timing of each effect comes on top: five times a call at every sample, and 5 ms at least.
   double max_gradients = 1e9;
+  /// The scene without the effect of that name where others count it as there, as fields do that act through
+  /// one |p - eA|²: they are made anew. Else RuntimeScene::without().
+  std::function<RuntimeScene<Scalar, Dof>(const std::string&)> without{};
   /// Functions of (q, p) that the whole scene keeps, by name; the energy is always among them.
   std::vector<std::pair<std::string, std::function<Scalar(const In<Scalar, Dof>&, const In<Scalar, Dof>&)>>>
       invariants{};
@@ -205,7 +208,9 @@ class Auditor {
     row.invariant_shift.assign(invariants_.size(), AuditRow::infinite);
     row.shift_max = row.shift_final = AuditRow::infinite;
     if (scene_.effects().size() == 1) return;
-    const Orbit other = run(scene_.without(name), 1, OnFailure::stop);
+    const Chosen rest = options_.without ? options_.without(name) : scene_.without(name);
+    detail::require_same_dof("audit: options.without", rest.dof(), "scene", scene_.dof());
+    const Orbit other = run(rest, 1, OnFailure::stop);
     if (other.size() < orbit.size()) return;
     const auto apart = distances(other, orbit);
     row.shift_max = largest(apart);

@@ -147,8 +147,7 @@ struct SceneProgram {
   std::function<std::string(const std::string& preset)> prepare{};
   Compare compare = Compare::positions;  ///< orbits in an audit
   bool one_effect = false;               ///< each is a whole Hamiltonian, and goes with no other
-  std::vector<std::string>
-      joint{};  ///< effects that count one another as there: without one the others differ
+  std::vector<std::string> joint{};      ///< effects that count one another as there
 };
 
 }  // namespace examples

@@ -41,8 +41,8 @@ class Neighbour {
       const auto off = [own](const auto& a, const auto& b) {
         return (a - b).head(own).template cast<double>().eval();
       };
-      const double now = off(z.q(), other.q()).cwiseQuotient(lengths.unit).norm() / lengths.in_q +
-                         off(z.p(), other.p()).cwiseProduct(lengths.unit).norm() / lengths.in_p;
+      const double now = norm(off(z.q(), other.q()).cwiseQuotient(lengths.unit).eval()) / lengths.in_q +
+                         norm(off(z.p(), other.p()).cwiseProduct(lengths.unit).eval()) / lengths.in_p;
       if (!std::isfinite(now)) return false;
       most = std::max(most, now);
       if (t >= T || most >= far || seen_.empty() || t >= 1.05 * seen_.back().t) seen_.push_back({t, most});

@@ -90,15 +90,16 @@ class Pacer {
                             size_in_p(next.p()), longest_.in_p));
   }
   SEMIEXPLICIT_COLD void grow_lengths(const State& next, const State& before) {
-    longest_q_ = std::max(longest_q_, own(next.q() - before.q()).norm());
-    longest_p_ = std::max(longest_p_, own(next.p() - before.p()).norm());
+    longest_q_ = std::max(longest_q_, norm(own(next.q() - before.q())));
+    longest_p_ = std::max(longest_p_, norm(own(next.p() - before.p())));
     const Column way_q = moved(next.q(), before.q()), way_p = moved(next.p(), before.p());
     if (in_each_q_.size() == 0) in_each_q_ = way_q, in_each_p_ = way_p;
     in_each_q_ = in_each_q_.cwiseMax(way_q), in_each_p_ = in_each_p_.cwiseMax(way_p);
     const Column unit = units();
     const auto changed = [](double now, double then) { return now > 2 * then || then > 2 * now ? 1.0 : 0.0; };
     if (longest_.unit.size() == 0 || unit.binaryExpr(longest_.unit, changed).any())
-      longest_ = {unit, in_each_q_.cwiseQuotient(unit).norm(), in_each_p_.cwiseProduct(unit).norm()};
+      longest_ = {unit, norm(in_each_q_.cwiseQuotient(unit).eval()),
+                  norm(in_each_p_.cwiseProduct(unit).eval())};
     longest_.in_q = std::max(longest_.in_q, size_in_q(next.q() - before.q()));
     longest_.in_p = std::max(longest_.in_p, size_in_p(next.p() - before.p()));
   }
@@ -106,10 +107,10 @@ class Pacer {
   /// Of the system's own degrees of freedom: a late time says nothing.
   static Column own(const auto& v) { return v.head(own_dof<Any>(v.size())).template cast<double>(); }
   double size_in_q(const auto& v) const {
-    return longest_.unit.size() == 0 ? own(v).norm() : own(v).cwiseQuotient(longest_.unit).norm();
+    return norm(longest_.unit.size() == 0 ? own(v) : Column(own(v).cwiseQuotient(longest_.unit)));
   }
   double size_in_p(const auto& v) const {
-    return longest_.unit.size() == 0 ? own(v).norm() : own(v).cwiseProduct(longest_.unit).norm();
+    return norm(longest_.unit.size() == 0 ? own(v) : Column(own(v).cwiseProduct(longest_.unit)));
   }
   /// How far each coordinate went, by more than rounding.
   static Column moved(const auto& to, const auto& from) {
@@ -119,9 +120,9 @@ class Pacer {
   /// All 1 where they are as near as the motion alone can bring them. One of which q or p stays, as of an
   /// angle that nothing depends on, tells none of its own.
   SEMIEXPLICIT_COLD Column units() const {
-    const double usual = positive(std::sqrt(longest_q_ / longest_p_));
+    const double usual = positive(std::sqrt(longest_q_) / std::sqrt(longest_p_));
     const Column unit = in_each_q_.binaryExpr(in_each_p_, [usual](double length, double momentum) {
-      return length > 0 && momentum > 0 ? positive(std::sqrt(length / momentum)) : usual;
+      return length > 0 && momentum > 0 ? positive(std::sqrt(length) / std::sqrt(momentum)) : usual;
     });
     return unit.maxCoeff() > far_apart * unit.minCoeff() ? unit : Column(Column::Ones(unit.size()));
   }

@@ -529,7 +529,7 @@ TEST_CASE("a reference is judged by how it converges: the energy of a chain's sl
   CHECK(std::abs(energy(z.q(), z.p()) - energy(exact.q(), exact.p())) <= 3 * target * cost.unit);
 }
 
-TEST_CASE("what the stopping rule of a projection lets the energy drift by is seen behind a trial: a well") {
+TEST_CASE("a well: what the stopping rule of a projection lets the energy drift by is seen behind a trial") {
   const auto well = from_energy<1>(
       [](const auto& q, const auto& p) { return p[0] * p[0] / 2 + q[0] * q[0] * (q[0] * q[0] - 2) / 4; });
   const PhasePoint<double, 1> z0(1.1, 0.1);
@@ -583,9 +583,7 @@ TEST_CASE("degrees of freedom in units far apart get the same advice as in one: 
   }
 }
 
-TEST_CASE(
-    "an orbit that leaves exponentially is not lost where neighbours part as fast: a charge on a saddle",
-    "[long]") {
+TEST_CASE("an orbit that leaves as fast as neighbours part is not lost: a charge on a saddle", "[long]") {
   struct Charge {
     double field, mass, force, saddle, unit_x, unit_y;
   };

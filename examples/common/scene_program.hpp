@@ -271,6 +271,8 @@ int run_scene_program(const SceneProgram<Dof>& program, int argc, char** argv, c
         return request.scene(others);
       };
       show_audit(scene, z0, invariants, settings, method, {.compare = program.compare, .without = without});
+      if (!program.joint.empty() && !choice.on("kinetic"))
+        std::cout << "the motion itself is that in a field, as kinetic is not on: one field at least stays\n";
       return 0;
     }
     if (cost_wanted) {

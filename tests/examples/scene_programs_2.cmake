@@ -68,7 +68,7 @@ check(charges "leaves out a field that another counts as there" "--preset dipole
 check(fast_charges "leaves out a field that another counts as there" "--preset solenoid --effects kinetic,solenoid,uniform_field --b 50mT --audit"
   PRINTS "uniform_field +[0-9.]+% +[^ ]+ +[^ ]+ +[^ ]+ +5[.]8e-04 ")
 check(charges "leaves out a field where there is no motion but in fields" "--preset dipole --effects dipole_field,uniform_field --b 1e-13T --time 2s --audit"
-  PRINTS "called for at 1e-02: dipole_field\n")
+  PRINTS "called for at 1e-02: dipole_field\n.*one field at least stays\n")
 check(vortices "audit their effects" "--audit --time 20" ABSENT out PRINTS "called for at 1e-10: pairs, strain, rotation\n")
 file(WRITE ${CMAKE_CURRENT_BINARY_DIR}/vortices.toml "preset = \"wall\"\neffects = [\"pairs\", \"half_plane\"]\ntime = 5\nno-plot = true\n")
 check(vortices "read a configuration" "--config ${CMAKE_CURRENT_BINARY_DIR}/vortices.toml" FILE out/vortices.csv ABSENT out/vortices.png

@@ -162,12 +162,13 @@ inline Orbit follow(const RuntimeScene<double, 4>& scene, const Method& method, 
     };
     const auto write = [&](double t, const State4&) {
       if (orbit.end == End::failed) return false;  // within the step that lost the energy
-      const auto behind =
-          std::find_if(last.begin(), last.end() - 1, [t](const auto& one) { return one.first > t; });
-      const auto& [begin, z] = *(behind == last.begin() ? behind : behind - 1);
+      const auto& [begin, z] =
+          *std::find_if(last.rbegin(), last.rend() - 1, [t](const auto& one) { return one.first <= t; });
       const auto point = passage(stepper, z, t - begin);
-      if (!point) orbit.end = End::failed;
-      if (!point) return false;
+      if (!point) {
+        orbit.end = End::failed;
+        return false;
+      }
       orbit.points.insert(orbit.points.end(), {point->q()[1], point->p()[1]});
       seen(++count);
       return count < crossings;

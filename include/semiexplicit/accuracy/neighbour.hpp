@@ -22,7 +22,8 @@ class Neighbour {
   /// by a part of the `lengths` of steps. What an attempt before has seen stays where that was more, and
   /// calm. False: a step failed.
   SEMIEXPLICIT_COLD bool go(const Setting& setting, const LengthsOfWays& lengths) {
-    auto before = std::exchange(seen_, {});
+    const bool calm = rate() == 0;
+    const auto before = std::exchange(seen_, {});
     Walker<Any> walker(problem_, setting), beside(problem_, setting);
     const double T = problem_.table.time, dt = T / steps_between(0.0, T, setting.dt);
     auto z = problem_.z0, other = z;
@@ -41,17 +42,14 @@ class Neighbour {
       const auto off = [own](const auto& a, const auto& b) {
         return (a - b).head(own).template cast<double>().eval();
       };
-      const double now = norm(off(z.q(), other.q()).cwiseQuotient(lengths.unit).eval()) / lengths.in_q +
-                         norm(off(z.p(), other.p()).cwiseProduct(lengths.unit).eval()) / lengths.in_p;
+      const double now = lengths.size_in_q(off(z.q(), other.q())) / lengths.in_q +
+                         lengths.size_in_p(off(z.p(), other.p())) / lengths.in_p;
       if (!std::isfinite(now)) return false;
       most = std::max(most, now);
       if (t >= T || most >= far || seen_.empty() || t >= 1.05 * seen_.back().t) seen_.push_back({t, most});
     }
     if (!seen_.empty() && t > seen_.back().t) seen_.push_back({t, most});
-    if (probe.cut && !before.empty() && before.back().t > time()) {
-      seen_.swap(before);
-      if (rate() > 0) seen_.swap(before);
-    }
+    if (probe.cut && calm && !before.empty() && before.back().t > time()) seen_ = before;
     return probe.cut || t >= T || most >= far;
   }
 

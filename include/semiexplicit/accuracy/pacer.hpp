@@ -13,8 +13,12 @@ namespace semiexplicit::detail {
 /// units of their own, √(length/momentum): in these q and p are as large as the root of the action, which is
 /// the same in all units.
 struct LengthsOfWays {
-  Eigen::VectorXd unit{};  ///< of each degree of freedom
+  Eigen::VectorXd unit;  ///< of each degree of freedom
   double in_q = 0, in_p = 0;
+
+  /// How large v is, a difference of positions or of momenta.
+  double size_in_q(const Eigen::VectorXd& v) const { return norm(v.cwiseQuotient(unit).eval()); }
+  double size_in_p(const Eigen::VectorXd& v) const { return norm(v.cwiseProduct(unit).eval()); }
 };
 
 /// 1 for what is no size.
@@ -32,7 +36,10 @@ class Pacer {
       : in_one_(problem, method),
         in_halves_(problem, method),
         tolerance_(tolerance),
-        dt_(rounded(problem.table.time_scale / 16)) {}
+        dt_(rounded(problem.table.time_scale / 16)),
+        in_each_q_(Column::Zero(own_dof<Any>(problem.z0.dof()))),
+        in_each_p_(in_each_q_),
+        longest_{Column::Ones(in_each_q_.size())} {}
 
   /// A step from z at the time t, no longer than `left`: moves z and returns how long it is; 0 where none
   /// works, or the calls ended.
@@ -84,38 +91,32 @@ class Pacer {
       if (error <= 32 * Problem<Any>::epsilon * at) return 1e-9;  // rounding says nothing
       return error / (tolerance_ * (made + 0.03 * longest));
     };
-    return std::max(of_half(size_in_q(whole.q() - next.q()), size_in_q(next.q() - before.q()),
-                            size_in_q(next.q()), longest_.in_q),
-                    of_half(size_in_p(whole.p() - next.p()), size_in_p(next.p() - before.p()),
-                            size_in_p(next.p()), longest_.in_p));
+    const auto q = [this](const auto& v) { return longest_.size_in_q(own(v)); };
+    const auto p = [this](const auto& v) { return longest_.size_in_p(own(v)); };
+    return std::max(of_half(q(whole.q() - next.q()), q(next.q() - before.q()), q(next.q()), longest_.in_q),
+                    of_half(p(whole.p() - next.p()), p(next.p() - before.p()), p(next.p()), longest_.in_p));
   }
+  /// Notes the longest ways that steps have made, and by them the units.
   SEMIEXPLICIT_COLD void grow_lengths(const State& next, const State& before) {
-    longest_q_ = std::max(longest_q_, norm(own(next.q() - before.q())));
-    longest_p_ = std::max(longest_p_, norm(own(next.p() - before.p())));
-    const Column way_q = moved(next.q(), before.q()), way_p = moved(next.p(), before.p());
-    if (in_each_q_.size() == 0) in_each_q_ = way_q, in_each_p_ = way_p;
-    in_each_q_ = in_each_q_.cwiseMax(way_q), in_each_p_ = in_each_p_.cwiseMax(way_p);
+    const Column way_q = own(next.q() - before.q()), way_p = own(next.p() - before.p());
+    longest_q_ = std::max(longest_q_, norm(way_q)), longest_p_ = std::max(longest_p_, norm(way_p));
+    in_each_q_ = in_each_q_.cwiseMax(moved(way_q, own(next.q())));
+    in_each_p_ = in_each_p_.cwiseMax(moved(way_p, own(next.p())));
     const Column unit = units();
     const auto changed = [](double now, double then) { return now > 2 * then || then > 2 * now ? 1.0 : 0.0; };
-    if (longest_.unit.size() == 0 || unit.binaryExpr(longest_.unit, changed).any())
-      longest_ = {unit, norm(in_each_q_.cwiseQuotient(unit).eval()),
-                  norm(in_each_p_.cwiseProduct(unit).eval())};
-    longest_.in_q = std::max(longest_.in_q, size_in_q(next.q() - before.q()));
-    longest_.in_p = std::max(longest_.in_p, size_in_p(next.p() - before.p()));
+    if (unit.binaryExpr(longest_.unit, changed).any()) {
+      longest_.unit = unit;
+      longest_.in_q = longest_.size_in_q(in_each_q_), longest_.in_p = longest_.size_in_p(in_each_p_);
+    }
+    longest_.in_q = std::max(longest_.in_q, longest_.size_in_q(way_q));
+    longest_.in_p = std::max(longest_.in_p, longest_.size_in_p(way_p));
   }
 
   /// Of the system's own degrees of freedom: a late time says nothing.
   static Column own(const auto& v) { return v.head(own_dof<Any>(v.size())).template cast<double>(); }
-  double size_in_q(const auto& v) const {
-    return norm(longest_.unit.size() == 0 ? own(v) : Column(own(v).cwiseQuotient(longest_.unit)));
-  }
-  double size_in_p(const auto& v) const {
-    return norm(longest_.unit.size() == 0 ? own(v) : Column(own(v).cwiseProduct(longest_.unit)));
-  }
-  /// How far each coordinate went, by more than rounding.
-  static Column moved(const auto& to, const auto& from) {
-    const Column end = own(to), way = (end - own(from)).cwiseAbs();
-    return (way.array() > 100 * Problem<Any>::epsilon * end.array().abs()).select(way, 0);
+  /// How far each coordinate went by more than rounding, on its way to `end`.
+  static Column moved(const Column& way, const Column& end) {
+    return (way.array().abs() > 100 * Problem<Any>::epsilon * end.array().abs()).select(way.cwiseAbs(), 0);
   }
   /// All 1 where they are as near as the motion alone can bring them. One of which q or p stays, as of an
   /// angle that nothing depends on, tells none of its own.
@@ -139,8 +140,8 @@ class Pacer {
 
   Walker<Any> in_one_, in_halves_;
   double tolerance_, dt_, pace_ = 0, longest_q_ = 0, longest_p_ = 0;
-  Column in_each_q_{}, in_each_p_{};  ///< the longest way of each coordinate
-  LengthsOfWays longest_{};
+  Column in_each_q_, in_each_p_;  ///< the longest way of each coordinate
+  LengthsOfWays longest_;
   bool cut_ = false;
 };
 

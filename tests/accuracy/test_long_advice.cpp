@@ -438,6 +438,110 @@ TEST_CASE("the unit of errors is the largest value on the orbit, not on a coarse
   CHECK(beat.unit < 1.03);
 }
 
+TEST_CASE("the unit of errors is the orbit's where a coarse run hides a small motion beside a large one",
+          "[long]") {
+  const double w = 1.08, fall = GENERATE(0.0, 1000.0), T = 1e5, target = 1e-4;
+  CAPTURE(fall);
+  const auto h = from_energy<2>([=](const auto& q, const auto& p) {
+    const auto slow = fall > 0 ? -fall * q[1] : 0.045 * q[1] * q[1];
+    return w * (q[0] * q[0] + p[0] * p[0]) / 2 + p[1] * p[1] / 2 + slow;
+  });
+  const PhasePoint<double, 2> z0({1, fall > 0 ? 1.0 : 1e5}, {0.5, 0});
+  const auto cost =
+      cost_of_accuracy(h, z0, T, {.observable = observables::Coordinate{0}, .targets = {target}});
+  CHECK(cost.unit == Approx(std::sqrt(1.25)).epsilon(0.03));
+  const auto advice = cost.cheapest(target);
+  REQUIRE(advice);
+  auto z = z0;
+  double worst = 0;
+  cost.run(z, *advice, [&](double t, const auto& now) {
+    worst = std::max(worst, std::abs(now.q()[0] - std::cos(w * t) - 0.5 * std::sin(w * t)));
+  });
+  CHECK(worst < 3 * target);
+}
+
+TEST_CASE("the distance of bodies that fall together is rounded as their places grow, and advice counts that",
+          "[long]") {
+  const double force = 9.81, T = 1e5;
+  const auto h = from_energy<2>([=](const auto& q, const auto& p) {
+    return (p[0] * p[0] + p[1] * p[1]) / 2 + (q[0] - q[1]) * (q[0] - q[1]) / 4 - force * (q[0] + q[1]);
+  });
+  const PhasePoint<double, 2> z0({0.5, -0.5}, {0.25, -0.25});
+  const auto cost = cost_of_accuracy(
+      h, z0, T,
+      {.observable = [](const auto& q, const auto&) { return q[0] - q[1]; }, .targets = {1e-3, 1e-4}});
+  for (const double target : {1e-3, 1e-4}) {
+    CAPTURE(target);
+    const auto advice = cost.cheapest(target);
+    if (!advice) {
+      CHECK(cost.reach(target) == Reach::rounding);
+      continue;
+    }
+    auto z = z0;
+    double worst = 0;
+    cost.run(z, *advice, [&](double t, const auto& now) {
+      worst = std::max(worst, std::abs(now.q()[0] - now.q()[1] - std::cos(t) - 0.5 * std::sin(t)));
+    });
+    CHECK(worst < 3 * target);
+  }
+}
+
+TEST_CASE("a trial that is given up tells nothing of the time behind: an orbit that leaves") {
+  const double slow = 0.00089707840436444226, fast = 0.0034687783905172397, T = 38662.921031549427;
+  // Two saddles in coordinates that mix them, of units far apart.
+  const double length = std::ldexp(1.0, -18), action = std::ldexp(1.0, 20);
+  const auto saddles = [=](const auto& q, const auto& p) {
+    const auto x = length * q[0], y = q[1], X = action / length * p[0], Y = action * p[1];
+    return std::array{2 * x + y, x + y, X - Y, 2 * Y - X};
+  };
+  const auto h = from_energy<2>([=](const auto& q, const auto& p) {
+    const auto [x, y, X, Y] = saddles(q, p);
+    return ((X * X - slow * slow * x * x) / 2 + fast * y * Y) / action;
+  });
+  const PhasePoint<double, 2> z0({273282.28177317465, -2.0847804004991672},
+                                 {-3.7974810767502293e-12, -9.9548704186569725e-07});
+  const auto all = [saddles](const auto& q, const auto& p) {
+    const auto [x, y, X, Y] = saddles(q, p);
+    return Eigen::Vector4d(x, X, y, Y);
+  };
+  const auto cost =
+      cost_of_accuracy(h, z0, T, {.observable = all, .targets = {1e-3, 1e-5, 1e-7, 1e-9, 1e-11}});
+  const double there = all(z0.q(), z0.p())[2] * std::exp(fast * T);
+  for (const double target : cost.targets) {
+    CAPTURE(target);
+    const auto advice = cost.cheapest(target);
+    REQUIRE(advice);
+    auto z = z0;
+    cost.run(z, *advice);
+    CHECK(std::abs(all(z.q(), z.p())[2] / there - 1) < 3 * target);
+  }
+}
+
+TEST_CASE("advice on an energy is run to the end where that is affordable: a fall over a washboard",
+          "[long]") {
+  const double force = 0.3, height = 0.05;
+  const auto h = from_energy<2>([=](const auto& q, const auto& p) {
+    using std::cos;
+    return p[0] * p[0] / 2 - force * q[0] + height * cos(q[0]) + (q[1] * q[1] + p[1] * p[1]) / 2 +
+           0.1 * q[1] * q[1] * p[1] * p[1];
+  });
+  const PhasePoint<double, 2> z0({0.3, 0.8}, {0.5, 0.3});
+  const bool all = GENERATE(true, false);  // alone there are calls enough for the whole of it
+  const auto targets = all ? std::vector{1e-3, 1e-5, 1e-7, 1e-9} : std::vector{1e-3};
+  const auto cost = cost_of_accuracy(h, z0, 862, {.targets = targets});
+  for (const double target : targets) {
+    CAPTURE(target);
+    const auto advice = cost.cheapest(target);
+    if (!all) REQUIRE(advice);
+    if (!advice) continue;
+    CHECK(advice->tried == 862);
+    auto z = z0;
+    Invariants energy(h);
+    cost.run(z, *advice, energy);
+    CHECK(energy["energy"].worst < 3 * target);
+  }
+}
+
 TEST_CASE("an energy at a late time has no noise by the time's size", "[long]") {
   const Autonomous driven{DrivenPendulum()};
   for (const double t0 : {0.0, 1e4, 2e4, 3e4}) {

@@ -162,10 +162,12 @@ class Forecast {
     note_growth(end);
     if (lost && exponential) parts(rate);
     suspected_rate_ = !lost && exponential ? rate : 0;
-    // A random walk of the energy moves the phase by the power 3/2, and more where steps change.
-    const double least = 1.5, most_power = suspected_rate_ > 0          ? 12.0
-                                           : reference_.changes_steps() ? 2.0
-                                                                        : least;
+    // A random walk of the energy moves the phase by the power 3/2, and more where steps change; one in steps
+    // that grow with what is rounded goes by half a power more than that.
+    const double least = std::max(1.5, 0.5 + std::min(2.0, reference_.growth_of_terms()));
+    const double most_power = suspected_rate_ > 0          ? 12.0
+                              : reference_.changes_steps() ? std::max(2.0, least)
+                                                           : least;
     table_.size = reference_.size() / unit;
     table_.reference_error = apart(length) * grown(length, std::clamp(power, least, most_power));
     table_.rounding = more_rounding * table_.reference_error;

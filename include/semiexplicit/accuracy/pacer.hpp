@@ -61,7 +61,7 @@ class Pacer {
         continue;
       }
       grow_lengths(next, z);
-      z = next;
+      z = next, whole_ = whole;
       pace_ = wanted < 3 * dt ? wanted : 0;  // of a far smaller step it tells little
       if (!to_end && wanted > 1.2 * dt_) dt_ = rounded(std::min(wanted / 1.1, 1.5 * dt_));
       return dt;
@@ -77,6 +77,8 @@ class Pacer {
   double longest_in_p() const { return positive(longest_p_); }
   /// The same with each degree of freedom in its own unit.
   LengthsOfWays lengths() const { return {longest_.unit, positive(longest_.in_q), positive(longest_.in_p)}; }
+  /// Where the last step leads when it is made whole, not in halves.
+  const State& whole() const { return whole_; }
   /// How long the next step may be.
   double next() const { return dt_; }
   /// Whether it was the calls that ended the last step.
@@ -139,6 +141,7 @@ class Pacer {
   static constexpr int most_attempts = 60, most_refused = 6;  ///< at a kink no step is short enough
 
   Walker<Any> in_one_, in_halves_;
+  State whole_{};
   double tolerance_, dt_, pace_ = 0, longest_q_ = 0, longest_p_ = 0;
   Column in_each_q_, in_each_p_;  ///< the longest way of each coordinate
   LengthsOfWays longest_;

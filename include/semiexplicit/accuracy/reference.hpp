@@ -75,6 +75,16 @@ class Reference {
     return largest;
   }
 
+  /// The power of the time with which the terms of the observable grow in the end.
+  SEMIEXPLICIT_COLD double growth_of_terms() const {
+    double before = 0, largest = 0;
+    for (const auto& sample : samples_) {
+      largest = std::max(largest, sample.terms);
+      if (sample.t <= time_ / 4) before = largest;
+    }
+    return before > 0 ? std::log(largest / before) / std::log(4.0) : 0;
+  }
+
   /// Whether the observable is constant as far as the runs tell.
   SEMIEXPLICIT_COLD bool is_constant() const {
     double known = 50 * Problem<Any>::epsilon * scale();
@@ -139,7 +149,7 @@ class Reference {
       if (time_ < std::min(planned, length) && (!varies_ || ++steps < usual)) continue;
       steps = 0;
       problem_.measure(coarse_, coarse);
-      samples_.push_back({time_, fine, static_cast<double>(norm(coarse - fine))});
+      samples_.push_back({time_, fine, static_cast<double>(norm(coarse - fine)), problem_.terms_at(fine_)});
       size_ = std::max(size_, static_cast<double>(norm(fine)));
     }
     rate_ = (problem_.table.spent_gradients - begin) / (length - from);

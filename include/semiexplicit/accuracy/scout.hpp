@@ -101,8 +101,8 @@ class Scout {
   /// Gradient calls a unit of time.
   double rate() const { return spent_ / time_; }
 
-  /// The largest ‖f‖ up to T, by what was seen as long as the energy was kept: what grew with the time all
-  /// along goes on to, as where a coordinate winds.
+  /// The largest ‖f‖ up to T, by what was seen of it as long as the energy was kept and steps were short
+  /// enough for f: what grew with the time all along goes on to, as where a coordinate winds.
   SEMIEXPLICIT_COLD double largest_at_end() const {
     bool grows = largest_.size() > 4;
     for (std::size_t i = largest_.size(); grows && i > largest_.size() - 3; --i)
@@ -128,13 +128,12 @@ class Scout {
     z_ = problem_.z0;
     places_.clear(), terms_.clear(), largest_.assign(1, 0);
     steps_ = known_ = 0, stride_ = 1;
-    time_ = last_look_ = kept_ = 0, keeps_energy_ = true;
+    time_ = last_look_ = kept_ = wrong_ = 0, keeps_energy_ = true;
   }
 
   SEMIEXPLICIT_COLD bool follow(double calls, double most) {
     const double T = problem_.table.time, limit = problem_.limit;
     const double begin = problem_.table.spent_gradients - spent_;
-    typename Problem<Any>::Value value;
     while (time_ < T) {
       problem_.limit = std::min(limit, begin + (spent_ * T <= most * time_ ? most : calls));
       const double dt = pacer_->step(z_, time_, T - time_);
@@ -148,20 +147,28 @@ class Scout {
       }
       if (!problem_.options.observable.is_energy()) {  // whose size is known
         keeps_energy_ = keeps_energy_ && problem_.keeps_energy(z_, 0.01);
-        if (keeps_energy_) {
-          kept_ = time_;
-          problem_.measure(z_, value);
-          if (const double size = static_cast<double>(norm(value)); std::isfinite(size))
-            largest_.back() = std::max(largest_.back(), size);
-        }
+        if (keeps_energy_) measure();
       }
       if (time_ < 2 * last_look_ && time_ < T) continue;
       last_look_ = time_;
-      if (keeps_energy_) largest_.push_back(largest_.back());
+      if (kept_ == time_) largest_.push_back(largest_.back());
       terms_.push_back(problem_.terms_at(z_));
     }
     problem_.limit = limit;
     return time_ >= T || pacer_->cut();
+  }
+
+  /// Notes ‖f‖ unless errors have taken it there: the steps follow what moves most, beside which a small
+  /// motion may become unstable. What f is off by in steps that are too long for it then adds up to its size.
+  SEMIEXPLICIT_COLD void measure() {
+    problem_.measure(z_, value_), problem_.measure(pacer_->whole(), by_whole_);
+    const double size = static_cast<double>(norm(value_)),
+                 off = static_cast<double>(norm(value_ - by_whole_));
+    if (!std::isfinite(size)) return;
+    if (!(off < 0.1 * std::max(size, largest_.back()))) wrong_ += off;
+    if (!(wrong_ < 0.3 * std::max(size, largest_.back()))) return;
+    kept_ = time_;
+    largest_.back() = std::max(largest_.back(), size);
   }
 
   /// The harder one of two, but among the first ones.
@@ -184,7 +191,9 @@ class Scout {
   double time_ = 0, last_look_ = 0, spent_ = 0, tolerance_ = 1e-2, ended_ = -1;
   std::vector<double> largest_{};  ///< ‖f‖ until each look, and until now
   bool keeps_energy_ = true;       ///< has, all along
-  double kept_ = 0;                ///< the time up to which it did
+  typename Problem<Any>::Value value_{}, by_whole_{};
+  double wrong_ = 0;  ///< what f was off by in steps that are too long for it, added up
+  double kept_ = 0;   ///< the time of the last ‖f‖ that was noted
 };
 
 }  // namespace semiexplicit::detail

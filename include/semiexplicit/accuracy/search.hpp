@@ -65,7 +65,8 @@ class Search {
     const bool looked = look_beside();
     // What is harder ahead counts in full now, and what was tried roughly is tried well.
     forecast_.count_harder();
-    problem_.limit = std::min(0.97 * options().max_gradients,  // what is left is to be timed
+    // What these leave is to be timed, or run to the end.
+    problem_.limit = std::min((table_.invariant ? 0.85 : 0.97) * options().max_gradients,
                               std::max(problem_.limit, table_.spent_gradients) + 0.4 * table_.budget);
     for (Goal& goal : goals_)
       if (goal.tried > 0 && (goal.tried < table_.time || goal.cut) && !table_.parts_before(goal.target))
@@ -84,6 +85,7 @@ class Search {
     for (const Goal& goal : goals_) judge(goal);
     problem_.limit = options().max_gradients;
     finish_rows();
+    if (table_.invariant && std::isfinite(table_.unfinished)) see_to_the_end();
   }
 
  private:
@@ -176,9 +178,9 @@ class Search {
     return sum;
   }
 
-  /// Of all calls, in a race over that length: a neighbouring orbit may need the rest.
+  /// Of all calls, in a race over that length: a neighbouring orbit, or a run to the end, may need the rest.
   double share_of_races(double length) const {
-    return table_.invariant ? 1 : length < table_.time ? 0.75 : 0.85;
+    return table_.invariant ? 0.8 : length < table_.time ? 0.75 : 0.85;
   }
   /// Where the calls end before T: what becomes of a neighbouring orbit, as far as a budget goes. False: the
   /// orbit cannot be followed by steps that met a target.
@@ -543,6 +545,41 @@ class Search {
     });
   }
 
+  /// What is advised by a part of T is run to the end where the calls that are left suffice: what a motion
+  /// that gets faster does with the steps, as in a resonance, is not seen before. Where that refutes one, no
+  /// other counts without.
+  SEMIEXPLICIT_COLD void see_to_the_end() {
+    problem_.limit = std::min(options().max_gradients, whole_runs * table_.budget);
+    for (const Goal& goal : goals_)
+      for (auto row = table_.cheapest(goal.target);
+           row && row->tried < table_.time && 1.1 * row->gradients < problem_.left();
+           row = table_.cheapest(goal.target)) {
+        const Probe seen = try_setting(problem_, row->setting, table_.time, {}, 1e3 * goal.target);
+        if (seen.cut) return;
+        const bool fails =
+            !seen.works() || seen.given_up || seen.error > std::max(goal.target, 3 * row->error);
+        for (CostRow& other : table_.rows) {
+          if (other.setting.name() == row->setting.name() &&
+              other.setting.solver() == row->setting.solver() && other.setting.dt == row->setting.dt)
+            note_whole(other, seen);
+          else if (fails && other.tried < table_.time)
+            other.lasts = false;
+        }
+        if (fails) table_.unfinished = std::max(table_.unfinished, goal.target);
+      }
+  }
+  SEMIEXPLICIT_COLD void note_whole(CostRow& row, const Probe& seen) const {
+    row.status = seen.status;
+    row.tried = table_.time, row.harder = 1, row.lasts = !seen.given_up;
+    const double gradients = seen.rate * table_.time;
+    row.seconds *= gradients / row.gradients, row.gradients = gradients;
+    row.error = seen.error + problem_.judged.noise;
+    if (!row.works()) {
+      row.error = row.gradients = row.seconds = std::numeric_limits<double>::quiet_NaN();
+      row.limit = LimitedBy::failure;
+    }
+  }
+
   static constexpr double enough_to_begin = 1000;  ///< gradient calls
   static constexpr double most_scales = 4;         ///< of the local time, that a reversible step may take
   static constexpr double scout_share = 0.2;       ///< of the budget
@@ -552,6 +589,7 @@ class Search {
       120;  ///< that it takes for a target, each in so many of the scout's calls
   static constexpr double to_the_end = 0.5;      ///< budgets that a coarse run to T is worth
   static constexpr double overrun = 1.5;         ///< of the budget, at most
+  static constexpr double whole_runs = 3;        ///< budgets in all, where advice is run to the end
   static constexpr double beside_share = 1.5;    ///< of the budget, for a neighbouring orbit
   static constexpr double stretch = 8;           ///< from one race to the next
   static constexpr double trials_a_racer = 2.5;  ///< usually

@@ -122,6 +122,7 @@ struct Sample {
   typename Problem<Any>::Time t;
   typename Problem<Any>::Value value;
   double apart;  ///< how far the two runs of the reference differ there
+  double terms;  ///< about the size of what it is a sum of
 };
 
 /// By how much the mean of something moves from the first half of a time to the second. Weights that rise and
@@ -171,6 +172,7 @@ SEMIEXPLICIT_COLD Probe try_setting(Problem<Any>& problem, const Setting& settin
     probe.note(static_cast<double>(t), length, off);
     if (!std::isfinite(off)) probe.status = Status::not_finite;
     probe.given_up = probe.error > hopeless;
+    if (probe.given_up) probe.length = static_cast<double>(t);
     return !probe.given_up && probe.works();
   };
   auto next = samples.begin();

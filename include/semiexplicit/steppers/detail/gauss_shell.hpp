@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -155,7 +156,8 @@ class GaussShell {
     };
     const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon();
     const Scalar size = sum_of_absolutes(z.vector()), nothing = epsilon * (epsilon * (epsilon * size));
-    Scalar previous(0), least = std::numeric_limits<Scalar>::infinity();
+    const Scalar infinity = std::numeric_limits<Scalar>::infinity();
+    Scalar previous(0), previous_part(0), least = infinity, way(0);
     int since_least = 0;
     int feels = 0;
     Scalar felt_at(0);  // displaced() then
@@ -218,13 +220,18 @@ class GaussShell {
           if ((moved || stays()) && is_within_felt(moved && since_least >= 12 ? 100 : 1))
             return ended(at_rounding);
         }
-        const bool grows = previous > Scalar(0) && change >= previous;
+        // Positions and momenta change in turns, and one in a small unit is nothing in a sum: near the end
+        // each is seen beside its own size.
+        if (way == Scalar(0)) way = displaced();
+        const Scalar part = change <= 1000 * epsilon * way ? changed_parts(z) : infinity;
+        const bool grows = previous > Scalar(0) && change >= previous, parts_grow = part >= previous_part;
+        previous_part = part;
         if (!entries_left && grows && change <= 10 * epsilon * displaced()) {
           entries_left = true;
           since_better_ = 0;
-          least_.setConstant(std::numeric_limits<Scalar>::infinity());
+          least_.setConstant(infinity);
         }
-        if (entries_left && !improves(z)) return ended(at_rounding);
+        if (entries_left && !improves(z) && parts_grow) return ended(at_rounding);
         previous = change;
       }
       if (report.evaluations < options_.max_iterations) continue;
@@ -249,6 +256,19 @@ class GaussShell {
       return changed <= part * moved;
     };
     return half(0) && half(dof());
+  }
+
+  /// What the last sweep changed in each entry, as parts of its size, added up; infinite where sizes are so
+  /// near that a plain sum tells as much.
+  Scalar changed_parts(const State& z) {
+    using std::abs;
+    Scalar sum(0), largest(0), smallest = std::numeric_limits<Scalar>::infinity();
+    for (Eigen::Index i = 0; i < least_.size(); ++i)
+      if (const Scalar size = abs(z.vector()[i]) + stages().displaced(i); size > Scalar(0)) {
+        sum += stages().changed(i) / size;
+        largest = std::max(largest, size), smallest = std::min(smallest, size);
+      }
+    return largest > 30 * smallest ? sum : std::numeric_limits<Scalar>::infinity();
   }
 
   H hamiltonian_;

@@ -203,6 +203,36 @@ TEST_CASE("Parameters come from arrays of any kind", "[terms]") {
         }) <= 1e-15);
 }
 
+TEST_CASE("Functions of two arguments take numbers, parameters and coordinates in either place", "[terms]") {
+  const Index n = 23;
+  const Eigen::VectorXd a = Eigen::VectorXd::LinSpaced(n, 0.3, 1.7);
+  const auto next = [n](Index i) { return (7 * i + 2) % n; };
+  std::vector<Index> table;
+  for (Index i = 0; i < n; ++i) table.push_back(next(i));
+  const auto energy = [&, n](const auto& q, const auto& p) {
+    using std::atan2, std::hypot, std::pow;
+    return sum_over(n, [&](auto i) {
+      return q[i] * (pow(0.6, at(a, i)) + hypot(0.6, at(a, i)) + hypot(at(a, i), 2) + atan2(0.6, at(a, i)) +
+                     atan2(at(a, i), 0.6) + pow(at(a, i), 1.5) + pow(at(a, i), -2)) +
+             p[i] * p[i] + pow(2 + q[table[i]], p[i]) + pow(2 + q[i], p[table[i]]) + pow(1.5, p[i]);
+    });
+  };
+  const auto h = from_energy(n, energy);
+  const auto z = some_point(n);
+  Eigen::VectorXd right(2 * n);
+  right.setZero();
+  for (Index i = 0; i < n; ++i) {
+    const Index j = next(i);
+    const double A = a[i], x = 2 + z.q()[i], y = 2 + z.q()[j], X = z.p()[i], Y = z.p()[j];
+    right[i] += std::pow(0.6, A) + std::hypot(0.6, A) + std::hypot(A, 2) + std::atan2(0.6, A) +
+                std::atan2(A, 0.6) + std::pow(A, 1.5) + 1 / (A * A) + Y * std::pow(x, Y - 1);
+    right[j] += X * std::pow(y, X - 1);
+    right[n + i] += 2 * X + std::log(y) * std::pow(y, X) + std::log(1.5) * std::pow(1.5, X);
+    right[n + j] += std::log(x) * std::pow(x, Y);
+  }
+  CHECK((gradient_of(h, z) - right).norm() < 1e-14 * right.norm());
+}
+
 TEST_CASE("Integers of an array are integers in the gradient, too", "[terms]") {
   const Index n = 37;
   std::vector<int> kind(std::size_t(n), 0);

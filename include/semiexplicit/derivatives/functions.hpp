@@ -140,6 +140,7 @@ struct Operators : Differentiating {
     const T r = hypot(x.value, y.value);  // the squares may overflow, or vanish
     return X::chain(atan2(y.value, x.value), x.value / r / r, y, -y.value / r / r, x);
   }
+  friend X pow(const X& x, const X& y) { return power_log(x, y, 0); }
   friend SEMIEXPLICIT_INTO_TERM X hypot(const X& x, const X& y) {
     using std::hypot;
     const T value = hypot(x.value, y.value);
@@ -332,10 +333,6 @@ T power_log(const T& x, const T& y, int k) {
   }
 }
 
-template <Number X>
-X pow(const X& x, const X& y) {
-  return power_log(x, y, 0);
-}
 /// What a number, of numbers or not, is made of in the end.
 template <class X>
 struct PlainOf {

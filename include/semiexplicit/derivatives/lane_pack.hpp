@@ -191,23 +191,31 @@ struct LanePack {
   SEMIEXPLICIT_LANE_BY_LANE(erf)
   SEMIEXPLICIT_LANE_BY_LANE(erfc)
 #undef SEMIEXPLICIT_LANE_BY_LANE
-#define SEMIEXPLICIT_LANE_BY_LANE(function)                                               \
-  [[gnu::const, gnu::noinline]] static LanePack function##_of(LanePack x, LanePack y) {   \
-    return of([&](int k) { return std::function(x.lanes[k], y.lanes[k]); });              \
-  }                                                                                       \
-  friend SEMIEXPLICIT_INTO_TERM LanePack function(const LanePack& x, const LanePack& y) { \
-    return function##_of(x, y);                                                           \
+#define SEMIEXPLICIT_LANE_BY_LANE(function)                                                              \
+  [[gnu::const, gnu::noinline]] static LanePack function##_of(LanePack x, LanePack y) {                  \
+    return of([&](int k) { return std::function(x.lanes[k], y.lanes[k]); });                             \
+  }                                                                                                      \
+  friend SEMIEXPLICIT_INTO_TERM LanePack function(const LanePack& x, const LanePack& y) {                \
+    return function##_of(x, y);                                                                          \
+  }                                                                                                      \
+  template <class U>                                                                                     \
+  requires(std::is_arithmetic_v<U>) friend SEMIEXPLICIT_INTO_TERM LanePack function(const LanePack& x,   \
+                                                                                    const U& c) {        \
+    return function##_of(x, static_cast<S>(c));                                                          \
+  }                                                                                                      \
+  template <class U>                                                                                     \
+  requires(std::is_arithmetic_v<U>) friend SEMIEXPLICIT_INTO_TERM LanePack function(const U& c,          \
+                                                                                    const LanePack& y) { \
+    return function##_of(static_cast<S>(c), y);                                                          \
   }
   SEMIEXPLICIT_LANE_BY_LANE(atan2)
   SEMIEXPLICIT_LANE_BY_LANE(hypot)
   SEMIEXPLICIT_LANE_BY_LANE(pow)
 #undef SEMIEXPLICIT_LANE_BY_LANE
   /// Small whole powers by multiplication, as one would write them.
-  template <class U>
-  requires(std::is_arithmetic_v<U>) friend SEMIEXPLICIT_INTO_TERM LanePack
-      pow(const LanePack& x, const U& c) {
-    const int whole = c >= U(-8) && c <= U(8) ? static_cast<int>(c) : 0;
-    if (c != static_cast<U>(whole)) return pow_of(x, LanePack(c));
+  static SEMIEXPLICIT_INTO_TERM LanePack pow_of(const LanePack& x, S c) {
+    const int whole = c >= S(-8) && c <= S(8) ? static_cast<int>(c) : 0;
+    if (c != static_cast<S>(whole)) return pow_of(x, LanePack(c));
     LanePack result(1);
     for (int k = 0; k < (whole < 0 ? -whole : whole); ++k) result = result * x;
     return whole < 0 ? 1 / result : result;

@@ -217,14 +217,15 @@ struct CostRequest {
     if (settings.no_plot) return;
 
     const bool seconds = cost.by == CostBy::seconds;
-    const auto shown = [&](const CostRow& row) {  // on logarithmic axes
-      return row.works() && row.error > 0 && std::isfinite(row.error) &&
-             (seconds ? row.seconds : row.gradients) > 0;
+    const double most = cost.relative ? 1 : std::numeric_limits<double>::max();  // nothing is left beyond
+    const auto shown = [&](const CostRow& row) {                                 // on logarithmic axes
+      return row.works() && row.error > 0 && row.error <= most && (seconds ? row.seconds : row.gradients) > 0;
     };
     if (std::none_of(cost.rows.begin(), cost.rows.end(), shown))
       return tell_no_picture(
           png, std::any_of(cost.rows.begin(), cost.rows.end(), works)
-                   ? "no setting has a known error and a cost above 0, as logarithmic axes want them"
+                   ? "no setting has a known error, up to 1 where it is relative, and a cost above 0, as "
+                     "logarithmic axes want them"
                    : "no setting works; give a shorter --time, or another start");
     std::ostringstream out;
     out << gnuplot_prologue(png, 1200, 800) << "set title "
@@ -240,8 +241,9 @@ struct CostRequest {
       if (!shown(row) || std::find(drawn.begin(), drawn.end(), method) != drawn.end()) continue;
       drawn.push_back(method);
       out << ", \\\n  " << quoted(csv.string()) << " skip 1 using (stringcolumn(1) eq " << quoted(method)
-          << " && $8 == 1 ? $4 : NaN):" << (seconds ? 6 : 5) << " with linespoints linewidth 2 pointtype "
-          << 4 + drawn.size() << (row.setting.is_gauss() ? " dashtype 2" : "") << " title " << quoted(method);
+          << " && $8 == 1 && $4 <= " << most << " ? $4 : NaN):" << (seconds ? 6 : 5)
+          << " with linespoints linewidth 2 pointtype " << 4 + drawn.size()
+          << (row.setting.is_gauss() ? " dashtype 2" : "") << " title " << quoted(method);
     }
     out << '\n';
     draw(png, out.str());

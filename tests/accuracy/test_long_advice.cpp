@@ -460,6 +460,29 @@ TEST_CASE("the unit of errors is the orbit's where a coarse run hides a small mo
   CHECK(worst < 3 * target);
 }
 
+TEST_CASE("what parts without the observable's seeing it takes nothing away: an oscillator beside a saddle",
+          "[long]") {
+  const double w = 1.08, rate = 0.001, T = 2e4;
+  const auto h = from_energy<2>([=](const auto& q, const auto& p) {
+    return w * (q[0] * q[0] + p[0] * p[0]) / 2 + (p[1] * p[1] - rate * rate * q[1] * q[1]) / 2;
+  });
+  const PhasePoint<double, 2> z0({1, 1}, {0.5, 0});
+  const auto cost =
+      cost_of_accuracy(h, z0, T, {.observable = observables::Coordinate{0}, .targets = {1e-4, 1e-8}});
+  for (const double target : {1e-4, 1e-8}) {
+    INFO(target << ": " << cost.why(target));
+    const auto advice = cost.cheapest(target);
+    REQUIRE(advice);
+    CHECK(advice->error > 1e-3 * target);
+    auto z = z0;
+    double worst = 0;
+    cost.run(z, *advice, [&](double t, const auto& now) {
+      worst = std::max(worst, std::abs(now.q()[0] - std::cos(w * t) - 0.5 * std::sin(w * t)));
+    });
+    CHECK(worst < 3 * target);
+  }
+}
+
 TEST_CASE("the distance of bodies that fall together is rounded as their places grow, and advice counts that",
           "[long]") {
   const double force = 9.81, T = 1e5;
@@ -526,9 +549,11 @@ TEST_CASE("advice on an energy is run to the end where that is affordable: a fal
            0.1 * q[1] * q[1] * p[1] * p[1];
   });
   const PhasePoint<double, 2> z0({0.3, 0.8}, {0.5, 0.3});
-  const bool all = GENERATE(true, false);  // alone there are calls enough for the whole of it
+  const bool all = GENERATE(true, false);
   const auto targets = all ? std::vector{1e-3, 1e-5, 1e-7, 1e-9} : std::vector{1e-3};
-  const auto cost = cost_of_accuracy(h, z0, 862, {.targets = targets});
+  const double most = all ? 1e7 : 4e7;  // enough for the whole of it
+  const auto cost =
+      cost_of_accuracy(h, z0, 862, {.targets = targets, .min_gradients = most / 2, .max_gradients = most});
   for (const double target : targets) {
     CAPTURE(target);
     const auto advice = cost.cheapest(target);

@@ -28,27 +28,36 @@ class Neighbour {
     const double T = problem_.table.time, dt = T / steps_between(0.0, T, setting.dt);
     auto z = problem_.z0, other = z;
     const Eigen::Index own = own_dof<Any>(z.dof());
-    const double small = 0.1 * std::sqrt(Problem<Any>::epsilon);
     using Scalar = typename Any::Scalar;
-    for (Eigen::Index i = 0; i < own; ++i) {  // in a direction of no symmetry
+    const double root = std::sqrt(Problem<Any>::epsilon), least = 1000 * root;
+    for (Eigen::Index i = 0; i < own; ++i) {  // in a direction of no symmetry, a small motion by less
       const double unit = lengths.unit[i], along = static_cast<double>(i * i);
-      other.q()[i] += Scalar(small * lengths.in_q * unit * std::sin(1.0 + along));
-      other.p()[i] += Scalar(small * lengths.in_p / unit * std::cos(2.0 + along));
+      const double way_q = std::max(lengths.of_each_q[i], least * lengths.in_q * unit),
+                   way_p = std::max(lengths.of_each_p[i], least * lengths.in_p / unit);
+      other.q()[i] += Scalar(0.1 * root * way_q * std::sin(1.0 + along));
+      other.p()[i] += Scalar(0.1 * root * way_p * std::cos(2.0 + along));
     }
     Probe probe;
-    double most = 0, t = 0, t_beside = 0;
-    while (t < T && most < far) {
-      if (!walker.step_on(z, t, dt, probe) || !beside.step_on(other, t_beside, dt, probe)) break;
-      const auto off = [own](const auto& a, const auto& b) {
-        return (a - b).head(own).template cast<double>().eval();
+    Seen now{.of_each = Column::Zero(own)};
+    double most = 0, t_beside = 0;
+    typename Problem<Any>::Value f, f_beside;
+    while (now.t < T && most < far) {
+      if (!walker.step_on(z, now.t, dt, probe) || !beside.step_on(other, t_beside, dt, probe)) break;
+      const auto off = [own](const auto& a, const auto& b) -> Column {
+        return (a - b).head(own).template cast<double>();
       };
-      const double now = lengths.size_in_q(off(z.q(), other.q())) / lengths.in_q +
-                         lengths.size_in_p(off(z.p(), other.p())) / lengths.in_p;
-      if (!std::isfinite(now)) return false;
-      most = std::max(most, now);
-      if (t >= T || most >= far || seen_.empty() || t >= 1.05 * seen_.back().t) seen_.push_back({t, most});
+      const Column in_q = off(z.q(), other.q()).cwiseQuotient(lengths.unit) / lengths.in_q,
+                   in_p = off(z.p(), other.p()).cwiseProduct(lengths.unit) / lengths.in_p;
+      problem_.measure(z, f), problem_.measure(other, f_beside);
+      const double of_f = static_cast<double>(norm(f - f_beside));
+      most = std::max(most, norm(in_q) + norm(in_p));
+      if (!std::isfinite(most) || !std::isfinite(of_f)) return false;
+      now.of_each = now.of_each.cwiseMax(in_q.cwiseAbs() + in_p.cwiseAbs());
+      now.of_f = std::max(now.of_f, of_f);
+      if (now.t >= T || most >= far || seen_.empty() || now.t >= 1.05 * seen_.back().t) seen_.push_back(now);
     }
-    if (!seen_.empty() && t > seen_.back().t) seen_.push_back({t, most});
+    const double t = now.t;
+    if (!seen_.empty() && t > seen_.back().t) seen_.push_back(now);
     if (probe.cut && calm && !before.empty() && before.back().t > time()) seen_ = before;
     return probe.cut || t >= T || most >= far;
   }
@@ -60,8 +69,8 @@ class Neighbour {
   SEMIEXPLICIT_COLD double growth_from(double t) const {
     const double T = problem_.table.time, end = time();
     if (end == 0 || t >= T) return 1;
-    const double power = std::clamp(std::log(apart(end) / apart(end / 4)) / std::log(4.0), 1.0, 3.0);
-    return apart(end) / apart(std::min(t, end)) * std::pow(T / std::max(t, end), power);
+    const double power = std::clamp(std::log(growth_since(end / 4)) / std::log(4.0), 1.0, 3.0);
+    return growth_since(std::min(t, end)) * std::pow(T / std::max(t, end), power);
   }
 
   /// The rate at which they part where that is no power of the time, as in the end it was seen; else 0.
@@ -69,20 +78,37 @@ class Neighbour {
     const double end = time();
     if (end == 0) return 0;
     for (const auto& [share, least] : {std::pair(0.25, 200.0), std::pair(0.5, 40.0)}) {
-      const double factor = apart(end) / apart(share * end);
+      const double factor = std::min(growth_since(share * end), motion_since(share * end));
       if (factor > least) return std::log(factor) / ((1 - share) * end);
     }
     return 0;
   }
 
  private:
+  using Column = Eigen::VectorXd;
+
   struct Seen {
-    double t, apart;  ///< the largest distance until then
+    double t = 0, of_f = 0;  ///< by how much f differs at most until then
+    Column of_each{};        ///< and each degree of freedom
   };
-  double apart(double t) const {
+  const Seen& at(double t) const {
     const auto behind =
         std::find_if(seen_.begin(), seen_.end(), [t](const Seen& seen) { return seen.t >= t; });
-    return behind == seen_.end() ? seen_.back().apart : behind->apart;
+    return behind == seen_.end() ? seen_.back() : *behind;
+  }
+  /// By what factor f goes apart from t on: what it does not show takes nothing from it, and it may show a
+  /// small motion beside a large one.
+  double growth_since(double t) const {
+    const double before = at(t).of_f;
+    return before > 0 ? seen_.back().of_f / before : motion_since(t);
+  }
+  /// The same of the degree of freedom whose factor is the largest.
+  double motion_since(double t) const {
+    const Column &before = at(t).of_each, &last = seen_.back().of_each;
+    double most = 1;
+    for (Eigen::Index i = 0; i < last.size(); ++i)
+      if (before[i] > 0) most = std::max(most, last[i] / before[i]);
+    return most;
   }
 
   static constexpr double far = 0.3;  ///< of a length along which the motion changes

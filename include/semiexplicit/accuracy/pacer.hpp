@@ -13,7 +13,8 @@ namespace semiexplicit::detail {
 /// units of their own, √(length/momentum): in these q and p are as large as the root of the action, which is
 /// the same in all units.
 struct LengthsOfWays {
-  Eigen::VectorXd unit;  ///< of each degree of freedom
+  Eigen::VectorXd unit;                  ///< of each degree of freedom
+  Eigen::VectorXd of_each_q, of_each_p;  ///< the longest ways of each, in H's units
   double in_q = 0, in_p = 0;
 
   /// How large v is, a difference of positions or of momenta.
@@ -39,7 +40,7 @@ class Pacer {
         dt_(rounded(problem.table.time_scale / 16)),
         in_each_q_(Column::Zero(own_dof<Any>(problem.z0.dof()))),
         in_each_p_(in_each_q_),
-        longest_{Column::Ones(in_each_q_.size())} {}
+        longest_{.unit = Column::Ones(in_each_q_.size())} {}
 
   /// A step from z at the time t, no longer than `left`: moves z and returns how long it is; 0 where none
   /// works, or the calls ended.
@@ -76,7 +77,9 @@ class Pacer {
   double longest_in_q() const { return positive(longest_q_); }
   double longest_in_p() const { return positive(longest_p_); }
   /// The same with each degree of freedom in its own unit.
-  LengthsOfWays lengths() const { return {longest_.unit, positive(longest_.in_q), positive(longest_.in_p)}; }
+  LengthsOfWays lengths() const {
+    return {longest_.unit, in_each_q_, in_each_p_, positive(longest_.in_q), positive(longest_.in_p)};
+  }
   /// Where the last step leads when it is made whole, not in halves.
   const State& whole() const { return whole_; }
   /// How long the next step may be.

@@ -60,29 +60,23 @@ class Reference {
   bool changes_steps() const { return varies_; }
 
   /// By how much both runs differ at worst, until t.
-  SEMIEXPLICIT_COLD double apart(double t) const {
-    double worst = 0;
-    for (const auto& sample : samples_)
-      if (sample.t <= t) worst = std::max(worst, sample.apart);
-    return worst;
+  double apart(double t) const {
+    return largest_until(t, 0, [](const auto& sample) { return sample.apart; });
   }
 
   /// The largest ‖f‖ until t.
-  SEMIEXPLICIT_COLD double size_until(double t) const {
-    double largest = static_cast<double>(norm(problem_.first));
-    for (const auto& sample : samples_)
-      if (sample.t <= t) largest = std::max(largest, static_cast<double>(norm(sample.value)));
-    return largest;
+  double size_until(double t) const {
+    return largest_until(t, static_cast<double>(norm(problem_.first)),
+                         [](const auto& sample) { return static_cast<double>(norm(sample.value)); });
   }
 
   /// The power of the time with which the terms of the observable grow in the end.
   SEMIEXPLICIT_COLD double growth_of_terms() const {
-    double before = 0, largest = 0;
-    for (const auto& sample : samples_) {
-      largest = std::max(largest, sample.terms);
-      if (sample.t <= time_ / 4) before = largest;
-    }
-    return before > 0 ? std::log(largest / before) / std::log(4.0) : 0;
+    const auto terms_until = [this](double t) {
+      return largest_until(t, 0, [](const auto& sample) { return sample.terms; });
+    };
+    const double before = terms_until(time() / 4);
+    return before > 0 ? std::log(terms_until(time()) / before) / std::log(4.0) : 0;
   }
 
   /// Whether the observable is constant as far as the runs tell.
@@ -96,6 +90,12 @@ class Reference {
   }
 
  private:
+  SEMIEXPLICIT_COLD double largest_until(double t, double largest, const auto& measure) const {
+    for (const auto& sample : samples_)
+      if (sample.t <= t) largest = std::max(largest, measure(sample));
+    return largest;
+  }
+
   /// What rounding is relative to: the largest ‖f‖, or the terms that f is a sum of.
   double scale() const {
     return std::max({size_, problem_.judged.unit * problem_.judged.terms, scout_.terms()});

@@ -192,13 +192,12 @@ class Search {
       table_.tried = goal.tried;
       for (int attempt = 0; attempt < most_besides; ++attempt) {
         Candidate* cheapest = nullptr;  // not only of the racers: to T also those remain that do not go on
-        double dt = 0;
-        for (Family& family : families_)
-          for (Candidate& candidate : family) {
-            const double step = forecast_.goes_on(candidate) ? bracket(candidate, goal.aim, true).low : 0;
-            if (step > 0 && (cheapest == nullptr || candidate.trials[step].rate < cheapest->trials[dt].rate))
-              cheapest = &candidate, dt = step;
-          }
+        double dt = 0, least = std::numeric_limits<double>::infinity();
+        for_each_trial([&](Candidate& candidate, double step, const Probe& seen) {
+          if (forecast_.goes_on(candidate) && is_current(seen) && seen.works() && !seen.given_up &&
+              seen.rate < least && forecast_.error_of(candidate, seen, step) <= goal.aim)
+            cheapest = &candidate, dt = step, least = seen.rate;
+        });
         if (cheapest == nullptr) break;
         problem_.limit =
             std::min(0.9 * options().max_gradients, table_.spent_gradients + beside_share * table_.budget);
@@ -550,23 +549,25 @@ class Search {
   /// other counts without.
   SEMIEXPLICIT_COLD void see_to_the_end() {
     problem_.limit = std::min(options().max_gradients, whole_runs * table_.budget);
+    bool refuted = false;
     for (const Goal& goal : goals_)
       for (auto row = table_.cheapest(goal.target);
            row && row->tried < table_.time && 1.1 * row->gradients < problem_.left();
            row = table_.cheapest(goal.target)) {
         const Probe seen = try_setting(problem_, row->setting, table_.time, {}, 1e3 * goal.target);
-        if (seen.cut) return;
-        const bool fails =
-            !seen.works() || seen.given_up || seen.error > std::max(goal.target, 3 * row->error);
-        for (CostRow& other : table_.rows) {
+        if (seen.cut) break;
+        for (CostRow& other : table_.rows)
           if (other.setting.name() == row->setting.name() &&
               other.setting.solver() == row->setting.solver() && other.setting.dt == row->setting.dt)
             note_whole(other, seen);
-          else if (fails && other.tried < table_.time)
-            other.lasts = false;
-        }
-        if (fails) table_.unfinished = std::max(table_.unfinished, goal.target);
+        refuted =
+            refuted || !seen.works() || seen.given_up || seen.error > std::max(goal.target, 3 * row->error);
       }
+    if (!refuted) return;
+    for (CostRow& row : table_.rows)
+      if (row.tried < table_.time) row.lasts = false;
+    for (const Goal& goal : goals_)
+      if (!table_.cheapest(goal.target)) table_.unfinished = std::max(table_.unfinished, goal.target);
   }
   SEMIEXPLICIT_COLD void note_whole(CostRow& row, const Probe& seen) const {
     row.status = seen.status;

@@ -227,12 +227,53 @@ TEST_CASE("An iteration that diverges is refused at a late time as at time zero"
         if (report.ok()) CHECK(report.correction <= 1e-11);  // of moves of about 100
       }
     // A step that does not divide the time's last digit.
-    Semiexplicit stepper(H, schemes::blanes_moan4());
+    Semiexplicit stepper(H, schemes::blanes_moan4(), SimplifiedNewton{.stop = StoppingRule::product(1e-18)});
     auto Z = H.extended({1, 0.5}, 1e12);
     const StepReport report = stepper.step(Z, 0.1);
     CHECK(report.ok());
     CHECK(report.correction <= 1e-11);
   }
+}
+
+/// A driven oscillator of mass 1, its length and its time in units of which p_t, an energy, may be far larger
+/// than positions and momenta.
+struct DrivenInUnits {
+  using Scalar = double;
+  static constexpr int Dof = 1;
+  double length, rate;
+  double energy(double t, In<double, 1> q, In<double, 1> p) const {
+    return p[0] * p[0] / 2 + rate * rate * q[0] * q[0] / 2 - drive() * q[0] * std::cos(rate / 2 * t);
+  }
+  double gradient(double t, In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq,
+                  Out<double, 1> dHdp) const {
+    dHdq[0] = rate * rate * q[0] - drive() * std::cos(rate / 2 * t);
+    dHdp[0] = p[0];
+    return drive() * rate / 2 * q[0] * std::sin(rate / 2 * t);
+  }
+  double drive() const { return 0.3 * length * rate * rate; }
+};
+
+TEST_CASE("Driven steps take as many evaluations in units in which energies are large", "[autonomous]") {
+  const auto evaluations = [](const auto& solver, double length, double rate) {
+    const Autonomous H(DrivenInUnits{length, rate});
+    Semiexplicit stepper(H, schemes::strang(), solver);
+    auto Z = H.extended({0.7 * length, -0.4 * length * rate}, 0);
+    const auto report = integrate(stepper, Z, {.dt = 0.2 / rate, .steps = 100});
+    const double t = 20, forced = 0.4 * std::cos(t / 2);  // 0.3 / (1 - 1/4)
+    CHECK(Z.q()[0] / length == Approx(0.3 * std::cos(t) - 0.4 * std::sin(t) + forced).margin(0.05));
+    return report.evaluations;
+  };
+  const auto check = [&](const auto& solver) {
+    const auto usual = evaluations(solver, 1, 1);
+    for (const double length : {0x1p-20, 1.0, 0x1p20})
+      for (const double rate : {0x1p-20, 0x1p20, 0x1p30}) {
+        CAPTURE(length, rate);
+        CHECK(static_cast<double>(evaluations(solver, length, rate)) < 1.3 * static_cast<double>(usual));
+      }
+  };
+  check(SimplifiedNewton{});
+  check(NewtonKrylov{});
+  check(Robust{});
 }
 
 TEST_CASE("Driven systems may have a size known at run time", "[autonomous]") {

@@ -99,12 +99,14 @@ Scalar time_rounding(const Scalar& value, std::size_t kicks) {
   using std::abs;
   return Scalar(static_cast<double>(2 * kicks + 4)) * Eigen::NumTraits<Scalar>::epsilon() * abs(value);
 }
+/// Where steps are of the time, p_t acts on nothing, and the mean of the copies is the same whatever these
+/// differ by: nothing of it is to be solved for, in whatever unit energies are.
 template <class H, class Vec>
 void drop_time_rounding(const Vec& z, Vec& f, std::size_t kicks) {
-  using std::abs;
+  using std::abs, std::isfinite;
   if constexpr (InExtendedPhaseSpace<H>)
     for (const Eigen::Index last : {z.size() / 2 - 1, z.size() - 1})
-      if (abs(f[last]) <= time_rounding(z[last], kicks)) f[last] = 0;
+      if (H::steps_in_time ? isfinite(f[last]) : abs(f[last]) <= time_rounding(z[last], kicks)) f[last] = 0;
 }
 
 }  // namespace detail

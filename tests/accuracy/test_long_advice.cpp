@@ -483,6 +483,43 @@ TEST_CASE("what parts without the observable's seeing it takes nothing away: an 
   }
 }
 
+TEST_CASE("a small motion that becomes chaotic is seen in a neighbouring orbit beside a large one",
+          "[long]") {
+  // Three oscillators of actions 5, 5e-4 and 9e4, each in a unit of its own, the middle one between weak
+  // couplings.
+  const std::array<double, 3> rate{1.4860187666763047, 2.9375650006310887, 1.9231026322118667},
+      length{19432493.277363196, 3526.0515570517064, 23475111.437795971},
+      momentum{2.3783321140739657e-07, 1.5067503278966939e-07, 0.0039796830266348145},
+      quartic{0.0065235139348367695, 0.31241604622447261, 0.26826144090660758};
+  const auto h = from_energy<3>([=](const auto& q, const auto& p) {
+    auto sum = 0 * q[0];
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto k = static_cast<Eigen::Index>(i);
+      const auto x = q[k] / length[i], X = p[k] / momentum[i];
+      sum += length[i] * momentum[i] * rate[i] * ((x * x + X * X) / 2 + quartic[i] * x * x * X * X);
+      if (i > 0) {
+        const auto before = q[k - 1] / length[i - 1];
+        sum += 7.0742341886002928e-05 * before * before * x;
+      }
+    }
+    return sum;
+  });
+  const PhasePoint<double, 3> z0({-7374093.5278977901, -260.47174385846301, -18875886.153536726},
+                                 {-1.0492538188728304e-07, 8.0869165630132331e-08, -0.00055248824875213083});
+  const double T = 2813.80574, target = 1e-6;
+  const auto cost =
+      cost_of_accuracy(h, z0, T, {.observable = observables::Coordinate{1}, .targets = {target}});
+  const auto advice = cost.cheapest(target);
+  if (!advice) {
+    CHECK(cost.reach(target) != Reach::no_step);
+    return;
+  }
+  auto z = z0, exact = z0;
+  cost.run(z, *advice);
+  run(h, exact, T, Setting{.method = Setting::Method::gauss, .stages = 8, .dt = 0.05});
+  CHECK(std::abs(z.q()[1] - exact.q()[1]) < 3 * target * cost.unit);
+}
+
 TEST_CASE("the distance of bodies that fall together is rounded as their places grow, and advice counts that",
           "[long]") {
   const double force = 9.81, T = 1e5;

@@ -207,8 +207,8 @@ TEST_CASE("Functions of two arguments take numbers, parameters and coordinates i
   const Index n = 23;
   const Eigen::VectorXd a = Eigen::VectorXd::LinSpaced(n, 0.3, 1.7);
   const auto next = [n](Index i) { return (7 * i + 2) % n; };
-  std::vector<Index> table;
-  for (Index i = 0; i < n; ++i) table.push_back(next(i));
+  Eigen::Matrix<Index, Eigen::Dynamic, 1> table(n);
+  for (Index i = 0; i < n; ++i) table[i] = next(i);
   const auto energy = [&, n](const auto& q, const auto& p) {
     using std::atan2, std::hypot, std::pow;
     return sum_over(n, [&](auto i) {

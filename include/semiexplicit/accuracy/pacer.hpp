@@ -13,8 +13,8 @@ namespace semiexplicit::detail {
 /// units of their own, √(length/momentum): in these q and p are as large as the root of the action, which is
 /// the same in all units.
 struct LengthsOfWays {
-  Eigen::VectorXd unit;                  ///< of each degree of freedom
-  Eigen::VectorXd of_each_q, of_each_p;  ///< the longest ways of each, in H's units
+  Eigen::VectorXd unit{};                    ///< of each degree of freedom
+  Eigen::VectorXd of_each_q{}, of_each_p{};  ///< the longest ways of each, in H's units
   double in_q = 0, in_p = 0;
 
   /// How large v is, a difference of positions or of momenta.

@@ -206,10 +206,10 @@ TEST_CASE("Parameters come from arrays of any kind", "[terms]") {
 TEST_CASE("Functions of two arguments take numbers, parameters and coordinates in either place", "[terms]") {
   const Index n = 23;
   const Eigen::VectorXd a = Eigen::VectorXd::LinSpaced(n, 0.3, 1.7);
-  const auto next = [n](Index i) { return (7 * i + 2) % n; };
+  const auto next = [](Index i) { return (7 * i + 2) % n; };
   Eigen::Matrix<Index, Eigen::Dynamic, 1> table(n);
   for (Index i = 0; i < n; ++i) table[i] = next(i);
-  const auto energy = [&, n](const auto& q, const auto& p) {
+  const auto energy = [&](const auto& q, const auto& p) {
     using std::atan2, std::hypot, std::pow;
     return sum_over(n, [&](auto i) {
       return q[i] * (pow(0.6, at(a, i)) + hypot(0.6, at(a, i)) + hypot(at(a, i), 2) + atan2(0.6, at(a, i)) +

@@ -292,7 +292,7 @@ double drift_of_action(double unit, double dt) {
     return x * x + X * X;
   };
   const long double first = action();
-  const int steps = 40'000;
+  const int steps = 5000;
   for (int n = 0; n < steps; ++n) REQUIRE(stepper.step(z, dt).ok());
   return static_cast<double>((action() / first - 1) / steps);
 }
@@ -324,7 +324,7 @@ TEST_CASE("A small oscillation converges as well beside a large one", "[gauss]")
 
 TEST_CASE("Gauss's methods iterate as well where momenta are in a unit far from that of positions",
           "[gauss]") {
-  for (const double unit : {1.0, 512.0, 1.0 / 512, 0x1p40})
+  for (const double unit : {1.0, 512.0, 0x1p40})
     for (const double dt : {1.02, 1.069}) {
       CAPTURE(unit, dt);
       const double rounding = std::numeric_limits<double>::epsilon();

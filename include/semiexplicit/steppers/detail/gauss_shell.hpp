@@ -156,8 +156,7 @@ class GaussShell {
     };
     const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon();
     const Scalar size = sum_of_absolutes(z.vector()), nothing = epsilon * (epsilon * (epsilon * size));
-    const Scalar infinity = std::numeric_limits<Scalar>::infinity();
-    Scalar previous(0), previous_part(0), least = infinity, way(0);
+    Scalar previous(0), least = std::numeric_limits<Scalar>::infinity();
     int since_least = 0;
     int feels = 0;
     Scalar felt_at(0);  // displaced() then
@@ -220,18 +219,14 @@ class GaussShell {
           if ((moved || stays()) && is_within_felt(moved && since_least >= 12 ? 100 : 1))
             return ended(at_rounding);
         }
-        // Positions and momenta change in turns, and one in a small unit is nothing in a sum: near the end
-        // each is seen beside its own size.
-        if (way == Scalar(0)) way = displaced();
-        const Scalar part = change <= 1000 * epsilon * way ? changed_parts(z) : infinity;
-        const bool grows = previous > Scalar(0) && change >= previous, parts_grow = part >= previous_part;
-        previous_part = part;
+        const bool grows = previous > Scalar(0) && change >= previous;
         if (!entries_left && grows && change <= 10 * epsilon * displaced()) {
           entries_left = true;
           since_better_ = 0;
-          least_.setConstant(infinity);
+          parts_ = std::numeric_limits<Scalar>::infinity();
+          least_.setConstant(parts_);
         }
-        if (entries_left && !improves(z) && parts_grow) return ended(at_rounding);
+        if (entries_left && !improves(z) && settled(z)) return ended(at_rounding);
         previous = change;
       }
       if (report.evaluations < options_.max_iterations) continue;
@@ -256,19 +251,6 @@ class GaussShell {
       return changed <= part * moved;
     };
     return half(0) && half(dof());
-  }
-
-  /// What the last sweep changed in each entry, as parts of its size, added up; infinite where sizes are so
-  /// near that a plain sum tells as much.
-  Scalar changed_parts(const State& z) {
-    using std::abs;
-    Scalar sum(0), largest(0), smallest = std::numeric_limits<Scalar>::infinity();
-    for (Eigen::Index i = 0; i < least_.size(); ++i)
-      if (const Scalar size = abs(z.vector()[i]) + stages().displaced(i); size > Scalar(0)) {
-        sum += stages().changed(i) / size;
-        largest = std::max(largest, size), smallest = std::min(smallest, size);
-      }
-    return largest > 30 * smallest ? sum : std::numeric_limits<Scalar>::infinity();
   }
 
   H hamiltonian_;
@@ -348,11 +330,28 @@ class GaussShell {
     return above && since_better_ < 4;
   }
 
+  /// Whether the entries no longer get better, each beside its own size, where sizes are far apart. Positions
+  /// and momenta change in turns, and of one in a small unit a sum of all tells nothing.
+  bool settled(const State& z) {
+    using std::abs;
+    Scalar sum(0), worst(0), largest(0), smallest = std::numeric_limits<Scalar>::infinity();
+    for (Eigen::Index i = 0; i < least_.size(); ++i) {
+      const Scalar size = abs(z.vector()[i]) + stages().displaced(i);
+      if (!(size > Scalar(0))) continue;
+      const Scalar part = stages().changed(i) / size;
+      sum += part, worst = std::max(worst, part);
+      largest = std::max(largest, size), smallest = std::min(smallest, size);
+    }
+    if (largest <= 30 * smallest || 2 * worst <= Eigen::NumTraits<Scalar>::epsilon()) return true;
+    return sum >= std::exchange(parts_, sum);
+  }
+
   Stepper& stages() { return static_cast<Stepper&>(*this); }
 
   CompensatedUpdate<Scalar, Dof> update_;
-  Vec least_;                                  ///< change of each entry so far
-  int since_better_ = 0;                       ///< how many sweeps ago one of these became less
+  Vec least_;                 ///< change of each entry so far
+  int since_better_ = 0;      ///< how many sweeps ago one of these became less
+  Scalar parts_ = Scalar(0);  ///< what the last sweep changed in them, as parts of their sizes
   Vec at_, felt_, passed_on_, field_, other_;  ///< of feel_rounding()
   Scalar growth_ = Scalar(0);                  ///< from what is felt to what is passed on
   Scalar last_dt_ = Scalar(0), weights_dt_ = Scalar(0);

@@ -328,8 +328,8 @@ TEST_CASE("Gauss's methods iterate as well where momenta are in a unit far from 
     for (const double dt : {1.02, 1.069}) {
       CAPTURE(unit, dt);
       const double rounding = std::numeric_limits<double>::epsilon();
-      CHECK(std::abs(drift_of_action<GaussLegendre<Twisted>>(unit, dt)) < 0.1 * rounding);
-      CHECK(std::abs(drift_of_action<GaussLegendreLanes<Twisted>>(unit, dt)) < 0.1 * rounding);
+      CHECK(std::abs(drift_of_action<GaussLegendre<Twisted>>(unit, dt)) < 0.2 * rounding);
+      CHECK(std::abs(drift_of_action<GaussLegendreLanes<Twisted>>(unit, dt)) < 0.2 * rounding);
     }
 }
 

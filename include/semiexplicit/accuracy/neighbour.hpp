@@ -56,10 +56,9 @@ class Neighbour {
       now.of_f = std::max(now.of_f, of_f);
       if (now.t >= T || most >= far || seen_.empty() || now.t >= 1.05 * seen_.back().t) seen_.push_back(now);
     }
-    const double t = now.t;
-    if (!seen_.empty() && t > seen_.back().t) seen_.push_back(now);
+    if (!seen_.empty() && now.t > seen_.back().t) seen_.push_back(now);
     if (probe.cut && calm && !before.empty() && before.back().t > time()) seen_ = before;
-    return probe.cut || t >= T || most >= far;
+    return probe.cut || now.t >= T || most >= far;
   }
 
   /// How far both went.

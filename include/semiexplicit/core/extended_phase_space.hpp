@@ -99,14 +99,22 @@ Scalar time_rounding(const Scalar& value, std::size_t kicks) {
   using std::abs;
   return Scalar(static_cast<double>(2 * kicks + 4)) * Eigen::NumTraits<Scalar>::epsilon() * abs(value);
 }
-/// Where steps are of the time, p_t acts on nothing, and the mean of the copies is the same whatever these
-/// differ by: nothing of it is to be solved for, in whatever unit energies are.
+/// Whether an entry f of the last degree of freedom is nothing to solve for, of a number or of lanes: a
+/// rounding; and whatever is finite where steps are of the time. p_t acts on nothing there, and the mean of
+/// the copies is the same whatever they differ by, in any unit of energy.
+template <class H, class Number>
+auto needs_no_solving(const Number& f, [[maybe_unused]] const Number& z, [[maybe_unused]] std::size_t kicks) {
+  using std::abs;
+  if constexpr (H::steps_in_time)
+    return f - f == Number(0);
+  else
+    return abs(f) <= time_rounding(z, kicks);
+}
 template <class H, class Vec>
-void drop_time_rounding(const Vec& z, Vec& f, std::size_t kicks) {
-  using std::abs, std::isfinite;
+void drop_time(const Vec& z, Vec& f, std::size_t kicks) {
   if constexpr (InExtendedPhaseSpace<H>)
     for (const Eigen::Index last : {z.size() / 2 - 1, z.size() - 1})
-      if (H::steps_in_time ? isfinite(f[last]) : abs(f[last]) <= time_rounding(z[last], kicks)) f[last] = 0;
+      if (needs_no_solving<H>(f[last], z[last], kicks)) f[last] = 0;
 }
 
 }  // namespace detail

@@ -141,13 +141,9 @@ class SemiexplicitPack {
   Many residual(const Many* z, const Many* m, double dt, Many* a, Many* b, Many* gradient, Many* moved,
                 Many* f, Eigen::Index d) const {
     detail::projection_residual(hamiltonian_, scheme_, dt, true, z, m, a, b, gradient, moved, f, d);
-    if constexpr (InExtendedPhaseSpace<H>)  // as drop_time_rounding() does
-      for (const Eigen::Index last : {d - 1, 2 * d - 1}) {
-        if constexpr (H::steps_in_time)
-          detail::assign(f[last] - f[last] == 0.0, f[last], 0.0);
-        else
-          detail::assign(abs(f[last]) <= detail::time_rounding(z[last], scheme_.kicks()), f[last], 0.0);
-      }
+    if constexpr (InExtendedPhaseSpace<H>)
+      for (const Eigen::Index last : {d - 1, 2 * d - 1})
+        detail::assign(detail::needs_no_solving<H>(f[last], z[last], scheme_.kicks()), f[last], 0.0);
     return detail::norm(f, 2 * d) / 4.0;
   }
 

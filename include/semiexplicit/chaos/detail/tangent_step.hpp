@@ -159,7 +159,7 @@ class DoubledTangents {
       });
     }
     f = a - b + 2 * m;
-    drop_time_rounding<H>(z.vector(), f, scheme_.kicks());
+    drop_time<H>(z.vector(), f, scheme_.kicks());
     if constexpr (tangents) g = da - db + 2 * w;
   }
 

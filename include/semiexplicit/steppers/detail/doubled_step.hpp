@@ -60,7 +60,7 @@ class DoubledStep {
                             a_.data(), b_.data(), gradient_.data(), moved_.data(), f.data(), dof());
       }
     });
-    drop_time_rounding<H>(z.vector(), f, scheme_.kicks());
+    drop_time<H>(z.vector(), f, scheme_.kicks());
   }
 
   /// How far the mean of the copies moved, in the Euclidean norm.

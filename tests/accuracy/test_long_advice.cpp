@@ -102,6 +102,29 @@ double worst_off(const auto& cost, const CostRow& advice, auto z, const auto& f,
   return worst;
 }
 
+/// Three oscillators in a row, each twisted and in a unit of its own, with a weak coupling.
+struct ThreeInARow {
+  std::array<double, 3> rate, length, momentum, quartic;
+  double couples;
+
+  auto hamiltonian() const {
+    return from_energy<3>([chain = *this](const auto& q, const auto& p) {
+      auto sum = 0 * q[0];
+      for (std::size_t i = 0; i < 3; ++i) {
+        const auto k = static_cast<Eigen::Index>(i);
+        const auto x = q[k] / chain.length[i], X = p[k] / chain.momentum[i];
+        sum += chain.length[i] * chain.momentum[i] * chain.rate[i] *
+               ((x * x + X * X) / 2 + chain.quartic[i] * x * x * X * X);
+        if (i > 0) {
+          const auto before = q[k - 1] / chain.length[i - 1];
+          sum += chain.couples * before * before * x;
+        }
+      }
+      return sum;
+    });
+  }
+};
+
 }  // namespace
 
 TEST_CASE("advice on a constant that every method lets drift is right: the direction of a planet's periapsis",
@@ -488,23 +511,13 @@ TEST_CASE("a small motion that becomes chaotic is seen in a neighbouring orbit b
           "[long]") {
   // Three oscillators of actions 5, 5e-4 and 9e4, each in a unit of its own, the middle one between weak
   // couplings.
-  const std::array<double, 3> rate{1.4860187666763047, 2.9375650006310887, 1.9231026322118667},
-      length{19432493.277363196, 3526.0515570517064, 23475111.437795971},
-      momentum{2.3783321140739657e-07, 1.5067503278966939e-07, 0.0039796830266348145},
-      quartic{0.0065235139348367695, 0.31241604622447261, 0.26826144090660758};
-  const auto h = from_energy<3>([=](const auto& q, const auto& p) {
-    auto sum = 0 * q[0];
-    for (std::size_t i = 0; i < 3; ++i) {
-      const auto k = static_cast<Eigen::Index>(i);
-      const auto x = q[k] / length[i], X = p[k] / momentum[i];
-      sum += length[i] * momentum[i] * rate[i] * ((x * x + X * X) / 2 + quartic[i] * x * x * X * X);
-      if (i > 0) {
-        const auto before = q[k - 1] / length[i - 1];
-        sum += 7.0742341886002928e-05 * before * before * x;
-      }
-    }
-    return sum;
-  });
+  const auto h =
+      ThreeInARow{.rate = {1.4860187666763047, 2.9375650006310887, 1.9231026322118667},
+                  .length = {19432493.277363196, 3526.0515570517064, 23475111.437795971},
+                  .momentum = {2.3783321140739657e-07, 1.5067503278966939e-07, 0.0039796830266348145},
+                  .quartic = {0.0065235139348367695, 0.31241604622447261, 0.26826144090660758},
+                  .couples = 7.0742341886002928e-05}
+          .hamiltonian();
   const PhasePoint<double, 3> z0({-7374093.5278977901, -260.47174385846301, -18875886.153536726},
                                  {-1.0492538188728304e-07, 8.0869165630132331e-08, -0.00055248824875213083});
   const double T = 2813.80574, target = 1e-6;
@@ -519,6 +532,52 @@ TEST_CASE("a small motion that becomes chaotic is seen in a neighbouring orbit b
   cost.run(z, *advice);
   run(h, exact, T, Setting{.method = Setting::Method::gauss, .stages = 8, .dt = 0.05});
   CHECK(std::abs(z.q()[1] - exact.q()[1]) < 3 * target * cost.unit);
+}
+
+TEST_CASE("an error that grows faster behind the trials is seen by steps of two lengths", "[long]") {
+  struct Case {
+    ThreeInARow chain;
+    PhasePoint<double, 3> z0;
+    double T, target, calls;
+    Eigen::Index observed;
+  };
+  const Case beats{{{2.4401638736249871, 1.368678837727209, 0.66939326435621704},
+                    {0.0095342993515094374, 190.35744834963421, 1.50607371513453},
+                    {0.049859672047158209, 0.0047868087068525878, 0.036965305505010572},
+                    {0.26400455281690616, 0.042117251034852969, 0.41331580205514951},
+                    3.9189072844591355e-06},
+                   {{-0.013963751242649322, 79.992072846212565, 0.20245063911293437},
+                    {-0.052894103273632219, 0.00027472576089752177, -0.0059805194370892521}},
+                   10926.204598219407,
+                   1e-7,
+                   80803.652563614276,
+                   0},
+      chaotic{{{0.64952021012983985, 2.6581882768552925, 2.374772654457634},
+               {0.037492617353329136, 0.0067897116413202065, 0.011081073219078787},
+               {7.169822407067266, 0.60322916348255351, 8.0395400995530437},
+               {0.15037977906267105, 0.31407986648181269, 0.83873135563191514},
+               0.0012728541830083998},
+              {{-0.025050715624501271, 0.0066092428719029339, 0.007603509004131659},
+               {-9.1725145663571936, -0.86155123305015036, -0.84238093362794564}},
+              11456.570293271725,
+              1e-8,
+              319822.44027047529,
+              2};
+  const Case one = GENERATE_COPY(beats, chaotic);
+  CAPTURE(one.T);
+  const auto h = one.chain.hamiltonian();
+  const observables::Coordinate f{one.observed};
+  const auto cost = cost_of_accuracy(h, one.z0, one.T,
+                                     {.observable = f, .targets = {one.target}, .min_gradients = one.calls});
+  const auto advice = cost.cheapest(one.target);
+  if (!advice) {
+    CHECK(cost.reach(one.target) != Reach::no_step);
+    return;
+  }
+  auto z = one.z0, exact = one.z0;
+  cost.run(z, *advice);
+  run(h, exact, one.T, Setting{.method = Setting::Method::gauss, .stages = 8, .dt = 0.05});
+  CHECK(std::abs(z.q()[f.index] - exact.q()[f.index]) < 3 * one.target * cost.unit);
 }
 
 TEST_CASE("the distance of bodies that fall together is rounded as their places grow, and advice counts that",

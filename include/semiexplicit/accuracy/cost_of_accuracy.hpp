@@ -108,9 +108,10 @@ SEMIEXPLICIT_COLD CostOptionsOf<Scalar, Dof> options_for(const CostOptionsOf<Sca
 /// long, and so on, to T where the gradient calls suffice: what is advised then was run as a whole, and has
 /// met the target. Else its error is extrapolated: by the power of the time that it was seen to grow with, or
 /// not at all for the energy of a symplectic method where it does not grow, and by how much finer steps must
-/// be where a coarse run, which goes ahead, found the motion harder (CostRow::tried, CostTable::harder). An
+/// be where a coarse run, which goes ahead, found the motion harder (CostRow::tried, CostRow::harder). An
 /// invariant, the energy or whatever a tight run finds constant, is compared with its first value; anything
-/// else with two runs of Gauss-Legendre that are as good as rounding allows. A target that no run can meet,
+/// else with two runs of Gauss-Legendre that are as good as rounding allows; behind the trials its errors
+/// grow as those of steps of two lengths, or as a neighbouring orbit goes off. A target that no run can meet,
 /// because neighbouring orbits part exponentially, is refused with the rate, and one below the rounding that
 /// adds up with the reason. What lies beyond the trials of a long run, and no coarse run shows, goes unseen:
 /// close encounters in chaos, slow instabilities, resonances of the step with the motion. Raise min_gradients

@@ -20,7 +20,7 @@ struct CostOptionsOf {
                               1e-10};  ///< errors to find the cheapest setting for; see CostTable
   bool absolute = false;               ///< errors are in the observable's own unit, instead of relative
   /// Gradient calls to spend, as a fraction of those of the runs to the targets, added up. A guide: three
-  /// times as many where the whole run, or a neighbouring orbit, can then be seen.
+  /// times as many where the whole run can then be seen, four where growth is to be seen behind the trials.
   double budget = 0.1;
   /// But no less, of 10 degrees of freedom or fewer; of more, in proportion, as 167,000 of 300. Where that
   /// suffices, as it does for runs of up to some 200,000 calls, settings are tried over all of T.

@@ -176,7 +176,9 @@ class Forecast {
 
   /// Whether neighbouring orbits were followed for long enough to tell chaos from a power of the time.
   bool looked_beside() const {
-    return table_.invariant || neighbour_.time() >= std::min(table_.time, enough_scales * table_.time_scale);
+    const double least = neighbour_.is_regular() ? 0 : 0.5 * table_.time;
+    return table_.invariant ||
+           neighbour_.time() >= std::min(table_.time, std::max(least, enough_scales * table_.time_scale));
   }
 
   /// Neighbouring orbits part at that rate. Of an observable that grows as fast there is something left.

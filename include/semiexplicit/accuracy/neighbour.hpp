@@ -11,22 +11,22 @@
 
 namespace semiexplicit::detail {
 
-/// An orbit beside that of z0: by how much it goes off from that behind a trial, which is what the trial's
-/// errors are multiplied by there.
+/// What goes off from the orbit of z0 behind a trial, which is what the trial's errors are multiplied by
+/// there: an orbit beside it, and the orbit itself by finer steps.
 template <class Any>
 class Neighbour {
  public:
   explicit Neighbour(Problem<Any>& problem) : problem_(problem) {}
 
   /// Takes both orbits to T by equal steps of that setting, as far as the calls go, and until they are apart
-  /// by a part of the `lengths` of steps. What an attempt before has seen stays where that was more, and
-  /// calm. False: a step failed.
+  /// by a part of the `lengths` of steps; the first one also by three steps for two. What an attempt before
+  /// has seen stays where that was more, and calm. False: a step failed.
   SEMIEXPLICIT_COLD bool go(const Setting& setting, const LengthsOfWays& lengths) {
     const bool calm = rate() == 0;
     const auto before = std::exchange(seen_, {});
-    Walker<Any> walker(problem_, setting), beside(problem_, setting);
-    const double T = problem_.table.time, dt = T / steps_between(0.0, T, setting.dt);
-    auto z = problem_.z0, other = z;
+    Walker<Any> walker(problem_, setting), beside(problem_, setting), by_finer(problem_, setting);
+    const double T = problem_.table.time, dt = T / (2 * steps_between(0.0, T, 2 * setting.dt));
+    auto z = problem_.z0, other = z, finer = z;
     const Eigen::Index own = own_dof<Any>(z.dof());
     using Scalar = typename Any::Scalar;
     const double root = std::sqrt(Problem<Any>::epsilon), least = 1000 * root;
@@ -39,21 +39,29 @@ class Neighbour {
     }
     Probe probe;
     Seen now{.of_each = Column::Zero(own)};
-    double most = 0, t_beside = 0;
-    typename Problem<Any>::Value f, f_beside;
+    double most = 0, t_beside = 0, t_finer = 0;
+    typename Problem<Any>::Value f, f_beside, f_finer;
+    const auto steps = [&probe](Walker<Any>& by, auto& state, double& t, double h, int count) {
+      while (count > 0 && by.step_on(state, t, h, probe)) --count;
+      return count == 0;
+    };
     while (now.t < T && most < far) {
-      if (!walker.step_on(z, now.t, dt, probe) || !beside.step_on(other, t_beside, dt, probe)) break;
+      if (!steps(walker, z, now.t, dt, 2) || !steps(beside, other, t_beside, dt, 2) ||
+          !steps(by_finer, finer, t_finer, dt / 1.5, 3))
+        break;
       const auto off = [own](const auto& a, const auto& b) -> Column {
         return (a - b).head(own).template cast<double>();
       };
       const Column in_q = off(z.q(), other.q()).cwiseQuotient(lengths.unit) / lengths.in_q,
                    in_p = off(z.p(), other.p()).cwiseProduct(lengths.unit) / lengths.in_p;
-      problem_.measure(z, f), problem_.measure(other, f_beside);
-      const double of_f = static_cast<double>(norm(f - f_beside));
+      problem_.measure(z, f), problem_.measure(other, f_beside), problem_.measure(finer, f_finer);
+      const double of_f = static_cast<double>(norm(f - f_beside)),
+                   of_error = std::max(static_cast<double>(norm(f - f_finer)),
+                                       30 * Problem<Any>::epsilon * static_cast<double>(norm(f)));
       most = std::max(most, norm(in_q) + norm(in_p));
-      if (!std::isfinite(most) || !std::isfinite(of_f)) return false;
+      if (!std::isfinite(most) || !std::isfinite(of_f) || !std::isfinite(of_error)) return false;
       now.of_each = now.of_each.cwiseMax(in_q.cwiseAbs() + in_p.cwiseAbs());
-      now.of_f = std::max(now.of_f, of_f);
+      now.of_f = std::max(now.of_f, of_f), now.of_error = std::max(now.of_error, of_error);
       if (now.t >= T || most >= far || seen_.empty() || now.t >= 1.05 * seen_.back().t) seen_.push_back(now);
     }
     if (!seen_.empty() && now.t > seen_.back().t) seen_.push_back(now);
@@ -64,12 +72,21 @@ class Neighbour {
   /// How far both went.
   double time() const { return seen_.empty() ? 0 : seen_.back().t; }
 
-  /// By what factor both go apart from t to T; as a power of the time behind what was seen.
+  /// By what factor errors grow from t to T; as a power of the time behind what was seen.
   SEMIEXPLICIT_COLD double growth_from(double t) const {
     const double T = problem_.table.time, end = time();
     if (end == 0 || t >= T) return 1;
-    const double power = std::clamp(std::log(growth_since(end / 4)) / std::log(4.0), 1.0, 3.0);
-    return growth_since(std::min(t, end)) * std::pow(T / std::max(t, end), power);
+    const auto grown = [&](const auto& since) {
+      const double power = std::clamp(std::log(since(end / 4)) / std::log(4.0), 1.0, 3.0);
+      return since(std::min(t, end)) * std::pow(T / std::max(t, end), power);
+    };
+    return std::max(grown([this](double from) { return growth_since(from); }),
+                    grown([this](double from) { return error_since(from); }));
+  }
+
+  /// Whether both grow hardly faster than the time, as beside a regular motion.
+  bool is_regular() const {
+    return time() > 0 && std::max(growth_since(time() / 4), error_since(time() / 4)) < much;
   }
 
   /// The rate at which they part where that is no power of the time, as in the end it was seen; else 0.
@@ -87,8 +104,8 @@ class Neighbour {
   using Column = Eigen::VectorXd;
 
   struct Seen {
-    double t = 0, of_f = 0;  ///< by how much f differs at most until then
-    Column of_each{};        ///< and each degree of freedom
+    double t = 0, of_f = 0, of_error = 0;  ///< by how much f differs at most until then, and by its error
+    Column of_each{};                      ///< and each degree of freedom
   };
   const Seen& at(double t) const {
     const auto behind =
@@ -101,6 +118,7 @@ class Neighbour {
     const double before = at(t).of_f;
     return before > 0 ? seen_.back().of_f / before : motion_since(t);
   }
+  double error_since(double t) const { return seen_.back().of_error / at(t).of_error; }
   /// The same of the degree of freedom whose factor is the largest.
   double motion_since(double t) const {
     const Column &before = at(t).of_each, &last = seen_.back().of_each;
@@ -110,6 +128,7 @@ class Neighbour {
     return most;
   }
 
+  static constexpr double much = 6;   ///< from a quarter of the time on
   static constexpr double far = 0.3;  ///< of a length along which the motion changes
 
   Problem<Any>& problem_;

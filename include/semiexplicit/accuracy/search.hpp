@@ -591,7 +591,7 @@ class Search {
   static constexpr double to_the_end = 0.5;      ///< budgets that a coarse run to T is worth
   static constexpr double overrun = 1.5;         ///< of the budget, at most
   static constexpr double whole_runs = 3;        ///< budgets in all, where advice is run to the end
-  static constexpr double beside_share = 1.5;    ///< of the budget, for a neighbouring orbit
+  static constexpr double beside_share = 2.6;    ///< of the budget, for a neighbouring orbit
   static constexpr double stretch = 8;           ///< from one race to the next
   static constexpr double trials_a_racer = 2.5;  ///< usually
   static constexpr double least_scales = 8;      ///< that a trial has to last

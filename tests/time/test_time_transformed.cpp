@@ -227,6 +227,26 @@ TEST_CASE("A relativistic orbit of eccentricity 0.95", "[time transformed]") {
   CHECK(advance == Approx(6 * pi / (c * c * a * (1 - e * e))).epsilon(0.005));
 }
 
+TEST_CASE("A step from where the monitor function is not positive fails", "[time transformed]") {
+  const auto h = from_energy<1>([](const auto& q, const auto& p) { return (q[0] * q[0] + p[0] * p[0]) / 2; });
+  const double zero = GENERATE(-0.5, -0.2);
+  const auto g = [zero](const auto& q, auto&& dgdq) {
+    dgdq[0] = 1;
+    return q[0] - zero;
+  };
+  const TimeTransformed k(h, g, 0.5);
+  for (const double ds : {0.5, 1.0, 1.5, 2.0}) {
+    CAPTURE(zero, ds);
+    MidpointProjection stepper(k, schemes::strang());
+    auto z = k.extended({1, 0}, 0.0);
+    int beyond = 0;
+    const auto report = integrate(stepper, z, {.dt = ds, .steps = 100, .on_failure = OnFailure::stop},
+                                  [&](double, const auto& at) { beyond += !(at.q()[0] > zero); });
+    CHECK(beyond <= 1);
+    if (beyond > 0) CHECK(report.status == Status::not_finite);
+  }
+}
+
 TEST_CASE("What cannot be transformed is refused", "[time transformed]") {
   const TimeTransformed k(Kepler{}, monitors::Distance{}, -0.5);
   CHECK(refuses([&] { k.extended({{0, 0}, {0, 1}}, 0.0); }, "not finite"));

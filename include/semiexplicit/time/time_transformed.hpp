@@ -31,9 +31,11 @@ namespace semiexplicit {
 /// Of a driven system H is an Autonomous that follows its work: its time and p_t serve, none is added, and g
 /// is one of its own (q, p). p_t then changes as there.
 ///
-/// H needs its energy. `energy` is its value on the orbit; extended() takes up what it is off by. A gradient
-/// of K is one gradient and one energy of H, and g. One of dynamic size works in memory of its own: threads
-/// need a copy each, as every stepper has.
+/// H needs its energy. `energy` is its value on the orbit; extended() takes up what it is off by. A step
+/// within which g is not positive fails (Status::not_finite). Where g only comes near to 0, K = 0 says little
+/// of H: choose one that does not.
+/// A gradient of K is one gradient and one energy of H, and g. One of dynamic size works in memory of its
+/// own: threads need a copy each, as every stepper has.
 ///
 /// Source: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, 2nd ed., section VIII.2.1;
 /// carrying the time as a coordinate: S. Mikkola, Celest. Mech. Dyn. Astron. 67 (1997) 145.
@@ -140,14 +142,18 @@ class TimeTransformed
       return Point{};
   }
 
-  /// g, and its gradient to dg.
+  /// g, and its gradient to dg. NaN where g is not positive, so that a step fails there: it would go back in
+  /// time, or along another orbit, as K = 0 says nothing of H where g = 0.
   template <class Q, class P>
   Scalar pace(const Q& q, const P& p, Point& dg) const {
     auto dgdq = dg.q(), dgdp = dg.p();  // a monitor may take them by reference
-    if constexpr (PhaseMonitor<G, Scalar, own>)
-      return monitor_(q, p, dgdq, dgdp);
-    else
-      return monitor_(q, dgdq);
+    const Scalar g = [&] {
+      if constexpr (PhaseMonitor<G, Scalar, own>)
+        return monitor_(q, p, dgdq, dgdp);
+      else
+        return monitor_(q, dgdq);
+    }();
+    return g > Scalar(0) ? g : std::numeric_limits<Scalar>::quiet_NaN();
   }
 
   H hamiltonian_;

@@ -127,4 +127,29 @@ TEST_CASE("The size of a system does not change its steps", "[failures][long]") 
         GaussLegendre(large, {.stages = 2, .tolerance = 1e-14}));
 }
 
+TEST_CASE(
+    "An iteration that runs away from its start, the solution, is no success: a circle in a long step") {
+  const auto h = from_energy<3>([](const auto& q, const auto& p) {
+    using std::sin;
+    const auto across = q[0] * sin(q[1]);
+    return (p[0] * p[0] + p[1] * p[1] / (q[0] * q[0]) + p[2] * p[2] / (across * across)) / 2 - 1 / q[0];
+  });
+  const double pi = std::acos(-1.0);
+  int accepted = 0;
+  for (int stages = 1; stages <= 8; ++stages)
+    for (int i = 0; i < 40; ++i)
+      for (double periods = 0.2; periods < 4; periods *= 1.1) {
+        const double r = 1 + 0.34 * i;
+        PhasePoint<double, 3> z({r, pi / 2, 0}, {0, 0, std::sqrt(r)});
+        GaussLegendre stepper(h, {.stages = stages});
+        if (!stepper.step(z, 2 * pi * std::pow(r, 1.5) * periods).ok()) continue;
+        ++accepted;
+        if (!(std::abs(z.q()[0] / r - 1) < 1e-8)) {
+          CAPTURE(stages, r, periods, z.q()[0]);
+          CHECK(z.q()[0] == Approx(r));
+        }
+      }
+  CHECK(accepted > 3000);
+}
+
 }  // namespace test_distant_solutions

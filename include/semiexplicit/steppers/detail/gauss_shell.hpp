@@ -226,7 +226,9 @@ class GaussShell {
           parts_ = std::numeric_limits<Scalar>::infinity();
           least_.setConstant(parts_);
         }
-        if (entries_left && !improves(z) && settled(z)) return ended(at_rounding);
+        // One that began at its solution, as of a circle, may run away from there.
+        if (entries_left && !improves(z) && settled(z) && change <= 100 * epsilon * displaced())
+          return ended(at_rounding);
         previous = change;
       }
       if (report.evaluations < options_.max_iterations) continue;

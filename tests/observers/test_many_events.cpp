@@ -319,6 +319,29 @@ TEST_CASE("A time shortly behind one of many bounces gets the state behind it", 
   }
 }
 
+TEST_CASE("A surface that is crossed before a bounce in the same step tells of it", "[events]") {
+  // A ball that flies along the floor passes the line x + y = 0.18 once; without the floor it would come
+  // back.
+  const auto H =
+      from_energy<2>([](const auto& q, const auto& p) { return (p[0] * p[0] + p[1] * p[1]) / 2 + 3 * q[1]; });
+  using State = PhasePoint<double, 2>;
+  for (const double dt : {0.4, 0.2, 0.05}) {
+    CAPTURE(dt);
+    std::vector<double> passed;
+    auto watch = events(H,
+                        on_event([](const auto& q, const auto&) { return q[1]; },
+                                 [](double, State& z) { z.p()[1] *= -1; }, CrossingDirection::falling),
+                        on_event([](const auto& q, const auto&) { return q[0] + q[1] - 0.18; },
+                                 [&](double t, const State&) { passed.push_back(t); }));
+    Semiexplicit stepper(H);
+    State z({0, 0.15}, {1, -0.5});
+    REQUIRE(integrate(stepper, z, {.dt = dt, .t_end = 0.4}, watch).ok());
+    CHECK(watch.count(0) == 1);
+    REQUIRE(passed.size() == 1);
+    CHECK(passed[0] == Approx((0.5 - std::sqrt(0.25 - 6 * 0.03)) / 3));  // t/2 - 3t²/2 = 0.03
+  }
+}
+
 TEST_CASE("The end of a driven run that bounces is served by at_times", "[events][long]") {
   const Autonomous K(from_energy<1>([](const auto& t, const auto& q, const auto& p) {
     using std::cos;

@@ -108,6 +108,7 @@ class Events {
       : intervals_(std::move(hamiltonian), nodes),
         kinds_(std::forward<Kinds>(kinds)...),
         at_event_(dof_of(dense().hamiltonian())),
+        cut_(at_event_),
         last_(at_event_) {}
 
   /// Takes in the next state; false where an action asked to stop.
@@ -233,6 +234,23 @@ class Events {
       for (std::size_t k = 0; k < number; ++k) known_[k].cross(after[k]);
       if (abs(since_) < steps_at_rest * abs(longest_)) since_ += h;
       return first;
+    }
+    // What an event takes the orbit back from does not show at the end of the step.
+    for (bool earlier = true; earlier;) {
+      earlier = false;
+      each([&](std::size_t k, auto& kind) {
+        if (k == first.kind || known_[k].open || after[k] != known_[k].side) return;
+        move(first.x, at_event_);
+        const Scalar there = value(kind, at_event_);
+        if (detail::side_of(there) != -known_[k].side || abs(there) <= rounding_at_event(k, kind)) return;
+        cut_ = at_event_;
+        const auto crossing = leaves_side(k, kind, start, cut_, first.x, near, along(kind), settled[k]);
+        if (!crossing.to || !kind.counts(crossing.to) || !(abs(crossing.x) < abs(first.x))) return;
+        crossed[k] = true;
+        after[k] = crossing.to;
+        first = {k, crossing.x};
+        earlier = true;
+      });
     }
     known_[first.kind].cross(after[first.kind]);
     // Of another surface that is crossed at the same time rounding decides on which side the state at the
@@ -663,7 +681,7 @@ class Events {
 
   detail::Intervals<H> intervals_;
   std::tuple<Kinds...> kinds_;
-  State at_event_;
+  State at_event_, cut_;
   std::array<std::int64_t, number> counts_{};
   std::array<Known, number> known_{};
   Scalar since_ = Scalar(0);  ///< the time since the last event, up to steps_at_rest

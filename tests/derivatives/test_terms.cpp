@@ -535,4 +535,22 @@ TEST_CASE("Roots at the ends of the range are the same in lanes as one by one", 
   }
 }
 
+TEST_CASE("a power of a term by a float is as exact as that by the same double", "[terms]") {
+  const int n = 16;
+  const auto energy = [n](auto power) {
+    return from_energy(n, [=](const auto& q, const auto& p) {
+      using std::pow;
+      return sum_over(n, [&](auto i) { return p[i] * p[i] / 2 + pow(q[i] * q[i] + 1, power); });
+    });
+  };
+  for (const float power : {0.1f, 0.7f, -2.7f}) {
+    CAPTURE(power);
+    const Eigen::VectorXd q = Eigen::VectorXd::LinSpaced(n, 0.5, 7), p = q;
+    Eigen::VectorXd dHdq(n), dHdp(n), by_double(n);
+    energy(power).gradient(q, p, dHdq, dHdp);
+    energy(double(power)).gradient(q, p, by_double, dHdp);
+    CHECK((dHdq - by_double).cwiseQuotient(by_double).norm() < 1e-15);
+  }
+}
+
 }  // namespace test_terms

@@ -228,6 +228,9 @@ struct LanePack {
   }
 };
 
+template <class S>
+struct PlainOf<LanePack<S>> : PlainOf<S> {};
+
 }  // namespace semiexplicit::detail::autodiff
 
 namespace Eigen {

@@ -183,7 +183,7 @@ int main(int argc, char** argv) {
     if (all.front().series.t.back() <= picture_begin)
       tell_no_picture(png, formatted("it begins at t = %g", picture_begin));
     else
-      draw(png, picture(png, csv, all));
+      draw(png, picture(png, csv, all), {csv});
     return 0;
   });
 }

@@ -179,7 +179,7 @@ int main(int argc, char** argv) {
     const std::string left_out =
         faster == 0 ? ""
                     : "; " + std::to_string(faster) + " of " + std::to_string(points) + " points are faster";
-    if (!settings.no_plot) draw(png, script(png, csv, amplitude, frequency, fastest, left_out, fine));
+    if (!settings.no_plot) draw(png, script(png, csv, amplitude, frequency, fastest, left_out, fine), {csv});
     if (!fine)
       std::cerr << "driven: the energy is off by more than a hundredth, the section means nothing; "
                    "give more "

@@ -89,7 +89,7 @@ int run(const World& world, const Job& job) {
     if (!job.settings.no_plot) tell_of_earlier_picture(png);
     return 1;
   }
-  if (!job.settings.no_plot) draw(png, results.script(png));
+  if (!job.settings.no_plot) draw(png, results.script(png), {data});
   return 0;
 }
 

@@ -118,7 +118,7 @@ int run(const M& metric, Request& request, const CLI::App& app, const std::strin
   }
   if (settings.no_plot) return 0;
   if (summary.points > 0)
-    draw(png, section_picture(png, csv, title));
+    draw(png, section_picture(png, csv, title), {csv});
   else
     tell_no_picture(png, "no orbit passed the equator");
   return 0;

@@ -127,7 +127,8 @@ int main(int argc, char** argv) {
     const std::string headline = "NLS lattice, N = " + std::to_string(sites) +
                                  (compare ? ", the same step for all: dt = " : ", dt = ") +
                                  formatted("%g", settings.dt);
-    if (!settings.no_plot) draw(png, script(png, csv, runs, headline, settings.time, settings.dt, compare));
+    if (!settings.no_plot)
+      draw(png, script(png, csv, runs, headline, settings.time, settings.dt, compare), {csv});
     checkpoint.finish();
 
     // A rival that fails is a result; the method that was asked for must not.

@@ -42,7 +42,8 @@ int audit(const Request& request) {
   if (!request.settings.no_plot)
     draw(request.file(".png"),
          curves(request.file(".png"), request.file(".csv"),
-                "By what each effect turns the perihelion of Mercury", "arcseconds", all.size(), 1));
+                "By what each effect turns the perihelion of Mercury", "arcseconds", all.size(), 1),
+         {request.file(".csv")});
   if (!complaint.empty()) throw std::runtime_error(complaint);
   return 0;
 }
@@ -102,10 +103,12 @@ int run(Request& request, const System& system) {
   writer.commit();
   std::cout << "data: " << request.file(".csv").string() << '\n';
   if (!settings.no_plot)
-    draw(request.file(".png"), curves(request.file(".png"), request.file(".csv"),
-                                      "Eccentricities about the Sun: " + joined(request.effects) +
-                                          (report.ok() ? "" : "; NO RESULT"),
-                                      "eccentricity", system.names.size(), 2));
+    draw(request.file(".png"),
+         curves(
+             request.file(".png"), request.file(".csv"),
+             "Eccentricities about the Sun: " + joined(request.effects) + (report.ok() ? "" : "; NO RESULT"),
+             "eccentricity", system.names.size(), 2),
+         {request.file(".csv")});
   request.checkpoint.finish();
   if (!report.ok())
     std::cerr << formatted("solar_system: at t = %g: ", report.t) << why(report.status) << '\n';

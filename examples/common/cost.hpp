@@ -246,7 +246,7 @@ struct CostRequest {
           << (row.setting.is_gauss() ? " dashtype 2" : "") << " title " << quoted(method);
     }
     out << '\n';
-    draw(png, out.str());
+    draw(png, out.str(), {csv});
   }
 
  private:

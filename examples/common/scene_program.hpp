@@ -326,7 +326,8 @@ int run_scene_program(const SceneProgram<Dof>& program, int argc, char** argv, c
     if (!settings.no_plot)
       draw(png,
            scene_script(png, view.plot(path_csv, path.paths()), csv, run, headline, settings.time,
-                        preset.units.name(1), scene.is_symplectic() ? "relative error" : "relative change"));
+                        preset.units.name(1), scene.is_symplectic() ? "relative error" : "relative change"),
+           {csv, path_csv});
     checkpoint.finish();
     if (!complaint.empty()) throw std::runtime_error(complaint);
     return run.tell_failure() ? 1 : 0;

@@ -152,8 +152,9 @@ inline Measurement<3> rotation(const Choice& c) {
   };
   return of_way(c, "solenoid", [=](const Way& way) -> std::vector<Figure> {
     if (way.first.head<2>().isZero(0)) return {not_measured("turn of the plane", "it starts on the axis")};
-    if (const std::string coarse = way.too_coarse("the solenoid", c["length"], 4); !coarse.empty())
-      return {not_measured("turn of the plane", coarse)};
+    for (const std::string& coarse : {way.too_coarse("the solenoid", c["length"], 4),
+                                      way.too_coarse("its radius, by which the field ends,", c["radius"], 2)})
+      if (!coarse.empty()) return {not_measured("turn of the plane", coarse)};
     const double from_axis = way.first.head<2>().norm();
     std::string off =
         too_large("the distance from the axis, in radii of the solenoid,", from_axis / c["radius"], 1);
@@ -170,6 +171,10 @@ inline Measurement<3> focusing(const Choice& c) {
   return of_way(c, "quadrupole", [=](const Way& way) {
     std::vector<Figure> list;
     const double kappa = c["charge"] * c["slope"] / momentum_of(c), z = (way.last - way.first)[2];
+    if (const std::string coarse =
+            way.too_coarse("a wavelength", 2 * std::numbers::pi / std::sqrt(std::abs(kappa)), 8);
+        !coarse.empty())
+      return std::vector{not_measured("x and y at the end, of those at the start", coarse)};
     const auto grown = [&](double k) {
       return k > 0 ? std::cos(std::sqrt(k) * z) : std::cosh(std::sqrt(-k) * z);
     };

@@ -11,6 +11,7 @@
 
 #if defined(__linux__)
 #include <sys/mount.h>
+#include <sys/stat.h>
 #endif
 
 #include "folder.hpp"
@@ -51,7 +52,7 @@ TEST_CASE("A picture goes where its link leads, and a failed one leaves none", "
   const Folder folder;
   const fs::path png = folder.path / "link.png", target = folder.path / "target.png";
   fs::create_symlink("target.png", png);
-  draw(png, gnuplot_prologue(png, 100, 100) + "plot x\n");
+  draw(png, gnuplot_prologue(png, 100, 100) + "plot x\n", {});
   CHECK(fs::is_symlink(png));
   CHECK(fs::exists(folder.path / "link.gp"));
   CHECK_FALSE(fs::exists(target.string() + ".part"));
@@ -60,11 +61,25 @@ TEST_CASE("A picture goes where its link leads, and a failed one leaves none", "
     return;
   }
   CHECK(contents(target).substr(1, 3) == "PNG");
-  CHECK(says(complaint([&] { draw(png, gnuplot_prologue(png, 100, 100) + "plot nonsense(\n"); }),
+  CHECK(says(complaint([&] { draw(png, gnuplot_prologue(png, 100, 100) + "plot nonsense(\n", {}); }),
              "gnuplot failed on"));
   CHECK_FALSE(fs::exists(target));  // it would belong to other data
   CHECK_FALSE(fs::exists(target.string() + ".part"));
 }
+
+#if defined(__linux__)
+TEST_CASE("No picture is drawn of data that went to a pipe, for which gnuplot would wait", "[examples]") {
+  const Folder folder;
+  const fs::path png = folder.path / "data.png", csv = folder.path / "data.csv";
+  fs::create_symlink("/dev/stdout", csv);
+  draw(png, gnuplot_prologue(png, 100, 100) + "plot '" + csv.string() + "'\n", {csv});
+  fs::remove(csv);
+  REQUIRE(mkfifo(csv.c_str(), 0600) == 0);
+  draw(png, gnuplot_prologue(png, 100, 100) + "plot '" + csv.string() + "'\n", {csv});
+  CHECK_FALSE(fs::exists(png));
+  CHECK_FALSE(fs::exists(folder.path / "data.gp"));
+}
+#endif
 
 #if defined(__linux__)
 TEST_CASE("A picture that a full disk cuts short is an error, and is not there", "[examples]") {
@@ -76,7 +91,7 @@ TEST_CASE("A picture that a full disk cuts short is an error, and is not there",
   const fs::path png = folder.path / "large.png";
   std::ofstream(folder.path / "rest") << std::string(20'000, '1');
   const std::string said = complaint([&] {
-    draw(png, gnuplot_prologue(png, 2000, 2000) + "plot sin(9*x) with lines, sin(19*x) with points\n");
+    draw(png, gnuplot_prologue(png, 2000, 2000) + "plot sin(9*x) with lines, sin(19*x) with points\n", {});
   });
   const bool there = fs::exists(png) || fs::exists(png.string() + ".part"),
              script = fs::exists(folder.path / "large.gp");

@@ -25,14 +25,20 @@ struct SolenoidField : detail::AxialPotential<SolenoidField<Scalar>> {
       : b(strength), length(of_length), radius(of_radius) {}
   Scalar b, length, radius;
 
-  /// ∫B dz on the axis.
+  /// ∫B dz on the axis, also far out, where s is nearly ±1 at both ends.
   Scalar integral(const Scalar& from, const Scalar& to) const {
-    using std::sqrt;
-    const auto primitive = [&](const Scalar& z) {
-      const Scalar u = z + length / 2, v = z - length / 2, r2 = radius * radius;
-      return b / 2 * (sqrt(u * u + r2) - sqrt(v * v + r2));
+    using std::hypot;
+    const Scalar far_out(from + to < Scalar(0) ? -1 : 1);
+    // The mean of s from u to v without that.
+    const auto mean = [&](const Scalar& u, const Scalar& v) {
+      const auto less = [&](const Scalar& w) {  // √(w² + R²) less w or -w
+        const Scalar root = hypot(w, radius), along = far_out * w;
+        return along > Scalar(0) ? Scalar(radius * (radius / (root + along))) : Scalar(root - along);
+      };
+      return Scalar(-far_out * (less(u) + less(v)) / (hypot(u, radius) + hypot(v, radius)));
     };
-    return primitive(to) - primitive(from);
+    const Scalar half = length / 2;
+    return b / 2 * (to - from) * (mean(from + half, to + half) - mean(from - half, to - half));
   }
 
   auto slopes(const auto& x) const {

@@ -580,6 +580,33 @@ TEST_CASE("an error that grows faster behind the trials is seen by steps of two 
   CHECK(std::abs(z.q()[f.index] - exact.q()[f.index]) < 3 * one.target * cost.unit);
 }
 
+TEST_CASE("a motion that gets faster in the course of the time is run to the end before it is advised",
+          "[long]") {
+  // An oscillator whose rate the position of a second degree of freedom, a clock, doubles.
+  const double T = 1e5;
+  const auto h = from_energy<2>(
+      [T](const auto& q, const auto& p) { return (1 + q[1] / T) * (q[0] * q[0] + p[0] * p[0]) / 2 + p[1]; });
+  const PhasePoint<double, 2> z0({1, 0}, {0.3, 0});
+  const auto check = [&](const auto& cost, double target, const auto& f, const auto& exact) {
+    CAPTURE(target);
+    const auto advice = cost.cheapest(target);
+    if (!advice)
+      CHECK(cost.reach(target) == Reach::budget);
+    else
+      CHECK(worst_off(cost, *advice, z0, f, exact) < 3 * target * cost.unit);
+  };
+  const auto energy = [&h](const auto& q, const auto& p) { return h.energy(q, p); };
+  const auto kept = [&](double) { return h.energy(z0.q(), z0.p()); };
+  for (const double target : {1e-10, 1e-11})
+    check(cost_of_accuracy(h, z0, T, {.targets = {target}}), target, energy, kept);
+  const auto product = [](const auto& q, const auto& p) { return q[0] * p[0]; };
+  const auto turned = [T](double t) {
+    const double angle = t + t * t / (2 * T), c = std::cos(angle), s = std::sin(angle);
+    return (c + 0.3 * s) * (0.3 * c - s);
+  };
+  check(cost_of_accuracy(h, z0, T, {.observable = product, .targets = {1e-6}}), 1e-6, product, turned);
+}
+
 TEST_CASE("the distance of bodies that fall together is rounded as their places grow, and advice counts that",
           "[long]") {
   const double force = 9.81, T = 1e5;

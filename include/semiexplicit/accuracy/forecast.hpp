@@ -100,13 +100,17 @@ class Forecast {
   /// Whether steps go on to T as they were seen to before. What is not symplectic may become unstable, and
   /// reversible steps fail where their densities come to swing; where few of many equal ones fall into the
   /// hard places, errors differ from one passage to the next, and what a drive does but once is no passage.
+  /// Nor is a motion that gets faster: errors grow by more than the order says where steps become long.
   bool goes_on(const Candidate& candidate) const {
     const double most = timed ? 4 : problem_.options.observable.is_energy() ? 1000 : 100;
-    return candidate.is_symplectic() && varies_ <= most;
+    return candidate.is_symplectic() && varies_ <= most && scout_.speeds_up() <= much_faster;
   }
-  /// Whether what a trial saw holds to T, as far as a neighbouring orbit tells.
+  /// Whether what a trial saw holds to T, as far as a neighbouring orbit and its own error tell.
   bool lasts(const Candidate& candidate, const Probe& probe) const {
-    return (goes_on(candidate) && looked_beside()) || !(probe.length < table_.time * (1 - 1e-12));
+    if (!(probe.length < table_.time * (1 - 1e-12))) return true;
+    const double known = 2 * reference_.apart(probe.length) / table_.unit;
+    const bool is_fast = !table_.invariant && probe.error - known > much_in_trial * (probe.early + known);
+    return goes_on(candidate) && looked_beside() && !(is_fast && probe.length < table_.time / 2);
   }
 
   /// How much harder it gets behind a trial. Where the race may go on to that, it need not be counted in
@@ -206,10 +210,12 @@ class Forecast {
   }
 
   static constexpr double much = 20;             ///< for a power of the time, from third to third
+  static constexpr double much_in_trial = 8;     ///< from a quarter of its length on
   static constexpr double most_drift = 30;       ///< 15 were seen of unlike units of q and p
   static constexpr double most_bias = 0.1;       ///< 0.02 were seen
   static constexpr double hidden_growth = 0.4;   ///< in a trial, of the error that it saw
   static constexpr double more_rounding = 2;     ///< than the reference's, whose steps are few
+  static constexpr double much_faster = 1.1;     ///< steps finer by as much in the course of T
   static constexpr double enough_scales = 1000;  ///< that neighbouring orbits are to be followed
 
   Problem<Any>& problem_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -70,6 +71,15 @@ class Scout {
     return std::max(1.0, seen / least / 1.3);
   }
 
+  /// How much finer steps become in the course of T, as those of a motion that gets faster: the least of the
+  /// eighths of T beside the first one, as far as the energy was kept.
+  SEMIEXPLICIT_COLD double speeds_up() const {
+    double most = 0;
+    for (const Eighth& one : eighths_)
+      if (one.time > 0) most = std::max(most, eighths_.front().mean() - one.mean());
+    return std::exp(most);
+  }
+
   /// The least step that it asked for, and the most in that.
   SEMIEXPLICIT_COLD std::pair<double, double> paces() const {
     double least = problem_.table.time, most = 0;
@@ -122,11 +132,17 @@ class Scout {
   struct Place {
     double t, pace;
   };
+  /// The logarithm of the pace, over an eighth of T.
+  struct Eighth {
+    double time = 0, sum = 0;
+    double mean() const { return sum / time; }
+  };
 
   SEMIEXPLICIT_COLD void restart() {
     pacer_.emplace(problem_, tolerance_);
     z_ = problem_.z0;
     places_.clear(), terms_.clear(), largest_.assign(1, 0);
+    eighths_.fill({}), eighth_ = 0;
     steps_ = known_ = 0, stride_ = 1;
     time_ = last_look_ = kept_ = wrong_ = 0, keeps_energy_ = true;
   }
@@ -149,6 +165,7 @@ class Scout {
         keeps_energy_ = keeps_energy_ && problem_.keeps_energy(z_, 0.01);
         if (keeps_energy_) measure();
       }
+      note_pace(dt);
       if (time_ < 2 * last_look_ && time_ < T) continue;
       last_look_ = time_;
       if (kept_ == time_) largest_.push_back(largest_.back());
@@ -156,6 +173,16 @@ class Scout {
     }
     problem_.limit = limit;
     return time_ >= T || pacer_->cut();
+  }
+
+  SEMIEXPLICIT_COLD void note_pace(double dt) {
+    const auto now = std::min(eighths_.size() - 1, static_cast<std::size_t>(8 * time_ / problem_.table.time));
+    // What errors have made of a small motion beside a large one is no motion that gets faster.
+    const bool is_known = problem_.options.observable.is_energy() || kept_ == time_;
+    if (now > eighth_ && eighth_ < eighths_.size())
+      eighth_ = is_known && problem_.keeps_energy(z_, 0.01) ? now : eighths_.size();
+    if (eighth_ == now && pacer_->pace() > 0)
+      eighths_[now].time += dt, eighths_[now].sum += dt * std::log(pacer_->pace());
   }
 
   /// Notes ‖f‖ unless errors have taken it there: the steps follow what moves most, beside which a small
@@ -186,6 +213,8 @@ class Scout {
   std::optional<Pacer<Any>> pacer_{};
   typename Any::State z_{};
   std::vector<Place> places_{};
+  std::array<Eighth, 8> eighths_{};
+  std::size_t eighth_ = 0;  ///< of T, that it is in; 8: the energy is no longer that of the start
   std::vector<double> terms_{};
   std::size_t steps_ = 0, known_ = 0, stride_ = 1;
   double time_ = 0, last_look_ = 0, spent_ = 0, tolerance_ = 1e-2, ended_ = -1;

@@ -85,7 +85,9 @@ class Search {
     for (const Goal& goal : goals_) judge(goal);
     problem_.limit = options().max_gradients;
     finish_rows();
-    if (table_.invariant && std::isfinite(table_.unfinished)) see_to_the_end();
+    bool refuted = is_contradicted();
+    if (table_.invariant && std::isfinite(table_.unfinished)) refuted = see_to_the_end() || refuted;
+    if (refuted) count_whole_runs();
   }
 
  private:
@@ -544,10 +546,22 @@ class Search {
     });
   }
 
+  /// Whether a run of the whole is far off from what a part of one, by no smaller steps, promised.
+  SEMIEXPLICIT_COLD bool is_contradicted() const {
+    const auto contradicts = [this](const CostRow& whole, const CostRow& part) {
+      return whole.tried >= table_.time && part.tried < table_.time && part.lasts &&
+             part.setting.name() == whole.setting.name() && part.setting.dt >= 0.99 * whole.setting.dt &&
+             whole.error > 10 * std::max(part.error, table_.rounding);
+    };
+    for (const CostRow& whole : table_.rows)
+      for (const CostRow& part : table_.rows)
+        if (contradicts(whole, part)) return true;
+    return false;
+  }
+
   /// What is advised by a part of T is run to the end where the calls that are left suffice: what a motion
-  /// that gets faster does with the steps, as in a resonance, is not seen before. Where that refutes one, no
-  /// other counts without.
-  SEMIEXPLICIT_COLD void see_to_the_end() {
+  /// that gets faster does with the steps, as in a resonance, is not seen before. Whether that refutes one.
+  SEMIEXPLICIT_COLD bool see_to_the_end() {
     problem_.limit = std::min(options().max_gradients, whole_runs * table_.budget);
     bool refuted = false;
     for (const Goal& goal : goals_)
@@ -563,7 +577,10 @@ class Search {
         refuted =
             refuted || !seen.works() || seen.given_up || seen.error > std::max(goal.target, 3 * row->error);
       }
-    if (!refuted) return;
+    return refuted;
+  }
+  /// From now on no others count.
+  SEMIEXPLICIT_COLD void count_whole_runs() {
     for (CostRow& row : table_.rows)
       if (row.tried < table_.time) row.lasts = false;
     for (const Goal& goal : goals_)

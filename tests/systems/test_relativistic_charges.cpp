@@ -138,6 +138,12 @@ TEST_CASE("a solenoid turns the plane of a ray by Larmor's angle, a quadrupole f
   double angle = std::atan2(z.q()[1], z.q()[0]);
   CHECK(angle == Approx(-field.integral(z0, z.q()[2]) / (2 * p)).epsilon(1e-5));
   CHECK(field.integral(-1e4, 1e4) == Approx(0.3 * 2.0).epsilon(1e-6));
+  // Far out s(u) is 1 - R²/(2u²), on either side, and ∫B dz over a short way no difference of large numbers.
+  const double near = 999.5 - 1, far = 999.5 + 1;  // of the ends of the solenoid
+  const double b = 0.3 / 2 * 0.2 * 0.2 / 2 * (1 / (near * near) - 1 / (far * far));
+  for (const double side : {1.0, -1.0})
+    CHECK(side * field.integral(side * 999, side * 1000) == Approx(b).epsilon(1e-5).margin(0));
+  CHECK(field.integral(-0.01, 0.02) + field.integral(0.02, 1.5) == Approx(field.integral(-0.01, 1.5)));
   // Of a point on the axis of the sheet the field is that of its angles.
   CHECK(2 * field.slopes(std::array{0.0, 0.0, 0.4}).g ==
         Approx(0.15 * (1.4 / std::hypot(1.4, 0.2) + 0.6 / std::hypot(0.6, 0.2))));

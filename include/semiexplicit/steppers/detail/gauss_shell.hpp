@@ -194,7 +194,7 @@ class GaussShell {
       const Scalar rounding = Scalar(options_.stages) * felt_.sum() + 10 * epsilon * displaced();
       return off <= 100 * rounding ? status : Status::no_convergence;
     };
-    bool entries_left = false;
+    bool entries_left = false, was_nothing = false;
     const Status at_rounding = options_.tolerance == 0 ? Status::success : Status::rounding_limited;
     for (;;) {
       const Scalar change = sweep();
@@ -207,7 +207,9 @@ class GaussShell {
         if (previous > Scalar(0)) report.rate = static_cast<double>(change / previous);
         if (!isfinite(change)) return Status::not_finite;
         if (change < Scalar(options_.tolerance)) return Status::success;
-        if (change <= nothing) return ended(Status::success);
+        // From rest a sweep changes momenta alone, which may be nothing beside positions in another unit.
+        if (change == Scalar(0) || (change <= nothing && was_nothing)) return ended(Status::success);
+        was_nothing = change <= nothing;
         since_least = change < least ? 0 : since_least + 1;
         if (change < least) least = change;
         // A change grows by rounding. That of a state far from the origin, as of an angle that has wound up,

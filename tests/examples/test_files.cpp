@@ -79,9 +79,7 @@ TEST_CASE("No picture is drawn of data that went to a pipe, for which gnuplot wo
   CHECK_FALSE(fs::exists(png));
   CHECK_FALSE(fs::exists(folder.path / "data.gp"));
 }
-#endif
 
-#if defined(__linux__)
 TEST_CASE("A picture that a full disk cuts short is an error, and is not there", "[examples]") {
   const Folder folder;
   if (mount("none", folder.path.c_str(), "tmpfs", 0, "size=32k") != 0) {

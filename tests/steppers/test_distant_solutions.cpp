@@ -152,27 +152,18 @@ TEST_CASE(
   CHECK(accepted > 3000);
 }
 
-namespace {
-
-template <class T>
-struct Well {
-  using Scalar = T;
-  static constexpr int Dof = 1;
-  T inverse_mass, spring;
-  void gradient(In<T, 1> q, In<T, 1> p, Out<T, 1> dHdq, Out<T, 1> dHdp) const {
-    dHdq[0] = spring * q[0];
-    dHdp[0] = inverse_mass * p[0];
-  }
-};
-
-}  // namespace
-
 TEMPLATE_TEST_CASE("A start at rest is solved where momenta are nothing beside positions: one stage", "",
                    float, double) {
   using Scalar = TestType;
   const double mass = std::same_as<Scalar, float> ? 1e-26 : 1e-33, length = mass < 1e-30 ? 1e18 : 1e3,
                rate = mass < 1e-30 ? 1e-14 : 1e-2, angle = 2 * std::atan(0.15);
-  const Well<Scalar> well{Scalar(1 / mass), Scalar(mass * rate * rate)};
+  const auto lightness = static_cast<Scalar>(1 / mass), spring = static_cast<Scalar>(mass * rate * rate);
+  const auto well = make_hamiltonian<Scalar, 1>(
+      [=](const auto& q, const auto& p) { return (lightness * p[0] * p[0] + spring * q[0] * q[0]) / 2; },
+      [=](const auto& q, const auto& p, auto&& dHdq, auto&& dHdp) {
+        dHdq[0] = spring * q[0];
+        dHdp[0] = lightness * p[0];
+      });
   GaussLegendre stepper(well, {.stages = 1});
   PhasePoint<Scalar, 1> z(Scalar(length), Scalar(0));
   REQUIRE(stepper.step(z, Scalar(0.3 / rate)).ok());

@@ -13,6 +13,7 @@
 #include <semiexplicit/time.hpp>
 
 #include "kepler.hpp"
+#include "oscillator.hpp"
 #include "refusal.hpp"
 
 namespace test_time_transformed {
@@ -228,13 +229,12 @@ TEST_CASE("A relativistic orbit of eccentricity 0.95", "[time transformed]") {
 }
 
 TEST_CASE("A step from where the monitor function is not positive fails", "[time transformed]") {
-  const auto h = from_energy<1>([](const auto& q, const auto& p) { return (q[0] * q[0] + p[0] * p[0]) / 2; });
   const double zero = GENERATE(-0.5, -0.2);
   const auto g = [zero](const auto& q, auto&& dgdq) {
     dgdq[0] = 1;
     return q[0] - zero;
   };
-  const TimeTransformed k(h, g, 0.5);
+  const TimeTransformed k(OscillatorOf<double>{}, g, 0.5);
   for (const double ds : {0.5, 1.0, 1.5, 2.0}) {
     CAPTURE(zero, ds);
     MidpointProjection stepper(k, schemes::strang());

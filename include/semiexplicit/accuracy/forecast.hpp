@@ -67,9 +67,8 @@ class Forecast {
     const double T = table_.time;
     // What rounding has made of it grows in its own way.
     const double known = table_.invariant ? problem_.rounding_of_invariant(dt) * std::sqrt(probe.length / T)
-                                          : reference_.apart(probe.length) / table_.unit;
-    if (!(probe.length < T * (1 - 1e-12)))
-      return probe.error + (table_.invariant ? problem_.judged.noise : known);
+                                          : known_by_reference(probe);
+    if (is_whole(probe)) return probe.error + (table_.invariant ? problem_.judged.noise : known);
     const double error = std::max(0.0, probe.error - 2 * known),
                  early = std::max(0.0, probe.early - 2 * known);
     // Only the energy, and of a symplectic method, is kept within bounds.
@@ -107,8 +106,8 @@ class Forecast {
   }
   /// Whether what a trial saw holds to T, as far as a neighbouring orbit and its own error tell.
   bool lasts(const Candidate& candidate, const Probe& probe) const {
-    if (!(probe.length < table_.time * (1 - 1e-12))) return true;
-    const double known = 2 * reference_.apart(probe.length) / table_.unit;
+    if (is_whole(probe)) return true;
+    const double known = 2 * known_by_reference(probe);
     const bool is_fast = !table_.invariant && probe.error - known > much_in_trial * (probe.early + known);
     return goes_on(candidate) && looked_beside() && !(is_fast && probe.length < table_.time / 2);
   }
@@ -130,6 +129,10 @@ class Forecast {
  private:
   double loosest() const { return *std::max_element(table_.targets.begin(), table_.targets.end()); }
   double tightest() const { return *std::min_element(table_.targets.begin(), table_.targets.end()); }
+
+  bool is_whole(const Probe& probe) const { return !(probe.length < table_.time * (1 - 1e-12)); }
+  /// How well the reference knows the observable until there, in the unit of errors.
+  double known_by_reference(const Probe& probe) const { return reference_.apart(probe.length) / table_.unit; }
 
   /// What the stopping rule of a projection, and rounding that has a sign, let an invariant drift behind a
   /// trial: as fast as in it, by no more than so many of these a step.

@@ -78,12 +78,11 @@ class Neighbour {
     if (end == 0 || t >= T) return 1;
     const auto grown = [&](const auto& since) {
       const double half = std::log(since(end / 2)), quarter = std::log(since(end / 4)) - half,
-                   power = std::clamp((half + quarter) / std::log(4.0), 1.0, 3.0),
-                   seen = since(std::min(t, end)), behind = T / std::max(t, end);
+                   power = std::clamp((half + quarter) / std::log(4.0), 1.0, 3.0), from = std::max(t, end);
       // What grows by far more in the second half than from a quarter to that is exponential.
-      const bool exponential = half > 1 && half > 1.5 * quarter;
-      const double by_rate = exponential ? 2 * half * (behind - 1) * std::max(t, end) / end : 0;
-      return seen * std::max(std::pow(behind, power), std::exp(std::min(by_rate, 500.0)));
+      const double rate = half > 1 && half > 1.5 * quarter ? 2 * half / end : 0;
+      return since(std::min(t, end)) *
+             std::max(std::pow(T / from, power), std::exp(std::min(rate * (T - from), 500.0)));
     };
     return std::max(grown([this](double from) { return growth_since(from); }),
                     grown([this](double from) { return error_since(from); }));

@@ -178,9 +178,10 @@ class Scout {
   SEMIEXPLICIT_COLD void note_pace(double dt) {
     const auto now = std::min(eighths_.size() - 1, static_cast<std::size_t>(8 * time_ / problem_.table.time));
     // What errors have made of a small motion beside a large one is no motion that gets faster.
-    const bool is_known = problem_.options.observable.is_energy() || kept_ == time_;
-    if (now > eighth_ && eighth_ < eighths_.size())
-      eighth_ = is_known && problem_.keeps_energy(z_, 0.01) ? now : eighths_.size();
+    const auto is_known = [this] {
+      return problem_.options.observable.is_energy() ? problem_.keeps_energy(z_, 0.01) : kept_ == time_;
+    };
+    if (now > eighth_) eighth_ = is_known() ? now : eighths_.size();
     if (eighth_ == now && pacer_->pace() > 0)
       eighths_[now].time += dt, eighths_[now].sum += dt * std::log(pacer_->pace());
   }

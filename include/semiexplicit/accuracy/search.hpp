@@ -550,8 +550,9 @@ class Search {
   SEMIEXPLICIT_COLD bool is_contradicted() const {
     const auto contradicts = [this](const CostRow& whole, const CostRow& part) {
       return whole.tried >= table_.time && part.tried < table_.time && part.lasts &&
-             part.setting.name() == whole.setting.name() && part.setting.dt >= 0.99 * whole.setting.dt &&
-             whole.error > 10 * std::max(part.error, table_.rounding);
+             part.setting.dt >= 0.99 * whole.setting.dt &&
+             whole.error > 10 * std::max(part.error, table_.rounding) &&
+             part.setting.name() == whole.setting.name();
     };
     for (const CostRow& whole : table_.rows)
       for (const CostRow& part : table_.rows)

@@ -82,7 +82,7 @@ class TimeTransformed
       throw std::invalid_argument(
           "TimeTransformed: the monitor function leaves entries of its gradient unwritten, or not finite; "
           "write all of dgdq, and of g(q, p, dgdq, dgdp) all of dgdp");
-    if (!isfinite(energy) || !isfinite(g) || !(g > Scalar(0)))
+    if (!isfinite(energy) || !isfinite(g))
       throw std::invalid_argument(
           "TimeTransformed: the energy or the monitor function is not finite here, or the monitor function "
           "not positive; check the initial data");

@@ -144,8 +144,8 @@ class GaussShell {
   }
 
   /// Repeats sweep(), which returns the sum of the absolute values of what it changed in the stages'
-  /// displacements from z, until that is zero, or nothing beside them in any units, within the tolerance, or
-  /// but the rounding of z and the displacements, in each entry as well.
+  /// displacements from z, until that is zero, or twice nothing beside them in any units, within the
+  /// tolerance, or but the rounding of z and the displacements, in each entry as well.
   template <class Sweep>
   Status iterate(const State& z, StepReport& report, const Sweep& sweep) {
     using std::isfinite;
@@ -194,7 +194,7 @@ class GaussShell {
       const Scalar rounding = Scalar(options_.stages) * felt_.sum() + 10 * epsilon * displaced();
       return off <= 100 * rounding ? status : Status::no_convergence;
     };
-    bool entries_left = false, was_nothing = false;
+    bool entries_left = false;
     const Status at_rounding = options_.tolerance == 0 ? Status::success : Status::rounding_limited;
     for (;;) {
       const Scalar change = sweep();
@@ -208,8 +208,8 @@ class GaussShell {
         if (!isfinite(change)) return Status::not_finite;
         if (change < Scalar(options_.tolerance)) return Status::success;
         // From rest a sweep changes momenta alone, which may be nothing beside positions in another unit.
+        const bool was_nothing = previous > Scalar(0) && previous <= nothing;
         if (change == Scalar(0) || (change <= nothing && was_nothing)) return ended(Status::success);
-        was_nothing = change <= nothing;
         since_least = change < least ? 0 : since_least + 1;
         if (change < least) least = change;
         // A change grows by rounding. That of a state far from the origin, as of an angle that has wound up,

@@ -143,6 +143,11 @@ TEST_CASE("a solenoid turns the plane of a ray by Larmor's angle, a quadrupole f
   const double b = 0.3 / 2 * 0.2 * 0.2 / 2 * (1 / (near * near) - 1 / (far * far));
   for (const double side : {1.0, -1.0})
     CHECK(side * field.integral(side * 999, side * 1000) == Approx(b).epsilon(1e-5).margin(0));
+  // A short one from far out on one side to the other.
+  CHECK(charges::SolenoidField(0.3, 0.1, 0.2).integral(-1e6, 1e6) ==
+        Approx(0.3 * 0.1 * (1 - 0.02 * 1e-12)).epsilon(4e-16).margin(0));
+  CHECK(charges::SolenoidField<float>(0.3f, 0.01f, 0.02f).integral(-8e3f, 9e3f) ==
+        Approx(0.3f * 0.01f).epsilon(4e-7).margin(0));
   CHECK(field.integral(-0.01, 0.02) + field.integral(0.02, 1.5) == Approx(field.integral(-0.01, 1.5)));
   // Of a point on the axis of the sheet the field is that of its angles.
   CHECK(2 * field.slopes(std::array{0.0, 0.0, 0.4}).g ==

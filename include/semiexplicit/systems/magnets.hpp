@@ -25,20 +25,23 @@ struct SolenoidField : detail::AxialPotential<SolenoidField<Scalar>> {
       : b(strength), length(of_length), radius(of_radius) {}
   Scalar b, length, radius;
 
-  /// ∫B dz on the axis, also far out, where s is nearly ±1 at both ends.
+  /// ∫B dz on the axis: b/2 times what √((z + L/2)² + R²) - √((z - L/2)² + R²) grows by.
   Scalar integral(const Scalar& from, const Scalar& to) const {
     using std::hypot;
-    const Scalar far_out(from + to < Scalar(0) ? -1 : 1);
-    // The mean of s from u to v without that.
-    const auto mean = [&](const Scalar& u, const Scalar& v) {
-      const auto less = [&](const Scalar& w) {  // √(w² + R²) less w or -w
-        const Scalar root = hypot(w, radius), along = far_out * w;
-        return along > Scalar(0) ? Scalar(radius * (radius / (root + along))) : Scalar(root - along);
-      };
-      return Scalar(-far_out * (less(u) + less(v)) / (hypot(u, radius) + hypot(v, radius)));
-    };
     const Scalar half = length / 2;
-    return b / 2 * (to - from) * (mean(from + half, to + half) - mean(from - half, to - half));
+    const auto root = [this](const Scalar& z) { return Scalar(hypot(z, radius)); };
+    const auto value = [&](const Scalar& z) {
+      return Scalar(length * (2 * z / (root(z + half) + root(z - half))));
+    };
+    // What it lacks of L far out, where the difference has no digits.
+    const auto lacks = [&](const Scalar& z) {
+      const Scalar begin = root(z + half), end = root(z - half), both = begin + end;
+      return Scalar(length * (radius / both) * (radius / (begin + (z + half)) + radius / (end + (z - half))));
+    };
+    const Scalar far_out = half + radius;
+    if (from > far_out && to > far_out) return b / 2 * (lacks(from) - lacks(to));
+    if (from < -far_out && to < -far_out) return b / 2 * (lacks(-to) - lacks(-from));
+    return b / 2 * (value(to) - value(from));
   }
 
   auto slopes(const auto& x) const {

@@ -342,6 +342,58 @@ TEST_CASE("A surface that is crossed before a bounce in the same step tells of i
   }
 }
 
+TEST_CASE("A line through the very point of a bounce does not move it, and is told once", "[events]") {
+  // Free flight in the unit box; behind some bounces the ball leaves the line more slowly than it came, and
+  // the times of both are the same but for rounding.
+  const auto H = from_energy<2>([](const auto&, const auto& p) { return p[0] * p[0] / 2 + p[1] * p[1] / 2; });
+  using State = PhasePoint<double, 2>;
+  struct Flight {
+    double x, y, speed_x, speed_y, dt, t_end, a, b, level;
+  };
+  const Flight flights[] = {
+      {0.5, 0.75, 1.25, 1.25, -0.75, -15.3, -1.9790578126853469, 1.8431833222449727, 0.46079583056124318},
+      {0.25, 0.5, 1.5, 1.5, -0.75, -15.0, 0.995361328125, 1.5439910888671875, 0.24884033203125},
+      {0.75, 0.375, -1.75, 1.75, 0.3145, 17.5, 1.392822265625, -0.8397979736328125, -0.73482322692871094}};
+  for (const Flight& f : flights) {
+    CAPTURE(f.x, f.dt);
+    const auto bounce = [](int i) { return [i](double, State& z) { z.p()[i] *= -1; }; };
+    const auto beyond = [](int i, double wall) {
+      return [=](const auto& q, const auto&) { return (2 * wall - 1) * (q[i] - wall); };
+    };
+    const auto rising = CrossingDirection::rising;
+    auto watch =
+        events(H,
+               on_event([&](const auto& q, const auto&) { return f.a * q[0] + f.b * q[1] - f.level; },
+                        [](double, const State&) {}),
+               on_event(beyond(0, 0), bounce(0), rising), on_event(beyond(0, 1), bounce(0), rising),
+               on_event(beyond(1, 0), bounce(1), rising), on_event(beyond(1, 1), bounce(1), rising));
+    Semiexplicit stepper(H, schemes::low_defect6_s13());
+    State z({f.x, f.y}, {f.speed_x, f.speed_y});
+    integrate(stepper, z, {.dt = f.dt, .t_end = f.t_end}, watch);
+    // The box unfolded, and what the line is crossed by on each straight way, its end included.
+    const auto folded = [](double x) { return std::abs(x - 2 * std::round(x / 2)); };
+    const double forth = f.t_end < 0 ? -1 : 1, shortly = 1e-6 * forth;
+    std::vector<double> turns{0, f.t_end};
+    for (int wall = -40; wall <= 40; ++wall)
+      for (const double t : {(wall - f.x) / f.speed_x, (wall - f.y) / f.speed_y})
+        if (t / f.t_end > 0 && t / f.t_end < 1) turns.push_back(t);
+    std::sort(turns.begin(), turns.end(), [forth](double s, double t) { return forth * s < forth * t; });
+    int crossings = 0;
+    for (std::size_t i = 0; i + 1 < turns.size(); ++i) {
+      const double from = turns[i] + shortly, way = turns[i + 1] - turns[i];
+      if (!(forth * way > 1e-9)) continue;  // a corner
+      const auto s = [&](double t) {
+        return f.a * folded(f.x + f.speed_x * t) + f.b * folded(f.y + f.speed_y * t) - f.level;
+      };
+      const double at_first = s(from), a_unit = (s(from + way / 2) - at_first) / (way / 2);
+      crossings += (at_first > 0) != (at_first + a_unit * way > 0);
+    }
+    CHECK(watch.count(0) == crossings);
+    CHECK(z.q()[0] == Approx(folded(f.x + f.speed_x * f.t_end)).margin(1e-13));
+    CHECK(z.q()[1] == Approx(folded(f.y + f.speed_y * f.t_end)).margin(1e-13));
+  }
+}
+
 TEST_CASE("The end of a driven run that bounces is served by at_times", "[events][long]") {
   const Autonomous K(from_energy<1>([](const auto& t, const auto& q, const auto& p) {
     using std::cos;

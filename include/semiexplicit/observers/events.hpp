@@ -220,6 +220,7 @@ class Events {
     Found first;
     std::array<int, number> after{};
     std::array<bool, number> crossed{};
+    std::array<Scalar, number> when{};
     each([&](std::size_t k, auto& kind) {
       after[k] = known_[k].side;
       if (known_[k].open) return;
@@ -228,6 +229,7 @@ class Events {
       after[k] = crossing.to;
       if (!kind.counts(crossing.to)) return;
       crossed[k] = true;
+      when[k] = crossing.x;
       if (!first || abs(crossing.x) < abs(first.x)) first = {k, crossing.x};
     });
     if (!first) {
@@ -247,11 +249,17 @@ class Events {
         const auto crossing = leaves_side(k, kind, start, cut_, first.x, near, along(kind), settled[k]);
         if (!crossing.to || !kind.counts(crossing.to) || !(abs(crossing.x) < abs(first.x))) return;
         crossed[k] = true;
+        when[k] = crossing.x;
         after[k] = crossing.to;
         first = {k, crossing.x};
         earlier = true;
       });
     }
+    // Beside what is told at the same time an action takes the state of its own surface.
+    each([&](std::size_t k, const auto&) {
+      if (acting[k] && !acting[first.kind] && crossed[k] && abs(when[k] - first.x) <= abs(same_time(near)))
+        first = {k, when[k]};
+    });
     known_[first.kind].cross(after[first.kind]);
     // Of another surface that is crossed at the same time rounding decides on which side the state at the
     // event is, and in which step it is crossed; and the action may turn the orbit back. Its crossing is

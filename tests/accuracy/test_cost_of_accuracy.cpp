@@ -194,6 +194,15 @@ TEST_CASE("a row of either method runs") {
   CHECK(contains(refusal([&] { run(product, z, 1, {.scheme = "no such", .dt = 0.1}); }), "no such"));
 }
 
+TEST_CASE("what no calls were left to follow is no rounding") {
+  CostTable cost;
+  cost.invariant = false, cost.time = 3e9, cost.rounding = 1e-8;
+  CHECK(cost.reach(1e-9) == Reach::rounding);
+  cost.rounding = 1e154;  // a growth that was seen over a part of the time, and extrapolated
+  CHECK(cost.reach(1e-9) == Reach::budget);
+  CHECK(cost.why(1e-9).find("max_gradients") != std::string::npos);
+}
+
 TEST_CASE("bad requests are refused by name") {
   const systems::Product<double> product;
   const PhasePoint<double, 1> z0(-3, 0);

@@ -114,9 +114,10 @@ struct CostTable {
     if (cheapest(target)) return Reach::met;
     if (observable_end <= time) return Reach::not_finite;
     if (orbit_end < time) return Reach::orbit_ends;
-    if (target < rounding) return Reach::rounding;
+    // More than the observable itself is no rounding that was seen, but growth that was not followed.
+    if (target < rounding && (invariant || !(rounding > size))) return Reach::rounding;
     if (harder_ahead()) return Reach::budget;
-    return target <= unfinished ? Reach::budget : Reach::no_step;
+    return target <= std::max(unfinished, rounding) ? Reach::budget : Reach::no_step;
   }
   /// The same in words, with what to do about it; empty where the target is met.
   SEMIEXPLICIT_COLD std::string why(double target) const {

@@ -253,11 +253,16 @@ SEMIEXPLICIT_COLD inline std::ostream& operator<<(std::ostream& out, const CostT
       << (cost.relative ? ", for a relative error of at most (the unit is " + in_words(cost.unit, 3) + ")"
                         : std::string(", for an absolute error of at most"))
       << ":\n         " << header;
+  const auto as_far_as = [&](const CostRow& row) {
+    return row.works() && row.tried < cost.time
+               ? "; tried over " + in_words(100 * row.tried / cost.time, 2) + "%"
+               : std::string();
+  };
   for (const double target : cost.targets) {
     out << figure(target, 0, 7, true) << "  ";
     if (const auto row = cost.cheapest(target)) {
       const double runs = cost.fraction_of(*row);  // that the search took
-      out << *row << "; the search took " << in_words(runs < 1 ? 100 * runs : runs, 2)
+      out << *row << as_far_as(*row) << "; the search took " << in_words(runs < 1 ? 100 * runs : runs, 2)
           << (runs < 1 ? "% of that\n" : " times that\n");
     } else {
       out << "out of reach: " << cost.why(target);
@@ -271,16 +276,14 @@ SEMIEXPLICIT_COLD inline std::ostream& operator<<(std::ostream& out, const CostT
   if (cost.rows.empty()) return out << "\nNo setting was tried over the whole time.\n" << spent;
   out << "\nAll that was tried:\n         " << header;
   for (const CostRow& row : cost.rows) {
-    out << "         " << row;
-    if (row.works() && row.tried < cost.time)
-      out << "; tried over " << in_words(100 * row.tried / cost.time, 2) << "%"
-          << (std::isinf(row.error) ? ", without what is hard behind" : "");
-    out << '\n';
+    out << "         " << row << as_far_as(row)
+        << (std::isinf(row.error) ? ", without what is hard behind\n" : "\n");
   }
-  out << "\nThe best were tried from z0 to t = " << in_words(cost.tried, 3) << ", "
+  out << "\nThe race went from z0 to t = " << in_words(cost.tried, 3) << ", "
       << in_words(cost.tried / cost.time_scale, 2) << " characteristic times of "
       << in_words(cost.time_scale, 3);
-  if (cost.tried < cost.time) out << ", and extrapolated as errors were seen to grow";
+  if (cost.tried < cost.time)
+    out << "; behind what was tried errors are extrapolated as they were seen to grow";
   out << (cost.invariant ? ". An invariant: errors are those from its first value.\n"
                          : ". Errors are those from a run that is known to " +
                                figure(cost.reference_error, 1, 0, true) + " over T.\n");

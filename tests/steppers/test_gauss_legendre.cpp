@@ -5,6 +5,7 @@
 #include <limits>
 #include <memory>
 #include <stdexcept>
+#include <utility>
 
 #include <semiexplicit/derivatives.hpp>
 #include <semiexplicit/ensemble.hpp>
@@ -437,6 +438,39 @@ struct Wall {
   }
 };
 }  // namespace
+
+template <class T>
+struct CoupledPendula {
+  using Scalar = T;
+  static constexpr int Dof = 2;
+  T stiffness = T(0.041673142462968826);
+  void gradient(In<T, 2> q, In<T, 2> p, Out<T, 2> dHdq, Out<T, 2> dHdp) const {
+    using std::sin;
+    dHdq[0] = sin(q[0]) + stiffness * (q[0] - q[1]);
+    dHdq[1] = sin(q[1]) - stiffness * (q[0] - q[1]);
+    dHdp = p;
+  }
+};
+
+TEST_CASE("An iteration that still shrinks at its last sweep is no success", "[gauss]") {
+  // Changes shrink by a complex rate here, and in turns: the last one need not be the least.
+  const auto step = []<class T>(T, int max_iterations) {
+    GaussLegendre stepper(CoupledPendula<T>{}, {.stages = 4, .max_iterations = max_iterations});
+    PhasePoint<T, 2> z({T(2.2556581497192383), T(0.34215390682220459)}, {T(0), T(0)});
+    const bool ok = stepper.step(z, T(-4.2731337547302246)).ok();
+    return std::pair(ok, Eigen::VectorXd(z.vector().template cast<double>()));
+  };
+  const auto [solved, right] = step(0.0L, 3000);
+  REQUIRE(solved);
+  int successes = 0;
+  for (int most = 60; most <= 300; ++most) {
+    CAPTURE(most);
+    const auto [ok, z] = step(0.0f, most);
+    successes += ok;
+    if (ok) CHECK((z - right).norm() < 3e-5);
+  }
+  CHECK(successes > 100);
+}
 
 TEST_CASE("Positions and momenta that run away by turns are no success", "[gauss]") {
   PhasePoint<double, 1> z(-1729273.7822723263, -0.67588149094766647);

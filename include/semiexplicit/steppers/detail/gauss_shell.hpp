@@ -158,6 +158,7 @@ class GaussShell {
     const Scalar size = sum_of_absolutes(z.vector()), nothing = epsilon * (epsilon * (epsilon * size));
     Scalar previous(0), least = std::numeric_limits<Scalar>::infinity();
     int since_least = 0;
+    Scalar earlier[] = {least, least};  // what that was two and one of some sweeps ago
     int feels = 0;
     Scalar felt_at(0);  // displaced() then
     // Only of changes that are small beside the displacements their rounding is felt, too: far out it moves
@@ -212,6 +213,7 @@ class GaussShell {
         if (change == Scalar(0) || (change <= nothing && was_nothing)) return ended(Status::success);
         since_least = change < least ? 0 : since_least + 1;
         if (change < least) least = change;
+        if (report.evaluations % 16 == 0) earlier[0] = std::exchange(earlier[1], least);
         // A change grows by rounding. That of a state far from the origin, as of an angle that has wound up,
         // or of a late time, may be above that of the displacements, or nowhere at all: it is measured.
         if (since_least >= (options_.solver == StageSolver::newton ? 1 : 3)) {
@@ -235,11 +237,12 @@ class GaussShell {
       }
       if (report.evaluations < options_.max_iterations) continue;
       if (!seen) return Status::no_convergence;
-      if (since_least == 0) return Status::no_convergence;  // it goes on to shrink
-      const bool moved = settles();
+      // It goes on to shrink, in turns where its rate is complex.
+      if (since_least == 0) return Status::no_convergence;
+      const bool moved = settles(), shrinks = !(earlier[0] <= Scalar(1.1) * least);
       feel(moved);
-      return (moved || stays()) && is_within_felt(moved ? 100 : 1) ? ended(at_rounding)
-                                                                   : Status::no_convergence;
+      return (moved || stays()) && is_within_felt(moved && !shrinks ? 100 : 1) ? ended(at_rounding)
+                                                                               : Status::no_convergence;
     }
   }
 

@@ -93,11 +93,14 @@ double reached(const Cost& cost, const CostRow& advice, PhasePoint<double, 2> z,
   return worst / size;
 }
 
+double size_of(double x) { return std::abs(x); }
+double size_of(const Eigen::Vector2d& x) { return x.norm(); }
+
 /// By how much f of a run that is advised differs from f exact at most.
 double worst_off(const auto& cost, const CostRow& advice, auto z, const auto& f, const auto& exact) {
   double worst = 0;
   cost.run(z, advice, [&](double t, const auto& now) {
-    worst = std::max(worst, std::abs(f(now.q(), now.p()) - exact(t)));
+    worst = std::max(worst, size_of(f(now.q(), now.p()) - exact(t)));
   });
   return worst;
 }
@@ -605,6 +608,50 @@ TEST_CASE("a motion that gets faster in the course of the time is run to the end
     return (c + 0.3 * s) * (0.3 * c - s);
   };
   check(cost_of_accuracy(h, z0, T, {.observable = product, .targets = {1e-6}}), 1e-6, product, turned);
+}
+
+TEST_CASE("a wall that comes behind the trials, once, is no surprise", "[long]") {
+  // A free motion x to a wall exp(-k x) and back, beside an oscillator.
+  struct Flight {
+    double steep, speed, rate, arrives, T, target;
+    bool shows_angle;
+  };
+  for (const auto& [k, speed, w, arrives, T, target, shows_angle] :
+       {Flight{14.632, 0.110871, 0.781582, 3778, 18097.5, 1e-8, true},
+        Flight{10.75, 2.544, 23.17, 322.5, 668.52, 1.45e-7, false}}) {
+    CAPTURE(T);
+    const auto h = from_energy<2>([k = k, w = w](const auto& q, const auto& p) {
+      return p[0] * p[0] / 2 + exp(-k * q[0]) + w / 2 * (q[1] * q[1] + p[1] * p[1]);
+    });
+    const double log_energy = std::log(speed * speed / 2);
+    const auto x = [&, k = k, speed = speed, arrives = arrives](double t) {  // (2 ln cosh e - ln(v²/2))/k
+      const double e = std::abs(k * speed * (t - arrives) / 2);
+      return (2 * (e + std::log1p(std::exp(-2 * e)) - std::log(2.0)) - log_energy) / k;
+    };
+    const PhasePoint<double, 2> z0({x(0), 0.5}, {-speed, 0.7});
+    const auto shown = [angle = shows_angle](double position) {
+      return angle ? Eigen::Vector2d(std::sin(position), std::cos(position)) : Eigen::Vector2d(position, 0);
+    };
+    const auto f = [shown](const auto& q, const auto&) { return shown(q[0]); };
+    const auto cost =
+        cost_of_accuracy(h, z0, T, {.observable = f, .targets = {target}, .absolute = !shows_angle});
+    if (const auto advice = cost.cheapest(target))
+      CHECK(worst_off(cost, *advice, z0, f, [&](double t) { return shown(x(t)); }) < 3 * target);
+    else
+      CHECK(cost.reach(target) == Reach::budget);
+  }
+}
+
+TEST_CASE("a coarse run that leaves for where the orbit never comes does not set the unit", "[long]") {
+  // A pendulum near its separatrix, which steps that are a little off take over the top, to wind.
+  const double T = 2549;
+  const auto h = from_energy<2>([](const auto& q, const auto& p) {
+    return p[0] * p[0] / 2 - cos(q[0]) + 8.5 / 2 * (q[1] * q[1] + p[1] * p[1]);
+  });
+  const PhasePoint<double, 2> z0({0, 0.5}, {2 * (1 - 1e-8), 0.7});
+  const auto cost = cost_of_accuracy(
+      h, z0, T, {.observable = observables::Positions{}, .targets = {1e-5}, .reversible = false});
+  CHECK(cost.unit < 6.6);  // twice the largest position, π and the oscillator's 0.86
 }
 
 TEST_CASE("the distance of bodies that fall together is rounded as their places grow, and advice counts that",

@@ -86,6 +86,9 @@ class Forecast {
       for (const auto& [step, seen] : candidate.trials)
         if (step > dt && seen.works() && seen.asked == probe.asked && seen.error > 4 * known)
           hidden = error_of(candidate, seen, step) * std::pow(dt / step, candidate.order);
+    // Nor is what rounding hides nothing where a neighbouring orbit saw errors grow by far more behind.
+    if (!table_.invariant)
+      hidden = std::max(hidden, std::min(known, probe.error) * neighbour_.growth_from(probe.length) / 2);
     return std::max(error * growth * harder, hidden) +
            (table_.invariant ? problem_.rounding_of_invariant(dt) + drift_of(candidate, probe, dt, known)
                              : table_.rounding);
@@ -99,17 +102,20 @@ class Forecast {
   /// Whether steps go on to T as they were seen to before. What is not symplectic may become unstable, and
   /// reversible steps fail where their densities come to swing; where few of many equal ones fall into the
   /// hard places, errors differ from one passage to the next, and what a drive does but once is no passage.
-  /// Nor is a motion that gets faster: errors grow by more than the order says where steps become long.
+  /// Nor is a motion that gets faster: errors grow by more than the order says where steps become long; nor
+  /// where the observable is to be off by far more behind a trial.
   bool goes_on(const Candidate& candidate) const {
     const double most = timed ? 4 : problem_.options.observable.is_energy() ? 1000 : 100;
-    return candidate.is_symplectic() && varies_ <= most && scout_.speeds_up() <= much_faster;
+    return candidate.is_symplectic() && varies_ <= most && scout_.speeds_up() <= much_faster &&
+           !scout_.errs_behind(table_.tried);
   }
   /// Whether what a trial saw holds to T, as far as a neighbouring orbit and its own error tell.
   bool lasts(const Candidate& candidate, const Probe& probe) const {
     if (is_whole(probe)) return true;
     const double known = 2 * known_by_reference(probe);
     const bool is_fast = !table_.invariant && probe.error - known > much_in_trial * (probe.early + known);
-    return goes_on(candidate) && looked_beside() && !(is_fast && probe.length < table_.time / 2);
+    return goes_on(candidate) && !scout_.errs_behind(probe.seen_to()) && looked_beside() &&
+           !(is_fast && probe.length < table_.time / 2);
   }
 
   /// How much harder it gets behind a trial. Where the race may go on to that, it need not be counted in
@@ -147,8 +153,7 @@ class Forecast {
   /// What the reference is worth at T.
   SEMIEXPLICIT_COLD void judge_reference(double length) {
     if (!problem_.options.absolute) {
-      const double size =
-          length < table_.time ? std::max(reference_.size(), scout_.largest_at_end()) : reference_.size();
+      const double size = length < table_.time ? size_at_end(length) : reference_.size();
       problem_.measure_in(size > 0 ? size : 1);
       table_.relative = size > 0;
     }
@@ -179,6 +184,16 @@ class Forecast {
     table_.reference_error = apart(length) * grown(length, std::clamp(power, least, most_power));
     table_.rounding = more_rounding * table_.reference_error;
     table_.reference_time = length;
+  }
+
+  /// ‖f‖ up to T, of which the coarse run knows more, but by no more than the reference lets expect: it may
+  /// have left for where the orbit never comes, as over a saddle.
+  SEMIEXPLICIT_COLD double size_at_end(double length) const {
+    const double seen = reference_.size(), half = reference_.size_until(length / 2),
+                 coarse = scout_.largest_at_end();
+    if (!(half > 0)) return std::max(seen, coarse);
+    const double power = std::min(std::log2(seen / half), 3.0);
+    return std::clamp(coarse, seen, 2 * seen * std::pow(table_.time / length, power));
   }
 
   /// Whether neighbouring orbits were followed for long enough to tell chaos from a power of the time.

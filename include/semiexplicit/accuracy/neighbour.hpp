@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 #include <vector>
 
@@ -111,10 +112,11 @@ class Neighbour {
     double t = 0, of_f = 0, of_error = 0;  ///< by how much f differs at most until then, and by its error
     Column of_each{};                      ///< and each degree of freedom
   };
+  /// The last that was noted until then: what comes shortly behind t is growth.
   const Seen& at(double t) const {
     const auto behind =
-        std::find_if(seen_.begin(), seen_.end(), [t](const Seen& seen) { return seen.t >= t; });
-    return behind == seen_.end() ? seen_.back() : *behind;
+        std::find_if(seen_.begin(), seen_.end(), [t](const Seen& seen) { return seen.t > t; });
+    return behind == seen_.begin() ? *behind : *std::prev(behind);
   }
   /// By what factor f goes apart from t on: what it does not show takes nothing from it, and it may show a
   /// small motion beside a large one.

@@ -71,6 +71,18 @@ class Scout {
     return std::max(1.0, seen / least / 1.3);
   }
 
+  /// Whether steps behind that time are off by far more than as long ones until then, as at a wall that a
+  /// free motion comes to once: the observable may show nothing of it before.
+  SEMIEXPLICIT_COLD bool errs_behind(double length) const {
+    double until = 1e3 * Problem<Any>::epsilon * largest_.back(), longest = 0;
+    for (const Place& place : places_)
+      if (place.t <= length) until = std::max(until, place.off), longest = std::max(longest, place.pace);
+    return std::any_of(places_.begin(), places_.end(), [&](const Place& place) {
+      const double longer = std::max(1.0, place.pace / longest);
+      return place.t > length && longest > 0 && place.off > much_more * until * std::pow(longer, 5);
+    });
+  }
+
   /// How much finer steps become in the course of T, as those of a motion that gets faster: the least of the
   /// eighths of T beside the first one, as far as the energy was kept.
   SEMIEXPLICIT_COLD double speeds_up() const {
@@ -131,6 +143,7 @@ class Scout {
  private:
   struct Place {
     double t, pace;
+    double off;  ///< the largest since the place before, of the observable in a step
   };
   /// The logarithm of the pace, over an eighth of T.
   struct Eighth {
@@ -144,7 +157,7 @@ class Scout {
     places_.clear(), terms_.clear(), largest_.assign(1, 0);
     eighths_.fill({}), eighth_ = 0;
     steps_ = known_ = 0, stride_ = 1;
-    time_ = last_look_ = kept_ = wrong_ = 0, keeps_energy_ = true;
+    time_ = last_look_ = kept_ = wrong_ = off_ = 0, keeps_energy_ = true;
   }
 
   SEMIEXPLICIT_COLD bool follow(double calls, double most) {
@@ -157,13 +170,13 @@ class Scout {
       if (dt == 0) break;
       time_ = dt == T - time_ ? T : time_ + dt;
       ++steps_;
-      if (pacer_->pace() > 0 && ++known_ % stride_ == 0) {
-        places_.push_back({time_, pacer_->pace()});
-        if (places_.size() == most_places) thin();
-      }
       if (!problem_.options.observable.is_energy()) {  // whose size is known
         keeps_energy_ = keeps_energy_ && problem_.keeps_energy(z_, 0.01);
         if (keeps_energy_) measure();
+      }
+      if (pacer_->pace() > 0 && ++known_ % stride_ == 0) {
+        places_.push_back({time_, pacer_->pace(), std::exchange(off_, 0)});
+        if (places_.size() == most_places) thin();
       }
       note_pace(dt);
       if (time_ < 2 * last_look_ && time_ < T) continue;
@@ -195,20 +208,24 @@ class Scout {
     if (!std::isfinite(size)) return;
     if (!(off < 0.1 * std::max(size, largest_.back()))) wrong_ += off;
     if (!(wrong_ < 0.3 * std::max(size, largest_.back()))) return;
-    kept_ = time_;
+    kept_ = time_, off_ = std::max(off_, off);
     largest_.back() = std::max(largest_.back(), size);
   }
 
   /// The harder one of two, but among the first ones.
   SEMIEXPLICIT_COLD void thin() {
     std::size_t filled = first_places;
-    for (std::size_t i = first_places; i + 1 < most_places; i += 2)
-      places_[filled++] = places_[i].pace < places_[i + 1].pace ? places_[i] : places_[i + 1];
+    for (std::size_t i = first_places; i + 1 < most_places; i += 2) {
+      const double off = std::max(places_[i].off, places_[i + 1].off);
+      places_[filled] = places_[i].pace < places_[i + 1].pace ? places_[i] : places_[i + 1];
+      places_[filled++].off = off;
+    }
     places_.resize(filled);
     stride_ *= 2;
   }
 
   static constexpr std::size_t most_places = 4096, first_places = 2048;
+  static constexpr double much_more = 30;
 
   Problem<Any>& problem_;
   std::optional<Pacer<Any>> pacer_{};
@@ -224,6 +241,7 @@ class Scout {
   typename Problem<Any>::Value value_{}, by_whole_{};
   double wrong_ = 0;  ///< what f was off by in steps that are too long for it, added up
   double kept_ = 0;   ///< the time of the last ‖f‖ that was noted
+  double off_ = 0;    ///< what a step since the last place was off by
 };
 
 }  // namespace semiexplicit::detail

@@ -80,14 +80,16 @@ inline void tell_no_picture(const std::filesystem::path& png, const std::string&
 
 /// Leaves the script beside the picture `png`, and draws it. The picture gets its name when it is whole; it
 /// comes through a pipe, since gnuplot does not notice a full disk. In the locale C gnuplot would warn of the
-/// signs of UTF-8. Without gnuplot there is a hint and no picture; nor is there one of data that went to a
-/// pipe or a device, where gnuplot would wait for them.
+/// signs of UTF-8. Without gnuplot there is a hint and no picture; nor is there one where the data or the
+/// script would go to a pipe or a device, where gnuplot would wait for them.
 inline void draw(const std::filesystem::path& png, const std::string& script,
                  const std::vector<std::filesystem::path>& data) {
-  for (const auto& file : data)
-    if (semiexplicit::detail::Destination(file).direct)
-      return tell_no_picture(png, file.string() + " is no file that could be read again");
   const std::filesystem::path file = std::filesystem::path(png).replace_extension("gp");
+  std::vector<std::filesystem::path> read = data;
+  read.push_back(file);
+  for (const auto& one : read)
+    if (semiexplicit::detail::Destination(one).direct)
+      return tell_no_picture(png, one.string() + " is no file that could be read again");
   const std::string script_name = (file.is_absolute() ? "" : "./") + file.string();  // it may begin with -
   semiexplicit::DurableFile::remove(png);  // an older one would belong to other data
   semiexplicit::write_durably(file, script);

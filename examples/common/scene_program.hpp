@@ -301,7 +301,13 @@ int run_scene_program(const SceneProgram<Dof>& program, int argc, char** argv, c
     checkpoint.run << program.name << ' ' << preset.name << ": " << joined(scene.names());
     checkpoint.run.precision(17);
     for (const auto& [parameter, value] : choice.values) checkpoint.run << ", " << parameter << ' ' << value;
+    // What no parameter tells, as the circulations of a file: the state is the same in a mirror image.
+    std::vector<double> shown;
+    std::vector<Path> paths(view.paths);
+    view.append(z0.q(), z0.p(), shown, paths);
     checkpoint.run << "; " << steps << " steps, samples " << settings.samples;
+    for (std::size_t i = 0; i < shown.size(); ++i)
+      checkpoint.run << ", from " << view.columns[i + 1] << ' ' << shown[i];
     const SceneRun<Dof> what{method, z0,         invariants, settings.dt, steps,
                              rows,   checkpoint, path,       of_companion};
     const auto go = [&]<class H>(const H& hamiltonian) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
@@ -39,6 +40,19 @@ TEST_CASE("A geodesic of Kerr keeps energy, angular momentum and Carter's consta
   CHECK(invariants["Carter"].worst < 1e-10);
   CHECK(z.p()[0] == start.p()[0]);
   CHECK(z.p()[3] == start.p()[3]);
+}
+
+TEMPLATE_TEST_CASE("A body starts on its mass shell in any unit of length", "[systems]", float, double) {
+  const TestType epsilon = std::numeric_limits<TestType>::epsilon();
+  for (const double exponent : {-0.3, -0.28, -0.1, 0.0, 0.1, 0.2}) {  // of the whole range
+    const auto m =
+        static_cast<TestType>(std::pow(10, exponent * std::numeric_limits<TestType>::max_exponent10));
+    CAPTURE(m);
+    const black_hole::Kerr<TestType> hole{.mass = m, .spin = TestType(0.9) * m};
+    const auto z = hole.body(20 * m, std::acos(TestType(0)), 0, 0, TestType(2.5) * m);
+    CHECK(std::abs(hole.energy(z.q(), z.p()) + TestType(0.5)) < 8 * epsilon);
+    CHECK(-z.p()[0] == Approx(0.956621795));
+  }
 }
 
 TEST_CASE("Far from a spinning hole its pull has all digits", "[systems]") {

@@ -121,12 +121,14 @@ inline void draw(const std::filesystem::path& png, const std::string& script,
 /// Radians of a beat that a step may go through and still show it.
 inline constexpr double most_in_a_step = 2;
 
+/// The decimal place of the first digit, 0 for that of the units.
+inline int decimal_place(double x) { return static_cast<int>(std::floor(std::log10(std::abs(x)))); }
+
 /// "77.8 ± 0.7", no more digits than that means; eight of them where none of these is uncertain.
 inline std::string with_uncertainty(double value, double uncertain) {
   if (!(uncertain > 1e-8 * std::abs(value))) return formatted("%.8g", value);
-  const auto place = [](double x) { return static_cast<int>(std::floor(std::log10(std::abs(x)))); };
   const bool small = value != 0 && std::abs(value) < 1e-4;  // as %g has it
-  const int decimals = std::clamp((small ? place(value) : 0) - place(uncertain), 0, 15);
+  const int decimals = std::clamp((small ? decimal_place(value) : 0) - decimal_place(uncertain), 0, 15);
   return formatted(small ? "%.*e" : "%.*f", decimals, value) + formatted(" ± %.1g", uncertain);
 }
 

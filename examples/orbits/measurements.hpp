@@ -240,10 +240,10 @@ inline Measurement<3> turning_orbit(const Choice& c, const std::string& unit, do
         return print_none(out, what,
                           formatted("a companion run leaves ± %.2g ", uncertain) + unit +
                               " open; give a smaller --dt, or a method of higher order");
-      const auto place = [](double x) { return static_cast<int>(std::floor(std::log10(std::abs(x)))); };
-      const int digits = std::max(-place(uncertain), 0);
+      const int digits = uncertain > 0 ? std::max(-decimal_place(uncertain), 0) : 40;
       const auto decimals = [&](double x) {
-        if (digits > 30) return formatted("%.*e", x == 0 ? 0 : std::clamp(place(x) + digits, 0, 17), x);
+        if (digits > 30)
+          return formatted("%.*e", x == 0 ? 0 : std::clamp(decimal_place(x) + digits, 0, 17), x);
         const double last = std::pow(10, -digits);
         return formatted("%.*f", digits, std::round(x / last) * last + 0.0);
       };

@@ -225,7 +225,7 @@ class Scout {
   }
 
   static constexpr std::size_t most_places = 4096, first_places = 2048;
-  static constexpr double much_more = 30;
+  static constexpr double much_more = 30;  ///< that the observable is off by in a step behind a trial
 
   Problem<Any>& problem_;
   std::optional<Pacer<Any>> pacer_{};

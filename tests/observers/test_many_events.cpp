@@ -342,6 +342,25 @@ TEST_CASE("A surface that is crossed before a bounce in the same step tells of i
   }
 }
 
+TEST_CASE("Crossings are seen however much larger s is elsewhere", "[events]") {
+  // A kicked oscillator; the current of a diode is nothing where its voltage is, and 1e17 beside.
+  for (const double k : {30.0, 34.0, 36.0, 40.0}) {
+    CAPTURE(k);
+    const auto current = [k](const auto& q, const auto&) { return std::expm1(k * q[0]); };
+    const auto run = [&](const auto& surface) {
+      auto stepper = semiexplicit_of(Oscillator{});
+      Point z(1, 0);
+      auto watch = events(Oscillator{}, on_event(surface, [](double, Point& at) { at.p()[0] *= 0.99; }),
+                          on_event(current, [](double, const Point&) {}));
+      integrate(stepper, z, {.dt = 0.1, .t_end = 32}, watch);
+      CHECK(watch.count(0) == 10);
+      CHECK(watch.count(1) == 10);
+      return z.q()[0];
+    };
+    CHECK(run(current) == Approx(run(height)).epsilon(1e-12));
+  }
+}
+
 TEST_CASE("A line through the very point of a bounce does not move it, and is told once", "[events]") {
   // Free flight in the unit box; behind some bounces the ball leaves the line more slowly than it came, and
   // the times of both are the same but for rounding.

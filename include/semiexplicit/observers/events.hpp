@@ -109,6 +109,7 @@ class Events {
         kinds_(std::forward<Kinds>(kinds)...),
         at_event_(dof_of(dense().hamiltonian())),
         cut_(at_event_),
+        largest_(at_event_),
         last_(at_event_) {}
 
   /// Takes in the next state; false where an action asked to stop.
@@ -123,8 +124,9 @@ class Events {
   void see(const Scalar&, const State& z, const IntegrationReport& run) requires(changes_state) {
     if (run.steps == 0 && !run.at_event) {
       longest_ = Scalar(0);
-      if (!started_ || z.vector() != last_.vector()) known_.fill({});
+      if (!started_ || z.vector() != last_.vector()) forget();
     }
+    enlarge(z);
     started_ = true;
     last_ = z;
   }
@@ -171,6 +173,7 @@ class Events {
     visit(last_.vector());
     visit(longest_);
     for (Known& one : known_) one.visit(visit);
+    visit(largest_.vector());
     visit(since_);
     each([&](std::size_t, auto& kind) { detail::visit_inner(visit, kind.action); });
   }
@@ -422,8 +425,9 @@ class Events {
     return {};
   }
 
-  /// By how much the rounding of the coordinates, several units each, moves s: now, or where s was largest on
-  /// its way here, from where a coordinate that is small by now has its rounding.
+  /// By how much the rounding of the coordinates, several units each, moves s: now, and of a coordinate that
+  /// is small by now, where it was largest. Of that no more than the rounding of the largest s on its way
+  /// here.
   template <class Kind>
   Scalar rounding(std::size_t k, const Kind& kind, const State& z) {
     at_event_ = z;
@@ -432,16 +436,28 @@ class Events {
   template <class Kind>
   Scalar rounding_at_event(std::size_t k, const Kind& kind) {
     using std::abs;
-    const Scalar s = value(kind, at_event_);
-    Scalar sum = 16 * Eigen::NumTraits<Scalar>::epsilon() * known_[k].size();
-    for (Scalar& x : at_event_.vector()) {
-      const Scalar kept = std::exchange(x, Scalar(x * (1 + 16 * Eigen::NumTraits<Scalar>::epsilon())));
-      const Scalar moved = abs(Scalar(value(kind, at_event_) - s));
-      if (moved > Scalar(0)) sum += moved;  // none where it is NaN, beyond the edge of what s is defined on
+    const Scalar s = value(kind, at_event_), units = 16 * Eigen::NumTraits<Scalar>::epsilon(),
+                 most = units * known_[k].size();
+    Scalar sum(0), carried(0);
+    for (Eigen::Index i = 0; i < at_event_.vector().size(); ++i) {
+      Scalar& x = at_event_.vector()[i];
+      const Scalar kept = x;
+      const auto moved_by = [&](const Scalar& way) {
+        x = kept + way;
+        const Scalar moved = abs(Scalar(value(kind, at_event_) - s));
+        return moved > Scalar(0) ? moved : Scalar(0);  // NaN beyond the edge of what s is defined on
+      };
+      sum += moved_by(Scalar(kept * units));
+      if (carried < most) carried += moved_by(Scalar(units * largest_.vector()[i]));
       x = kept;
     }
-    return sum;
+    return sum + (carried < most ? carried : most);
   }
+  void forget() {
+    known_.fill({});
+    largest_.vector().setZero();
+  }
+  void enlarge(const State& z) { largest_.vector() = largest_.vector().cwiseMax(z.vector().cwiseAbs()); }
 
   /// Whether s = from is so small that it is crossed, or was, within about `near`.
   template <class At>
@@ -615,8 +631,10 @@ class Events {
     const Scalar h = dense().interval(i);
     if (std::exchange(orbit_, intervals_.orbits()) != intervals_.orbits()) {
       longest_ = Scalar(0);
-      known_.fill({});
+      forget();
     }
+    enlarge(start);
+    enlarge(end);
     if (std::exchange(arc_, intervals_.arcs()) != intervals_.arcs()) {
       for (Known& one : known_) {
         one.open = true;
@@ -690,6 +708,7 @@ class Events {
   detail::Intervals<H> intervals_;
   std::tuple<Kinds...> kinds_;
   State at_event_, cut_;
+  State largest_;  ///< of each coordinate, its absolute value so far
   std::array<std::int64_t, number> counts_{};
   std::array<Known, number> known_{};
   Scalar since_ = Scalar(0);  ///< the time since the last event, up to steps_at_rest
@@ -742,11 +761,12 @@ class Events {
 ///
 /// An action on a ball whose bounces pile up is to end the run: an orbit that an action leaves no speed off
 /// the surface, or that is back on it within 1e-6 of a step (in float 3e-4), or before s has moved by more
-/// than its rounding (16 ε of its largest value since the last crossing but one, and what 16 ε of each
-/// coordinate make), throws std::runtime_error, and so do a thousand events in one step. Only one observer of
-/// a run may change the state. Refused are: by the compiler a stepper that ChoosesSteps (ReversibleSteps),
-/// and such events within another observer or an Ensemble; IntegrationOptions::subdivide; and to go on by
-/// `done` with a run that ended at an event: start a new one with t0 = report.t.
+/// than its rounding (what 16 ε of each coordinate make, now and at its largest, the latter no more than 16
+/// ε of the largest s since the last crossing but one), throws std::runtime_error, and so do a thousand
+/// events in one step. Only one observer of a run may change the state. Refused are: by the compiler a
+/// stepper that ChoosesSteps (ReversibleSteps), and such events within another observer or an Ensemble;
+/// IntegrationOptions::subdivide; and to go on by `done` with a run that ended at an event: start a new one
+/// with t0 = report.t.
 template <class H, class... Kinds>
 Events<H, Kinds...> events(H hamiltonian, Kinds... kinds) {
   return {std::move(hamiltonian), 4, std::forward<Kinds>(kinds)...};

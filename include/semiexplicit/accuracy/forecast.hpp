@@ -109,12 +109,14 @@ class Forecast {
     return candidate.is_symplectic() && varies_ <= most && scout_.speeds_up() <= much_faster &&
            !scout_.errs_behind(table_.tried);
   }
-  /// Whether what a trial saw holds to T, as far as a neighbouring orbit and its own error tell.
+  /// Whether what a trial saw holds to T, as far as a neighbouring orbit and its own error tell. What jumps
+  /// behind it, beyond any power of the time, jumps with every method and step in its own way.
   bool lasts(const Candidate& candidate, const Probe& probe) const {
     if (is_whole(probe)) return true;
-    const double known = 2 * known_by_reference(probe);
-    const bool is_fast = !table_.invariant && probe.error - known > much_in_trial * (probe.early + known);
-    return goes_on(candidate) && !scout_.errs_behind(probe.seen_to()) && looked_beside() &&
+    const double known = 2 * known_by_reference(probe), seen = probe.seen_to();
+    const bool is_fast = !table_.invariant && probe.error - known > much_in_trial * (probe.early + known),
+               jumps = neighbour_.growth_from(seen) > much * std::pow(table_.time / seen, 2);
+    return goes_on(candidate) && !scout_.errs_behind(seen) && looked_beside() && !jumps &&
            !(is_fast && probe.length < table_.time / 2);
   }
 
@@ -227,7 +229,7 @@ class Forecast {
     return std::max(by_power, std::exp(std::min(500.0, table_.parting_rate * (table_.time - length))));
   }
 
-  static constexpr double much = 20;             ///< for a power of the time, from third to third
+  static constexpr double much = 20;             ///< for a power of the time
   static constexpr double much_in_trial = 8;     ///< from a quarter of its length on
   static constexpr double most_drift = 30;       ///< 15 were seen of unlike units of q and p
   static constexpr double most_bias = 0.1;       ///< 0.02 were seen

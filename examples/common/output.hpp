@@ -83,11 +83,10 @@ inline void tell_no_picture(const std::filesystem::path& png, const std::string&
 /// signs of UTF-8. Without gnuplot there is a hint and no picture; nor is there one where the data or the
 /// script would go to a pipe or a device, where gnuplot would wait for them.
 inline void draw(const std::filesystem::path& png, const std::string& script,
-                 const std::vector<std::filesystem::path>& data) {
+                 std::vector<std::filesystem::path> data) {
   const std::filesystem::path file = std::filesystem::path(png).replace_extension("gp");
-  std::vector<std::filesystem::path> read = data;
-  read.push_back(file);
-  for (const auto& one : read)
+  data.push_back(file);
+  for (const auto& one : data)
     if (semiexplicit::detail::Destination(one).direct)
       return tell_no_picture(png, one.string() + " is no file that could be read again");
   const std::string script_name = (file.is_absolute() ? "" : "./") + file.string();  // it may begin with -

@@ -117,7 +117,7 @@ inline std::string panel(const std::filesystem::path& csv, const std::string& la
     std::copy_if(curve.values().begin(), curve.values().end(), std::back_inserter(shown), Curve::visible);
   if (shown.empty()) shown = {1e-15};
   const auto [low, high] = std::minmax_element(shown.begin(), shown.end());
-  const int bottom = std::clamp(static_cast<int>(std::floor(std::log10(*low))), -17, 0);
+  const int bottom = std::clamp(decimal_place(*low), -17, 0);
   const int top = std::clamp(static_cast<int>(std::ceil(std::log10(*high) + 0.1)), bottom + 1, 2);
   std::ostringstream out;
   out << "set ylabel \"" << label << "\"\nset yrange [1e" << bottom << ":1e" << top << "]\nunset label\n";

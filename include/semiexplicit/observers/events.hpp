@@ -222,8 +222,7 @@ class Events {
     if (h == Scalar(0)) return {};
     Found first;
     std::array<int, number> after{};
-    std::array<bool, number> crossed{};
-    std::array<Scalar, number> when{};
+    std::array<Found, number> crossed{};
     each([&](std::size_t k, auto& kind) {
       after[k] = known_[k].side;
       if (known_[k].open) return;
@@ -231,9 +230,8 @@ class Events {
       if (!crossing.to) return;
       after[k] = crossing.to;
       if (!kind.counts(crossing.to)) return;
-      crossed[k] = true;
-      when[k] = crossing.x;
-      if (!first || abs(crossing.x) < abs(first.x)) first = {k, crossing.x};
+      crossed[k] = {k, crossing.x};
+      if (!first || abs(crossing.x) < abs(first.x)) first = crossed[k];
     });
     if (!first) {
       for (std::size_t k = 0; k < number; ++k) known_[k].cross(after[k]);
@@ -251,17 +249,16 @@ class Events {
         cut_ = at_event_;
         const auto crossing = leaves_side(k, kind, start, cut_, first.x, near, along(kind), settled[k]);
         if (!crossing.to || !kind.counts(crossing.to) || !(abs(crossing.x) < abs(first.x))) return;
-        crossed[k] = true;
-        when[k] = crossing.x;
         after[k] = crossing.to;
-        first = {k, crossing.x};
+        first = crossed[k] = {k, crossing.x};
         earlier = true;
       });
     }
     // Beside what is told at the same time an action takes the state of its own surface.
     each([&](std::size_t k, const auto&) {
-      if (acting[k] && !acting[first.kind] && crossed[k] && abs(when[k] - first.x) <= abs(same_time(near)))
-        first = {k, when[k]};
+      if (acting[k] && !acting[first.kind] && crossed[k] &&
+          abs(crossed[k].x - first.x) <= abs(same_time(near)))
+        first = crossed[k];
     });
     known_[first.kind].cross(after[first.kind]);
     // Of another surface that is crossed at the same time rounding decides on which side the state at the

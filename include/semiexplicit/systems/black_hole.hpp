@@ -60,9 +60,8 @@ struct Kerr {
     using std::sin;
     using std::sqrt;
     // In units of r, whose fourth power has no room where it is small.
-    const Scalar a = spin / r, l = p_phi / r, k = p_theta / r, out = (r - mass) / r;
-    const Scalar s2 = sin(theta) * sin(theta), a2 = a * a, r2a2 = 1 + a2;
-    const Scalar d = out * out - (mass - spin) / r * ((mass + spin) / r), sigma = r2a2 - a2 * s2;
+    const Scalar a = spin / r, l = p_phi / r, k = p_theta / r, d = delta(r) / r / r;
+    const Scalar s2 = sin(theta) * sin(theta), a2 = a * a, r2a2 = 1 + a2, sigma = r2a2 - a2 * s2;
     // αE² + 2βE + γ = 0
     const Scalar alpha = a2 * s2 - r2a2 * r2a2 / d, beta = a * l * (r2a2 / d - 1);
     const Scalar gamma = d * p_r * p_r + k * k + l * l * (1 / s2 - a2 / d) + sigma;

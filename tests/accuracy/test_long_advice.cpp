@@ -642,6 +642,57 @@ TEST_CASE("a wall that comes behind the trials, once, is no surprise", "[long]")
   }
 }
 
+TEST_CASE("the passage of a saddle is no chaos", "[long]") {
+  // A pendulum that swings over 1e-9 below the top: neighbours that start on both sides of that part at once.
+  const auto h = from_energy<2>([](const auto& q, const auto& p) {
+    return p[0] * p[0] / 2 - cos(q[0]) + 1.5 * (q[1] * q[1] + p[1] * p[1]);
+  });
+  for (const double T : {2549.0, 7000.0}) {
+    const auto cost = cost_of_accuracy(h, PhasePoint<double, 2>({0, 0.5}, {2 * (1 - 1e-9), 0.7}), T,
+                                       {.observable = observables::Positions{}, .targets = {1e-5}});
+    CHECK(cost.parting_rate == 0);
+    CHECK(cost.reach(1e-5) != Reach::orbits_part);
+  }
+}
+
+TEST_CASE("advice on whole runs only has met its target, or says what is missing") {
+  // I + I²/20 with 2I = q² + p²: a circle with the rate 1 + I/10.
+  const auto h = from_energy<1>([](const auto& q, const auto& p) {
+    const auto action = (q[0] * q[0] + p[0] * p[0]) / 2;
+    return action + action * action / 20;
+  });
+  const double T = 1e4;
+  const PhasePoint<double, 1> start(1, 0);
+  const auto place = [](const auto& q, const auto&) { return q[0]; };
+  const auto ask = [&](const auto& what, bool whole, double most) {
+    return cost_of_accuracy(h, start, T,
+                            {.observable = what,
+                             .targets = {1e-4, 1e-7},
+                             .min_gradients = 1e4,
+                             .max_gradients = most,
+                             .whole = whole});
+  };
+  const Observable<double, 1> position = place, energy;
+  CHECK(ask(position, false, 1e8).cheapest(1e-7)->tried < T);
+  for (const auto& what : {position, energy}) {
+    const auto cost = ask(what, true, 1e8);
+    for (const double target : cost.targets) {
+      CAPTURE(target);
+      const auto advice = cost.cheapest(target);
+      REQUIRE(advice);
+      CHECK(advice->tried == T);
+      const auto exact = [](double t) { return std::cos(1.05 * t); };
+      auto z = start;
+      Invariants invariants(h);
+      CHECK((what.is_energy() ? (cost.run(z, *advice, invariants), invariants["energy"].worst)
+                              : worst_off(cost, *advice, start, place, exact)) < 1.05 * target);
+    }
+    const auto less = ask(what, true, 2e4);
+    CHECK(less.spent_gradients <= 2e4);
+    CHECK(less.reach(1e-7) == Reach::budget);
+  }
+}
+
 TEST_CASE("a coarse run that leaves for where the orbit never comes does not set the unit", "[long]") {
   // A pendulum near its separatrix, which steps that are a little off take over the top, to wind.
   const double T = 2549;

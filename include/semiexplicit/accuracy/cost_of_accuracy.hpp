@@ -78,6 +78,7 @@ SEMIEXPLICIT_COLD CostOptionsOf<Scalar, Dof> options_for(const CostOptionsOf<Sca
                                     .budget = options.budget,
                                     .min_gradients = options.min_gradients,
                                     .max_gradients = options.max_gradients,
+                                    .whole = options.whole,
                                     .by = options.by,
                                     .schemes = options.schemes,
                                     .gauss_stages = options.gauss_stages,

@@ -29,6 +29,9 @@ struct CostOptionsOf {
   /// leaves unfinished counts as out of reach, and CostTable::why() says so: also where a neighbouring orbit
   /// could not be followed for long.
   double max_gradients = 1e7;
+  /// Advise only what was run over all of T, and so has met its target; max_gradients alone then bounds the
+  /// search. Else what was tried over a part of T is a forecast.
+  bool whole = false;
   CostBy by = CostBy::gradients;  ///< what is to be cheap
   /// Schemes of the semiexplicit method and of the midpoint projection, from loose to tight targets.
   std::vector<std::string> schemes{"low_defect4_s7",  "low_defect4_s11", "low_defect6_s13",

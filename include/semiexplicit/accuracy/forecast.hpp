@@ -99,15 +99,15 @@ class Forecast {
            (!candidate.is_symplectic() && probe.error > 1.4 * probe.early);
   }
 
-  /// Whether steps go on to T as they were seen to before. What is not symplectic may become unstable, and
-  /// reversible steps fail where their densities come to swing; where few of many equal ones fall into the
-  /// hard places, errors differ from one passage to the next, and what a drive does but once is no passage.
-  /// Nor is a motion that gets faster: errors grow by more than the order says where steps become long; nor
-  /// where the observable is to be off by far more behind a trial.
+  /// Whether steps go on to T as they were seen to before, and may be advised by that. What is not symplectic
+  /// may become unstable, and reversible steps fail where their densities come to swing; where few of many
+  /// equal ones fall into the hard places, errors differ from one passage to the next, and what a drive does
+  /// but once is no passage. Nor is a motion that gets faster: errors grow by more than the order says where
+  /// steps become long; nor where the observable is to be off by far more behind a trial.
   bool goes_on(const Candidate& candidate) const {
     const double most = timed ? 4 : problem_.options.observable.is_energy() ? 1000 : 100;
-    return candidate.is_symplectic() && varies_ <= most && scout_.speeds_up() <= much_faster &&
-           !scout_.errs_behind(table_.tried);
+    return !problem_.options.whole && candidate.is_symplectic() && varies_ <= most &&
+           scout_.speeds_up() <= much_faster && !scout_.errs_behind(table_.tried);
   }
   /// Whether what a trial saw holds to T, as far as a neighbouring orbit and its own error tell. What jumps
   /// behind it, beyond any power of the time, jumps with every method and step in its own way.

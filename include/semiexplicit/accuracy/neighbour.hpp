@@ -25,49 +25,16 @@ class Neighbour {
   SEMIEXPLICIT_COLD bool go(const Setting& setting, const LengthsOfWays& lengths) {
     const bool calm = rate() == 0;
     const auto before = std::exchange(seen_, {});
-    Walker<Any> walker(problem_, setting), beside(problem_, setting), by_finer(problem_, setting);
-    const double T = problem_.table.time, dt = T / (2 * steps_between(0.0, T, 2 * setting.dt));
-    auto z = problem_.z0, other = z, finer = z;
-    const Eigen::Index own = own_dof<Any>(z.dof());
-    using Scalar = typename Any::Scalar;
-    const double root = std::sqrt(Problem<Any>::epsilon), least = 1000 * root;
-    for (Eigen::Index i = 0; i < own; ++i) {  // in a direction of no symmetry, a small motion by less
-      const double unit = lengths.unit[i], along = static_cast<double>(i * i);
-      const double way_q = std::max(lengths.of_each_q[i], least * lengths.in_q * unit),
-                   way_p = std::max(lengths.of_each_p[i], least * lengths.in_p / unit);
-      other.q()[i] += Scalar(0.1 * root * way_q * std::sin(1.0 + along));
-      other.p()[i] += Scalar(0.1 * root * way_p * std::cos(2.0 + along));
-    }
-    Probe probe;
-    Seen now{.of_each = Column::Zero(own)};
-    double most = 0, t_beside = 0, t_finer = 0;
-    typename Problem<Any>::Value f, f_beside, f_finer;
-    const auto steps = [&probe](Walker<Any>& by, auto& state, double& t, double h, int count) {
-      while (count > 0 && by.step_on(state, t, h, probe)) --count;
-      return count == 0;
-    };
-    while (now.t < T && most < far) {
-      if (!steps(walker, z, now.t, dt, 2) || !steps(beside, other, t_beside, dt, 2) ||
-          !steps(by_finer, finer, t_finer, dt / 1.5, 3))
-        break;
-      const auto off = [own](const auto& a, const auto& b) -> Column {
-        return (a - b).head(own).template cast<double>();
-      };
-      const Column in_q = off(z.q(), other.q()).cwiseQuotient(lengths.unit) / lengths.in_q,
-                   in_p = off(z.p(), other.p()).cwiseProduct(lengths.unit) / lengths.in_p;
-      problem_.measure(z, f), problem_.measure(other, f_beside), problem_.measure(finer, f_finer);
-      const double of_f = static_cast<double>(norm(f - f_beside)),
-                   of_error = std::max(static_cast<double>(norm(f - f_finer)),
-                                       30 * Problem<Any>::epsilon * static_cast<double>(norm(f)));
-      most = std::max(most, norm(in_q) + norm(in_p));
-      if (!std::isfinite(most) || !std::isfinite(of_f) || !std::isfinite(of_error)) return false;
-      now.of_each = now.of_each.cwiseMax(in_q.cwiseAbs() + in_p.cwiseAbs());
-      now.of_f = std::max(now.of_f, of_f), now.of_error = std::max(now.of_error, of_error);
-      if (now.t >= T || most >= far || seen_.empty() || now.t >= 1.05 * seen_.back().t) seen_.push_back(now);
-    }
-    if (!seen_.empty() && now.t > seen_.back().t) seen_.push_back(now);
-    if (probe.cut && calm && !before.empty() && before.back().t > time()) seen_ = before;
-    return probe.cut || now.t >= T || most >= far;
+    const Ended ended = follow(setting, lengths, 0.1);
+    if ((ended == Ended::calls || ended == Ended::failed) && calm && !before.empty() &&
+        before.back().t > time())
+      seen_ = before;
+    if (ended != Ended::apart || rate() == 0) return ended != Ended::failed;
+    // The passage of a saddle parts them once, chaos goes on: from nearer they stay together for longer by
+    // half.
+    const auto parted = std::exchange(seen_, {});
+    if (follow(setting, lengths, 1e-5) == Ended::failed || time() < 3 * parted.back().t) seen_ = parted;
+    return true;
   }
 
   /// How far both went.
@@ -112,6 +79,52 @@ class Neighbour {
     double t = 0, of_f = 0, of_error = 0;  ///< by how much f differs at most until then, and by its error
     Column of_each{};                      ///< and each degree of freedom
   };
+  enum class Ended { whole, apart, calls, failed };
+  /// Both orbits from z0 on, which are off by that share of what a difference of steps is taken by.
+  SEMIEXPLICIT_COLD Ended follow(const Setting& setting, const LengthsOfWays& lengths, double share) {
+    Walker<Any> walker(problem_, setting), beside(problem_, setting), by_finer(problem_, setting);
+    const double T = problem_.table.time, dt = T / (2 * steps_between(0.0, T, 2 * setting.dt));
+    auto z = problem_.z0, other = z, finer = z;
+    const Eigen::Index own = own_dof<Any>(z.dof());
+    using Scalar = typename Any::Scalar;
+    const double root = std::sqrt(Problem<Any>::epsilon), least = 1000 * root;
+    for (Eigen::Index i = 0; i < own; ++i) {  // in a direction of no symmetry, a small motion by less
+      const double unit = lengths.unit[i], along = static_cast<double>(i * i);
+      const double way_q = std::max(lengths.of_each_q[i], least * lengths.in_q * unit),
+                   way_p = std::max(lengths.of_each_p[i], least * lengths.in_p / unit);
+      other.q()[i] += Scalar(share * root * way_q * std::sin(1.0 + along));
+      other.p()[i] += Scalar(share * root * way_p * std::cos(2.0 + along));
+    }
+    Probe probe;
+    Seen now{.of_each = Column::Zero(own)};
+    double most = 0, t_beside = 0, t_finer = 0;
+    typename Problem<Any>::Value f, f_beside, f_finer;
+    const auto steps = [&probe](Walker<Any>& by, auto& state, double& t, double h, int count) {
+      while (count > 0 && by.step_on(state, t, h, probe)) --count;
+      return count == 0;
+    };
+    while (now.t < T && most < far) {
+      if (!steps(walker, z, now.t, dt, 2) || !steps(beside, other, t_beside, dt, 2) ||
+          !steps(by_finer, finer, t_finer, dt / 1.5, 3))
+        break;
+      const auto off = [own](const auto& a, const auto& b) -> Column {
+        return (a - b).head(own).template cast<double>();
+      };
+      const Column in_q = off(z.q(), other.q()).cwiseQuotient(lengths.unit) / lengths.in_q,
+                   in_p = off(z.p(), other.p()).cwiseProduct(lengths.unit) / lengths.in_p;
+      problem_.measure(z, f), problem_.measure(other, f_beside), problem_.measure(finer, f_finer);
+      const double of_f = static_cast<double>(norm(f - f_beside)),
+                   of_error = std::max(static_cast<double>(norm(f - f_finer)),
+                                       30 * Problem<Any>::epsilon * static_cast<double>(norm(f)));
+      most = std::max(most, norm(in_q) + norm(in_p));
+      if (!std::isfinite(most) || !std::isfinite(of_f) || !std::isfinite(of_error)) return Ended::failed;
+      now.of_each = now.of_each.cwiseMax(in_q.cwiseAbs() + in_p.cwiseAbs());
+      now.of_f = std::max(now.of_f, of_f), now.of_error = std::max(now.of_error, of_error);
+      if (now.t >= T || most >= far || seen_.empty() || now.t >= 1.05 * seen_.back().t) seen_.push_back(now);
+    }
+    if (!seen_.empty() && now.t > seen_.back().t) seen_.push_back(now);
+    return most >= far ? Ended::apart : now.t >= T ? Ended::whole : probe.cut ? Ended::calls : Ended::failed;
+  }
   /// The last that was noted until then: what comes shortly behind t is growth.
   const Seen& at(double t) const {
     const auto behind =

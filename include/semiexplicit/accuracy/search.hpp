@@ -120,8 +120,8 @@ class Search {
 
   /// By the gradient calls of a run to each target.
   void set_budget(double runs) {
-    table_.budget =
-        std::min(options().max_gradients / overrun, std::max(least_calls(), options().budget * runs));
+    const double most = options().max_gradients / overrun;
+    table_.budget = options().whole ? most : std::min(most, std::max(least_calls(), options().budget * runs));
   }
 
   SEMIEXPLICIT_COLD double first_length() const {

@@ -2,12 +2,17 @@
 // of every method and step, and with --energy eight systems and four targets for the energy.
 //
 //     bench_cost [--energy] [--verbose] [--only NAME] [folder]
+//     bench_cost --forecasts [COUNT] [folder]
 //
-// writes the table to the screen and to folder/advice.md ("out" by default). Costs are gradient calls.
+// writes the table to the screen and to folder/advice.md ("out" by default). Costs are gradient calls. The
+// second asks COUNT random questions (40 by default) about each of six kinds of systems, with too few calls
+// to run anything as a whole, and counts how often what is advised holds.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
+#include <functional>
 #include <iostream>
 #include <limits>
 #include <map>
@@ -18,6 +23,7 @@
 #include <semiexplicit/accuracy.hpp>
 
 #include "common/output.hpp"
+#include "forecasts.hpp"
 #include "pairs.hpp"
 
 namespace {
@@ -190,18 +196,65 @@ std::string text(const char* format, auto... values) {
   return line;
 }
 
+/// How often advice holds that rests on a part of T.
+struct Forecasts {
+  std::function<void(const std::string&)> print;
+  std::string name{};
+  int asked = 0, whole = 0, met = 0, nearly = 0, off = 0, failed = 0;
+  double worst = 0;
+
+  void begin(const std::string& next) {
+    end();
+    *this = {.print = print, .name = next};
+  }
+  void end() const {
+    if (asked > 0)
+      print(text("| %s | %d | %d | %d | %d | %d | %d | %d | %.1f |\n", name.c_str(), asked,
+                 asked - whole - met - nearly - off - failed, whole, met, nearly, off, failed, worst));
+  }
+  template <class H>
+  void operator()(const H& h, const PhasePoint<double, H::Dof>& z0, const Question& question, const auto& f,
+                  auto exact) {
+    ++asked;
+    const auto cost = cost_of_accuracy(
+        h, z0, question.T,
+        {.observable = f, .targets = {question.target}, .min_gradients = question.min_gradients});
+    const auto advice = cost.cheapest(question.target);
+    if (!advice) return;
+    if (advice->tried >= question.T) return void(++whole);
+    double error = 0, next = 0;
+    try {
+      auto z = z0;
+      cost.run(z, *advice, [&](double t, const auto& now) {
+        if (t < next) return;
+        next += question.T / 2000;
+        const auto there = exact(t);
+        error = std::max(error, std::abs(f(now.q(), now.p()) - f(there.q(), there.p())) / cost.unit);
+      });
+    } catch (const IntegrationError&) {
+      return void(++failed);
+    }
+    const double ratio = error / question.target;
+    worst = std::max(worst, ratio);
+    ++(ratio <= 1 ? met : ratio <= 3 ? nearly : off);
+  }
+};
+
 }  // namespace
 
 int main(int argc, char** argv) {
   std::filesystem::path folder = "out";
   std::string only;
   bool verbose = false, energies = false;
+  int forecasts = 0;
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
     if (word == "--verbose")
       verbose = true;
     else if (word == "--energy")
       energies = true;
+    else if (word == "--forecasts")
+      forecasts = i + 1 < argc && std::atoi(argv[i + 1]) > 0 ? std::atoi(argv[++i]) : 40;
     else if (word == "--only" && i + 1 < argc)
       only = argv[++i];
     else
@@ -213,6 +266,19 @@ int main(int argc, char** argv) {
     table += line;
     std::cout << line << std::flush;
   };
+  const auto write = [&](const std::string& name) {
+    std::filesystem::create_directories(folder);
+    examples::write_whole(folder / name, [&](std::ostream& out) { out << table; });
+  };
+  if (forecasts > 0) {
+    print(
+        "| system | asked | refused | run as a whole | target met | within 3 | beyond | failed | the worst "
+        "|\n|---|---|---|---|---|---|---|---|---|\n");
+    Forecasts counts{.print = print};
+    for_each_forecast(forecasts, counts);
+    counts.end();
+    return write("forecasts.md"), 0;
+  }
   print(
       "| measured | target | advised | dt | expected | reached | reached / target | gradients | best of the "
       "scan | its gradients | cost / best | advice / run "
@@ -259,7 +325,5 @@ int main(int argc, char** argv) {
   else
     for_each_pair(compare);
   print(text("\n%d of %d outside a factor 3 of the target or 1.5 of the best cost.\n", wrong, pairs));
-  std::filesystem::create_directories(folder);
-  examples::write_whole(folder / (energies ? "advice_energy.md" : "advice.md"),
-                        [&](std::ostream& out) { out << table; });
+  write(energies ? "advice_energy.md" : "advice.md");
 }

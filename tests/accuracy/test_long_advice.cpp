@@ -693,6 +693,51 @@ TEST_CASE("advice on whole runs only has met its target, or says what is missing
   }
 }
 
+TEST_CASE("a wall is seen where its coordinate is mixed with an oscillator's, and so is the moment of it",
+          "[long]") {
+  struct Flight {
+    double steep, speed, rate, arrives, y, v, turn, T;
+    std::vector<double> targets;
+    bool shows_momentum;
+  };
+  for (const Flight& flight :
+       {Flight{1.51, 1.95623, 1.803, 170, -0.90164, 0.772696, 0, 1157.54, {5.53e-8, 1.942e-7}, true},
+        Flight{6.48811, 0.376643, 0.584082, 484.4, -0.19796, -0.36659, 2.8477, 978.3, {4.068e-6}, true},
+        Flight{7.862, 0.5187, 1.294, 5687, 0.895678, -0.626224, 1.11, 13450.7, {3.045e-6}, false},
+        Flight{2.69166, 2.15912, 1.99829, 9636, 0.739239, 0.793919, 1.21975, 18411.9, {5.1e-6}, false}}) {
+    CAPTURE(flight.T);
+    const double c = std::cos(flight.turn), s = std::sin(flight.turn);
+    const auto h = from_energy<2>([&](const auto& q, const auto& p) {
+      const auto x = c * q[0] + s * q[1], y = c * q[1] - s * q[0], u = c * p[0] + s * p[1],
+                 v = c * p[1] - s * p[0];
+      return u * u / 2 + exp(-flight.steep * x) + flight.rate / 2 * (y * y + v * v);
+    });
+    const auto exact = [&](double t) {  // x = (2 ln cosh(k v (t - t1)/2) - ln(v²/2))/k
+      const double to_turn = flight.steep * flight.speed * (t - flight.arrives) / 2, far = std::abs(to_turn);
+      const double x = (2 * (far + std::log1p(std::exp(-2 * far)) - std::log(2.0)) -
+                        std::log(flight.speed * flight.speed / 2)) /
+                       flight.steep,
+                   u = flight.speed * std::tanh(to_turn), angle = flight.rate * t;
+      const double y = flight.y * std::cos(angle) + flight.v * std::sin(angle),
+                   v = flight.v * std::cos(angle) - flight.y * std::sin(angle);
+      return PhasePoint<double, 2>({c * x - s * y, s * x + c * y}, {c * u - s * v, s * u + c * v});
+    };
+    const auto shown = [&](double q, double p) {
+      return flight.shows_momentum ? Eigen::Vector2d(p, 0) : Eigen::Vector2d(std::sin(q), std::cos(q));
+    };
+    const auto f = [shown](const auto& q, const auto& p) { return shown(q[0], p[0]); };
+    const auto cost = cost_of_accuracy(h, exact(0), flight.T, {.observable = f, .targets = flight.targets});
+    for (const double target : flight.targets)
+      if (const auto advice = cost.cheapest(target))
+        CHECK(worst_off(cost, *advice, exact(0), f, [&](double t) {
+                const auto there = exact(t);
+                return shown(there.q()[0], there.p()[0]);
+              }) < 3 * target * cost.unit);
+      else
+        CHECK(cost.reach(target) == Reach::budget);
+  }
+}
+
 TEST_CASE("a coarse run that leaves for where the orbit never comes does not set the unit", "[long]") {
   // A pendulum near its separatrix, which steps that are a little off take over the top, to wind.
   const double T = 2549;

@@ -67,10 +67,16 @@ class Problem {
   /// Whether the energy at z is that at z0, up to that part of its terms: where a fast motion that the
   /// observable does not show has become unstable it is nothing like it.
   SEMIEXPLICIT_COLD bool keeps_energy(const State& z, double part = 0.1) const {
-    const Scalar now = hamiltonian.energy(z.q(), z.p());
-    const double off = std::abs(static_cast<double>(now - first_energy_));
-    return off <= part * first_energy_size_ || off <= part * size_of_energy(now, z);
+    const double off = energy_off(z);
+    return off <= part * first_energy_size_ ||
+           off <= part * size_of_energy(hamiltonian.energy(z.q(), z.p()), z);
   }
+  /// By how much the energy at z differs from that at z0.
+  double energy_off(const State& z) const {
+    return std::abs(static_cast<double>(hamiltonian.energy(z.q(), z.p()) - first_energy_));
+  }
+  /// The size of the energy at z0, or of its terms.
+  double energy_size() const { return first_energy_size_; }
 
   /// What rounding adds to the error of an invariant over the whole time by steps of dt: that of the states,
   /// which differ from the exact ones by an epsilon where the gradient is taken, step after step, and the

@@ -127,9 +127,16 @@ class Reference {
     // Those of before become as few as the new ones.
     const std::size_t keep =
         from > 0 ? static_cast<std::size_t>(std::max(1.0, std::round((length - from) / from))) : 1;
-    std::vector<Sample<Any>> kept;
-    for (std::size_t i = keep - 1; i < samples_.size(); i += keep) kept.push_back(samples_[i]);
-    samples_ = kept;
+    std::size_t seen = 0;
+    std::erase_if(samples_, [&](const auto& sample) { return !sample.flash && ++seen % keep != 0; });
+    const auto flashes = scout_.flashes();
+    auto in_flash = [&, last = from](double t) mutable {
+      const bool is = std::any_of(flashes.begin(), flashes.end(), [&](const auto& one) {
+        return one.first < t && t <= one.second && t - last >= (one.second - one.first) / flash_count;
+      });
+      if (is) last = t;
+      return is;
+    };
     const auto [hardest, varies] = scout_.paces();
     hardest_ = hardest, varies_ = varies > far_easier;
     Value coarse, fine;
@@ -146,10 +153,12 @@ class Reference {
         problem_.table.observable_end = time();
         return false;
       }
-      if (time_ < std::min(planned, length) && (!varies_ || ++steps < usual)) continue;
-      steps = 0;
+      const bool flash = in_flash(time());
+      if (!flash && time_ < std::min(planned, length) && (!varies_ || ++steps < usual)) continue;
+      if (!flash) steps = 0;
       problem_.measure(coarse_, coarse);
-      samples_.push_back({time_, fine, static_cast<double>(norm(coarse - fine)), problem_.terms_at(fine_)});
+      samples_.push_back(
+          {time_, fine, static_cast<double>(norm(coarse - fine)), problem_.terms_at(fine_), flash});
       size_ = std::max(size_, static_cast<double>(norm(fine)));
     }
     rate_ = (problem_.table.spent_gradients - begin) / (length - from);
@@ -192,6 +201,7 @@ class Reference {
 
   inline static const Setting method{.method = Setting::Method::gauss, .stages = 8};
   static constexpr int count = 80, least_count = 32;  ///< samples of a stretch, if steps are short; at least
+  static constexpr double flash_count = 16;           ///< the same of a flash
   static constexpr double far_easier = 20, much_easier = 4;
 
   Problem<Any>& problem_;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -72,15 +73,30 @@ class Scout {
   }
 
   /// Whether steps behind that time are off by far more than as long ones until then, as at a wall that a
-  /// free motion comes to once: the observable may show nothing of it before.
+  /// free motion comes to once: in the observable, which may show nothing of it before, or in the energy.
   SEMIEXPLICIT_COLD bool errs_behind(double length) const {
-    double until = 1e3 * Problem<Any>::epsilon * largest_.back(), longest = 0;
-    for (const Place& place : places_)
-      if (place.t <= length) until = std::max(until, place.off), longest = std::max(longest, place.pace);
-    return std::any_of(places_.begin(), places_.end(), [&](const Place& place) {
-      const double longer = std::max(1.0, place.pace / longest);
-      return place.t > length && longest > 0 && place.off > much_more * until * std::pow(longer, 5);
-    });
+    const double rounding = 1e3 * Problem<Any>::epsilon;
+    return off_behind(length, &Place::off, much_more, rounding * largest_.back()) > 0 ||
+           passes(off_behind(length, &Place::off_in_energy, clearly_more, rounding * problem_.energy_size()));
+  }
+
+  /// The few times around which the observable, or the energy, is off by far more in a step than usual, as a
+  /// velocity is at a bounce: from, and to.
+  SEMIEXPLICIT_COLD std::vector<std::pair<double, double>> flashes() const {
+    std::vector<std::pair<double, double>> times;
+    const auto count = static_cast<std::ptrdiff_t>(places_.size()), rare = count / 16,
+               few = std::min<std::ptrdiff_t>(most_flashes, rare);
+    for (double Place::*const off : {&Place::off, &Place::off_in_energy}) {
+      std::vector<std::pair<double, std::size_t>> found;
+      for (std::size_t i = 0; i < places_.size(); ++i) found.emplace_back(places_[i].*off, i);
+      std::sort(found.begin(), found.end(), std::greater<>());
+      for (auto one = found.begin(); one != found.begin() + few; ++one)
+        if (const std::size_t i = one->second;
+            one->first > clearly_more * found[static_cast<std::size_t>(rare)].first)
+          times.emplace_back(i > 0 ? places_[i - 1].t : 0.0,
+                             i + 1 < places_.size() ? places_[i + 1].t : time_);
+    }
+    return times;
   }
 
   /// How much finer steps become in the course of T, as those of a motion that gets faster: the least of the
@@ -143,7 +159,7 @@ class Scout {
  private:
   struct Place {
     double t, pace;
-    double off;  ///< the largest since the place before, of the observable in a step
+    double off, off_in_energy;  ///< the largest since the place before, of the observable in a step
   };
   /// The logarithm of the pace, over an eighth of T.
   struct Eighth {
@@ -151,13 +167,32 @@ class Scout {
     double mean() const { return sum / time; }
   };
 
+  /// The most that steps behind that time are off by, where that is so many times more than `until` and than
+  /// before; 0: it is not.
+  SEMIEXPLICIT_COLD double off_behind(double length, double Place::*off, double times, double until) const {
+    double longest = 0, most = 0;
+    for (const Place& place : places_)
+      if (place.t <= length) until = std::max(until, place.*off), longest = std::max(longest, place.pace);
+    for (const Place& place : places_) {
+      const double longer = std::max(1.0, place.pace / longest);
+      if (place.t > length && longest > 0 && place.*off > times * until * std::pow(longer, 5))
+        most = std::max(most, place.*off);
+    }
+    return most;
+  }
+  /// Whether the energy is off by that for a while only: it is so for ever in what leaves, which the
+  /// observable need not show.
+  SEMIEXPLICIT_COLD bool passes(double most) const {
+    return most > 0 && !places_.empty() && places_.back().off_in_energy < most / clearly_more;
+  }
+
   SEMIEXPLICIT_COLD void restart() {
     pacer_.emplace(problem_, tolerance_);
     z_ = problem_.z0;
     places_.clear(), terms_.clear(), largest_.assign(1, 0);
     eighths_.fill({}), eighth_ = 0;
     steps_ = known_ = 0, stride_ = 1;
-    time_ = last_look_ = kept_ = wrong_ = off_ = 0, keeps_energy_ = true;
+    time_ = last_look_ = kept_ = wrong_ = off_ = off_in_energy_ = 0, keeps_energy_ = true;
   }
 
   SEMIEXPLICIT_COLD bool follow(double calls, double most) {
@@ -170,12 +205,14 @@ class Scout {
       if (dt == 0) break;
       time_ = dt == T - time_ ? T : time_ + dt;
       ++steps_;
+      off_in_energy_ =
+          std::max(off_in_energy_, std::abs(problem_.energy_off(z_) - problem_.energy_off(pacer_->whole())));
       if (!problem_.options.observable.is_energy()) {  // whose size is known
         keeps_energy_ = keeps_energy_ && problem_.keeps_energy(z_, 0.01);
         if (keeps_energy_) measure();
       }
       if (pacer_->pace() > 0 && ++known_ % stride_ == 0) {
-        places_.push_back({time_, pacer_->pace(), std::exchange(off_, 0)});
+        places_.push_back({time_, pacer_->pace(), std::exchange(off_, 0), std::exchange(off_in_energy_, 0)});
         if (places_.size() == most_places) thin();
       }
       note_pace(dt);
@@ -216,16 +253,20 @@ class Scout {
   SEMIEXPLICIT_COLD void thin() {
     std::size_t filled = first_places;
     for (std::size_t i = first_places; i + 1 < most_places; i += 2) {
-      const double off = std::max(places_[i].off, places_[i + 1].off);
-      places_[filled] = places_[i].pace < places_[i + 1].pace ? places_[i] : places_[i + 1];
-      places_[filled++].off = off;
+      const Place &one = places_[i], &other = places_[i + 1];
+      Place both = one.pace < other.pace ? one : other;
+      both.off = std::max(one.off, other.off);
+      both.off_in_energy = std::max(one.off_in_energy, other.off_in_energy);
+      places_[filled++] = both;
     }
     places_.resize(filled);
     stride_ *= 2;
   }
 
   static constexpr std::size_t most_places = 4096, first_places = 2048;
-  static constexpr double much_more = 30;  ///< that the observable is off by in a step behind a trial
+  static constexpr std::ptrdiff_t most_flashes = 4;
+  static constexpr double clearly_more = 10;  ///< that the observable is off by in a flash
+  static constexpr double much_more = 30;     ///< that the observable is off by in a step behind a trial
 
   Problem<Any>& problem_;
   std::optional<Pacer<Any>> pacer_{};
@@ -239,9 +280,9 @@ class Scout {
   std::vector<double> largest_{};  ///< ‖f‖ until each look, and until now
   bool keeps_energy_ = true;       ///< has, all along
   typename Problem<Any>::Value value_{}, by_whole_{};
-  double wrong_ = 0;  ///< what f was off by in steps that are too long for it, added up
-  double kept_ = 0;   ///< the time of the last ‖f‖ that was noted
-  double off_ = 0;    ///< what a step since the last place was off by
+  double wrong_ = 0;                    ///< what f was off by in steps that are too long for it, added up
+  double kept_ = 0;                     ///< the time of the last ‖f‖ that was noted
+  double off_ = 0, off_in_energy_ = 0;  ///< what a step since the last place was off by
 };
 
 }  // namespace semiexplicit::detail

@@ -123,6 +123,7 @@ struct Sample {
   typename Problem<Any>::Value value;
   double apart;  ///< how far the two runs of the reference differ there
   double terms;  ///< about the size of what it is a sum of
+  bool flash;    ///< one of those times at which errors are far larger than usual
 };
 
 /// By how much the mean of something moves from the first half of a time to the second. Weights that rise and

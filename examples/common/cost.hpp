@@ -262,7 +262,7 @@ struct CostRequest {
              "' is no accuracy: a relative energy error from 1e-300 to 0.1, or an angle as \"0.001 arcsec\"";
     if (unit.empty()) return "";
     try {
-      if (read_unit(unit).powers == Unit{}.powers) return "";
+      if (is_angle(unit)) return "";
       return "'" + text + "' is no angle; give one in rad, deg or arcsec";
     } catch (const std::invalid_argument& error) {
       return error.what();
@@ -296,7 +296,8 @@ struct CostRequest {
     method.stages = std::max(1, setting.stages);
     method.lanes = setting.method == Setting::Method::gauss_lanes;
     const bool too_long = setting.dt > longest_dt_;
-    settings.dt = settings.time / std::ceil(settings.time / (too_long ? longest_dt_ : setting.dt));
+    settings.dt = std::min(too_long ? longest_dt_ : setting.dt, settings.time);
+    settings.fit_steps();  // as many as were tried
     std::cout << told(cost) << "\nchosen: " << setting.name() << ", dt = " << formatted("%.4g", settings.dt)
               << (too_long ? " (shorter than it could be, to measure the figure)" : "") << ", " << among(cost)
               << "\n\n";

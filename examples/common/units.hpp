@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cctype>
 #include <charconv>
@@ -139,6 +140,12 @@ struct UnitSystem {
   }
 };
 
+/// Whether that is the unit of an angle: one name, without a power.
+inline bool is_angle(const std::string& unit) {
+  return read_unit(unit).powers == Unit().powers &&
+         std::all_of(unit.begin(), unit.end(), [](unsigned char c) { return std::isalpha(c) != 0; });
+}
+
 /// Reads "0.3", in units of the system, or "0.3 km/s", and gives the number in those units. `wanted` is any
 /// unit of the kind that is meant. Throws std::invalid_argument for anything else, and for zero and less
 /// where it has to be positive.
@@ -156,10 +163,9 @@ inline double read_quantity(const std::string& text, const std::string& wanted, 
   behind.erase(behind.find_last_not_of(" \t") + 1);
   if (behind.empty()) return value;
   if (wanted.empty()) refuse("has a unit, and a plain number is wanted");
+  behind.erase(0, behind.find_first_not_of(" \t"));
   const Unit unit = read_unit(behind), meant = read_unit(wanted);
-  if (unit.powers == Unit().powers &&
-      behind.find_first_of("/*^ \t", behind.find_first_not_of(" \t")) != std::string::npos)
-    refuse("is no angle; give it as 30deg");
+  if (unit.powers == Unit().powers && !is_angle(behind)) refuse("is no angle; give it as 30deg");
   if (unit.powers != meant.powers)
     refuse("is a " + dimension(unit) + ", and a " + dimension(meant) + " is wanted");
   const double size = system.size_of(unit), converted = value * size;

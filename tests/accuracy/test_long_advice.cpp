@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -687,6 +688,9 @@ TEST_CASE("advice on whole runs only has met its target, or says what is missing
       CHECK((what.is_energy() ? (cost.run(z, *advice, invariants), invariants["energy"].worst)
                               : worst_off(cost, *advice, start, place, exact)) < 1.05 * target);
     }
+    const auto boundless = ask(what, true, std::numeric_limits<double>::infinity());
+    CHECK(boundless.cheapest(1e-7));
+    CHECK(boundless.spent_gradients < 1e8);
     const auto less = ask(what, true, 2e4);
     CHECK(less.spent_gradients <= 2e4);
     CHECK(less.reach(1e-7) == Reach::budget);
@@ -735,6 +739,33 @@ TEST_CASE("a wall is seen where its coordinate is mixed with an oscillator's, an
               }) < 3 * target * cost.unit);
       else
         CHECK(cost.reach(target) == Reach::budget);
+  }
+}
+
+TEST_CASE("the velocity of a ball is right at its bounces, too", "[long]") {
+  // On a stiff floor, from the height h: most steps of a coarse run are made in the bounces.
+  struct Ball {
+    double stiff, height, T, target;
+  };
+  for (const auto& [k, height, T, target] :
+       {Ball{150, 1, 12, 1e-5}, Ball{100, 1, 12, 1e-7}, Ball{168, 1.55, 7.88, 5.4e-5}}) {
+    CAPTURE(k, T);
+    const auto h = from_energy<1>(
+        [k = k](const auto& q, const auto& p) { return p[0] * p[0] / 2 + q[0] + exp(-k * q[0]); });
+    const PhasePoint<double, 1> z0(height, 0);
+    const auto velocity = [](const auto&, const auto& p) { return p[0]; };
+    const auto cost =
+        cost_of_accuracy(h, z0, T, {.observable = velocity, .targets = {target}, .whole = true});
+    const auto advice = cost.cheapest(target);
+    REQUIRE(advice);
+    auto right = z0;  // by steps of a twentieth of a bounce
+    double before = 0;
+    CHECK(worst_off(cost, *advice, z0, velocity, [&, k = k](double t) {
+            if (t > before)
+              run(h, right, t - before, {.method = Setting::Method::gauss, .stages = 8, .dt = 0.05 / k});
+            before = t;
+            return right.p()[0];
+          }) < 3 * target * cost.unit);
   }
 }
 

@@ -54,6 +54,8 @@ prints(charges "do not overrate how steps tell a bounce of few gyrations" "--pre
 prints(charges "do not overrate how steps tell a bounce in a pull" "--preset bottle --effects kinetic,magnetic_bottle,electric --energy \"58496.2 eV\" --b0 \"-0.318396 T\" --pitch \"77.568 deg\" --length \"2.4708 m\" --time 2.5168785e-05 --dt 2.1888e-08 --ez \"2291 V/m\""
   "bounce period, s: 4.746753[0-9]*e-06 ± ")
 # By a method of second order 9.5767e-06, by others and a quarter of the step 9.5704e-06.
+prints(fast_charges "runs as many steps as were tried" "--preset solenoid --gamma 338.43 --b0 \"39 mT\" --effects kinetic,solenoid,electric --ez \"13.8 V/m\" --accuracy 1e-11 --cost-by gradients"
+  "chosen: low_defect6_s13, dt = 2.5e-10, .* 6.7e-12 expected, 6.7e-12 reached")
 prints(fast_charges "counts the trajectory's error in a wiggle" "--preset undulator --method gauss --stages 1" "wiggle, m: 9.5[78][0-9]*e-06 ± ([6-9]e-09|[1-5]e-08); ")
 
 # 0.0042743815 by the closed form; it was that half a step before the end, 0.0042966.
@@ -293,5 +295,6 @@ check(orbits "counts what measuring leaves of the accuracy" "--accuracy \"0.0001
   FILE out/orbits.csv PRINTS "perihelion advance: 42.9[0-9]+ ± 0.0[0-9]+ arc")
 check(black_hole "says which option to shorten where the orbit ends" "--preset zoom_whirl --l 1 --time 500 --accuracy 1e-6 --cost-by gradients --no-plot" EXIT_CODE 1
   COMPLAINT "no step goes beyond t = 10[0-9], where the orbit ends, or is too hard. give a shorter --time")
+refuses(orbits "an accuracy in squares of angles" "--accuracy 0.001arcsec2" "is no angle; give one in rad, deg or arcsec")
 refuses(orbits "an accuracy in metres" "--accuracy \"3 km\"" "is no angle; give one in rad, deg or arcsec")
 refuses(orbits "an accuracy of an angle where none is measured" "--preset gps --accuracy \"1 arcsec\"" "measures no angle; give a relative energy error")

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -1208,6 +1209,35 @@ TEMPLATE_TEST_CASE("A surface is seen again by its own size, once steps have sho
   integrate(stepper, z, {.dt = dt, .t_end = far + 2}, watch);
   CHECK(burns == 3);
   CHECK(z.p()[0] == Approx(2.5));
+}
+
+TEMPLATE_TEST_CASE("Steps too short for any part of them to be a number come back", "[events]", float,
+                   double) {
+  using State = PhasePoint<TestType, 1>;
+  const auto h =
+      from_energy<1, TestType>([](const auto& q, const auto& p) { return (q[0] * q[0] + p[0] * p[0]) / 2; });
+  for (const TestType dt :
+       {std::numeric_limits<TestType>::denorm_min(), std::numeric_limits<TestType>::min()}) {
+    State z(TestType(0), TestType(1));  // on the surface
+    GaussLegendre stepper(h, {.stages = 3});
+    auto bounces = events(h, on_event([](const auto& q, const auto&) { return q[0]; },
+                                      [](TestType, State& now) { now.p()[0] *= -1; }));
+    integrate(stepper, z, {.dt = dt, .steps = 10}, bounces);
+    CHECK(bounces.count() == 0);
+    CHECK(z.p()[0] == TestType(1));
+  }
+}
+
+TEST_CASE("A section that was moved from says so, whatever the size", "[events]") {
+  const auto h =
+      from_energy(2, [](const auto& q, const auto& p) { return (q.squaredNorm() + p.squaredNorm()) / 2; });
+  auto from = poincare_section(
+      h, [](const auto& q, const auto&) { return q[0]; }, [](double, const auto&) {});
+  const auto to = std::move(from);
+  PhasePoint<double, Eigen::Dynamic> z(2);
+  z.vector().setOnes();
+  GaussLegendre stepper(h, {.stages = 3});
+  CHECK_THROWS_AS(integrate(stepper, z, {.dt = 0.1, .steps = 50}, from), std::logic_error);
 }
 
 }  // namespace test_events

@@ -129,13 +129,14 @@ class Reference {
         from > 0 ? static_cast<std::size_t>(std::max(1.0, std::round((length - from) / from))) : 1;
     std::size_t seen = 0;
     std::erase_if(samples_, [&](const auto& sample) { return !sample.flash && ++seen % keep != 0; });
-    const auto flashes = scout_.flashes();
-    auto in_flash = [&, last = from](double t) mutable {
-      const bool is = std::any_of(flashes.begin(), flashes.end(), [&](const auto& one) {
-        return one.first < t && t <= one.second && t - last >= (one.second - one.first) / flash_count;
-      });
-      if (is) last = t;
-      return is;
+    const auto flashes = scout_.flashes(from, length);
+    // A part of the flash that goes on at t, or begins or ended right there; infinite where there is none.
+    const auto part_of_flash = [&](double t) {
+      double part = std::numeric_limits<double>::infinity();
+      for (const auto& one : flashes)
+        if (const double width = one.to - one.from; one.from - width / 2 <= t && t < one.to + width / 2)
+          part = std::min(part, width / flash_count);
+      return part;
     };
     const auto [hardest, varies] = scout_.paces();
     hardest_ = hardest, varies_ = varies > far_easier;
@@ -147,13 +148,14 @@ class Reference {
     for (double planned = 0; time_ < length;) {
       for (; next < count && planned <= time_; ++next)
         planned = from + (next - 0.3 * std::fmod(0.618034 * next, 1.0)) / count * (length - from);
-      if (!step(length, (length - from) / least_count)) return false;
+      const double part = part_of_flash(time());
+      if (!step(length, std::min(part, (length - from) / least_count))) return false;
       problem_.measure(fine_, fine);
       if (!all_finite(fine)) {
         problem_.table.observable_end = time();
         return false;
       }
-      const bool flash = in_flash(time());
+      const bool flash = std::isfinite(part);
       if (!flash && time_ < std::min(planned, length) && (!varies_ || ++steps < usual)) continue;
       if (!flash) steps = 0;
       problem_.measure(coarse_, coarse);

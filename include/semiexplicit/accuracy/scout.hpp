@@ -21,6 +21,15 @@ namespace semiexplicit::detail {
 template <class Any>
 class Scout {
  public:
+  /// What steps in that time are off by at most, in the observable and in the energy.
+  struct Interval {
+    double from = 0, to = 0, off = 0, off_in_energy = 0;
+    void join(const Interval& next) {
+      to = next.to, off = std::max(off, next.off),
+      off_in_energy = std::max(off_in_energy, next.off_in_energy);
+    }
+  };
+
   explicit Scout(Problem<Any>& problem) : problem_(problem) { restart(); }
 
   /// Goes on to T, as far as `calls` in all go; to the end also where that takes no more than `most`. False:
@@ -80,23 +89,31 @@ class Scout {
            passes(off_behind(length, &Place::off_in_energy, clearly_more, rounding * problem_.energy_size()));
   }
 
-  /// The few times around which the observable, or the energy, is off by far more in a step than usual, as a
-  /// velocity is at a bounce: from, and to.
-  SEMIEXPLICIT_COLD std::vector<std::pair<double, double>> flashes() const {
-    std::vector<std::pair<double, double>> times;
-    const auto count = static_cast<std::ptrdiff_t>(places_.size()), rare = count / 16,
-               few = std::min<std::ptrdiff_t>(most_flashes, rare);
-    for (double Place::*const off : {&Place::off, &Place::off_in_energy}) {
-      std::vector<std::pair<double, std::size_t>> found;
-      for (std::size_t i = 0; i < places_.size(); ++i) found.emplace_back(places_[i].*off, i);
-      std::sort(found.begin(), found.end(), std::greater<>());
-      for (auto one = found.begin(); one != found.begin() + few; ++one)
-        if (const std::size_t i = one->second;
-            one->first > clearly_more * found[static_cast<std::size_t>(rare)].first)
-          times.emplace_back(i > 0 ? places_[i - 1].t : 0.0,
-                             i + 1 < places_.size() ? places_[i + 1].t : time_);
+  /// Times in that stretch in which the observable, or the energy, is off by far more in a step than in
+  /// nearly all of the time, as a velocity is at a bounce: where they are off most, and the last.
+  SEMIEXPLICIT_COLD std::vector<Interval> flashes(double from, double to) const {
+    std::vector<Interval> result;
+    for (double Interval::*const off : {&Interval::off, &Interval::off_in_energy}) {
+      std::vector<Interval> all = intervals_, found;
+      std::sort(all.begin(), all.end(),
+                [off](const Interval& a, const Interval& b) { return a.*off > b.*off; });
+      double rest = rare * time_;
+      const auto usual = std::find_if(
+          all.begin(), all.end(), [&rest](const Interval& one) { return (rest -= one.to - one.from) <= 0; });
+      if (usual == all.end()) continue;
+      for (const Interval& one : intervals_) {
+        if (!(one.*off > clearly_more * ((*usual).*off)) || one.to <= from || one.from >= to) continue;
+        if (!found.empty() && one.from <= found.back().to)
+          found.back().join(one);
+        else
+          found.push_back(one);
+      }
+      const auto few = std::min(most_flashes, found.size());
+      std::sort(found.begin(), found.end(),
+                [off](const Interval& a, const Interval& b) { return a.*off * a.to > b.*off * b.to; });
+      result.insert(result.end(), found.begin(), found.begin() + static_cast<std::ptrdiff_t>(few));
     }
-    return times;
+    return result;
   }
 
   /// How much finer steps become in the course of T, as those of a motion that gets faster: the least of the
@@ -192,7 +209,8 @@ class Scout {
     places_.clear(), terms_.clear(), largest_.assign(1, 0);
     eighths_.fill({}), eighth_ = 0;
     steps_ = known_ = 0, stride_ = 1;
-    time_ = last_look_ = kept_ = wrong_ = off_ = off_in_energy_ = 0, keeps_energy_ = true;
+    time_ = last_look_ = kept_ = wrong_ = 0, keeps_energy_ = true;
+    intervals_.clear(), joined_ = 1, since_place_ = {};
   }
 
   SEMIEXPLICIT_COLD bool follow(double calls, double most) {
@@ -205,14 +223,17 @@ class Scout {
       if (dt == 0) break;
       time_ = dt == T - time_ ? T : time_ + dt;
       ++steps_;
-      off_in_energy_ =
-          std::max(off_in_energy_, std::abs(problem_.energy_off(z_) - problem_.energy_off(pacer_->whole())));
+      Interval made{.from = time_ - dt, .to = time_};
+      made.off_in_energy = std::abs(problem_.energy_off(z_) - problem_.energy_off(pacer_->whole()));
       if (!problem_.options.observable.is_energy()) {  // whose size is known
         keeps_energy_ = keeps_energy_ && problem_.keeps_energy(z_, 0.01);
-        if (keeps_energy_) measure();
+        if (keeps_energy_) made.off = measure();
       }
+      note(made);
+      since_place_.join(made);
       if (pacer_->pace() > 0 && ++known_ % stride_ == 0) {
-        places_.push_back({time_, pacer_->pace(), std::exchange(off_, 0), std::exchange(off_in_energy_, 0)});
+        places_.push_back({time_, pacer_->pace(), since_place_.off, since_place_.off_in_energy});
+        since_place_ = {};
         if (places_.size() == most_places) thin();
       }
       note_pace(dt);
@@ -238,15 +259,35 @@ class Scout {
 
   /// Notes ‖f‖ unless errors have taken it there: the steps follow what moves most, beside which a small
   /// motion may become unstable. What f is off by in steps that are too long for it then adds up to its size.
-  SEMIEXPLICIT_COLD void measure() {
+  SEMIEXPLICIT_COLD double measure() {
     problem_.measure(z_, value_), problem_.measure(pacer_->whole(), by_whole_);
     const double size = static_cast<double>(norm(value_)),
                  off = static_cast<double>(norm(value_ - by_whole_));
-    if (!std::isfinite(size)) return;
+    if (!std::isfinite(size)) return 0;
     if (!(off < 0.1 * std::max(size, largest_.back()))) wrong_ += off;
-    if (!(wrong_ < 0.3 * std::max(size, largest_.back()))) return;
-    kept_ = time_, off_ = std::max(off_, off);
+    if (!(wrong_ < 0.3 * std::max(size, largest_.back()))) return 0;
+    kept_ = time_;
     largest_.back() = std::max(largest_.back(), size);
+    return off;
+  }
+
+  /// Of so many steps that two are one interval, then four.
+  SEMIEXPLICIT_COLD void note(const Interval& made) {
+    if (intervals_.empty() || in_last_ == joined_) {
+      if (intervals_.size() == most_places) {
+        for (std::size_t i = 0; i < most_places / 2; ++i) {
+          intervals_[i] = intervals_[2 * i];
+          intervals_[i].join(intervals_[2 * i + 1]);
+        }
+        intervals_.resize(most_places / 2);
+        joined_ *= 2;
+      }
+      intervals_.push_back(made);
+      in_last_ = 1;
+      return;
+    }
+    intervals_.back().join(made);
+    ++in_last_;
   }
 
   /// The harder one of two, but among the first ones.
@@ -264,7 +305,8 @@ class Scout {
   }
 
   static constexpr std::size_t most_places = 4096, first_places = 2048;
-  static constexpr std::ptrdiff_t most_flashes = 4;
+  static constexpr std::size_t most_flashes = 8;
+  static constexpr double rare = 1.0 / 16;    ///< of the time
   static constexpr double clearly_more = 10;  ///< that the observable is off by in a flash
   static constexpr double much_more = 30;     ///< that the observable is off by in a step behind a trial
 
@@ -280,9 +322,11 @@ class Scout {
   std::vector<double> largest_{};  ///< ‖f‖ until each look, and until now
   bool keeps_energy_ = true;       ///< has, all along
   typename Problem<Any>::Value value_{}, by_whole_{};
-  double wrong_ = 0;                    ///< what f was off by in steps that are too long for it, added up
-  double kept_ = 0;                     ///< the time of the last ‖f‖ that was noted
-  double off_ = 0, off_in_energy_ = 0;  ///< what a step since the last place was off by
+  double wrong_ = 0;  ///< what f was off by in steps that are too long for it, added up
+  double kept_ = 0;   ///< the time of the last ‖f‖ that was noted
+  std::vector<Interval> intervals_{};
+  std::size_t joined_ = 1, in_last_ = 0;  ///< steps in each of them, and in the last
+  Interval since_place_{};                ///< the last one
 };
 
 }  // namespace semiexplicit::detail

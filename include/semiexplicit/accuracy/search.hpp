@@ -385,8 +385,8 @@ class Search {
 
   /// Processor time of a gradient call in this method. Where time decides it is measured for longer.
   double seconds_per_call(const Candidate& candidate) {
-    return timer_.seconds_per_call(candidate,
-                                   table_.budget * (options().by == CostBy::seconds ? 0.003 : 0.0005));
+    const double enough = table_.budget * (options().by == CostBy::seconds ? 0.003 : 0.0005);
+    return timer_.seconds_per_call(candidate, std::min(enough, most_timed));
   }
   /// Cost of a gradient call, in what is to be cheap.
   double cost_of_call(const Candidate& candidate) {
@@ -600,6 +600,7 @@ class Search {
   }
 
   static constexpr double enough_to_begin = 1000;  ///< gradient calls
+  static constexpr double most_timed = 1e6;        ///< of them, to time a method
   static constexpr double most_scales = 4;         ///< of the local time, that a reversible step may take
   static constexpr double scout_share = 0.2;       ///< of the budget
   static constexpr double most_of_first = 0.7;     ///< of the budget, that the first race may take

@@ -176,8 +176,8 @@ inline std::string difference_of_lines(const std::string& there, const std::stri
     const auto equal = static_cast<std::size_t>(other.first - line_there.begin());
     const std::size_t comma = equal == 0 ? std::string::npos : line_there.find_last_of(",;", equal - 1);
     const std::size_t begin = comma == std::string::npos ? 0 : line_there.find_first_not_of(' ', comma + 1);
-    const auto separates = [&](const std::string& line) {
-      return equal < line.size() && (line[equal] == ',' || line[equal] == ';');
+    const auto separates = [&](const std::string& line) {  // or ends
+      return equal >= line.size() || line[equal] == ',' || line[equal] == ';';
     };
     const std::size_t at = equal + (separates(line_there) && separates(line_here) ? 1 : 0);
     for (std::string* const line : {&line_there, &line_here})

@@ -136,8 +136,9 @@ class DenseOutput {
   /// from the last two by a geometric law; it costs no gradient, and once a step the time of two
   /// interpolations (0.1 µs with four nodes of one degree of freedom). For steps that resolve the motion it
   /// was 1 to 7 times the worst error on harmonic, Kepler's and systems::Product's, and where the error is as
-  /// large as the orbit it is of that size too. What leaves no trace in the states at the steps it cannot
-  /// see.
+  /// large as the orbit it is of that size too. Beside a large slow motion that of a small fast one may be
+  /// ten times what it says, and more by two or three nodes, or in the first steps. What leaves no trace in
+  /// the states at the steps it cannot see.
   ///
   /// Source: J. Stoer, R. Bulirsch, Introduction to Numerical Analysis, 3rd ed., sections 2.1.3 to 2.1.5.
   const Scalar& interpolation_error() const { return worst_; }

@@ -454,7 +454,12 @@ class Events {
     known_.fill({});
     largest_.vector().setZero();
   }
-  void enlarge(const State& z) { largest_.vector() = largest_.vector().cwiseMax(z.vector().cwiseAbs()); }
+  void enlarge(const State& z) {
+    if (largest_.dof() != z.dof())
+      throw std::logic_error(
+          "events: it was moved from; use the one that it was moved to, or make a new one");
+    largest_.vector() = largest_.vector().cwiseMax(z.vector().cwiseAbs());
+  }
 
   /// Whether s = from is so small that it is crossed, or was, within about `near`.
   template <class At>
@@ -471,7 +476,7 @@ class Events {
                          const At& at, int expected = 0) {
     using std::abs;
     for (Scalar x = near;; x *= 8) {
-      if (abs(x) > abs(most)) x = most;
+      if (abs(x) > abs(most) || x == Scalar(0)) x = most;  // of a step that is denormal nothing is near
       const Scalar s = at(x), moved = s - from;
       if (!(abs(moved) <= noise)) {
         const int side = detail::side_of(moved);

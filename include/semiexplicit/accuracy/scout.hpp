@@ -90,7 +90,7 @@ class Scout {
   }
 
   /// Times in that stretch in which the observable, or the energy, is off by far more in a step than in
-  /// nearly all of the time, as a velocity is at a bounce: where they are off most, and the last.
+  /// nearly all of the time, as a velocity is at a bounce: those where errors, which grow, are the largest.
   SEMIEXPLICIT_COLD std::vector<Interval> flashes(double from, double to) const {
     std::vector<Interval> result;
     for (double Interval::*const off : {&Interval::off, &Interval::off_in_energy}) {
@@ -176,7 +176,7 @@ class Scout {
  private:
   struct Place {
     double t, pace;
-    double off, off_in_energy;  ///< the largest since the place before, of the observable in a step
+    double off, off_in_energy;  ///< the largest in a step since the place before
   };
   /// The logarithm of the pace, over an eighth of T.
   struct Eighth {
@@ -224,7 +224,8 @@ class Scout {
       time_ = dt == T - time_ ? T : time_ + dt;
       ++steps_;
       Interval made{.from = time_ - dt, .to = time_};
-      made.off_in_energy = std::abs(problem_.energy_off(z_) - problem_.energy_off(pacer_->whole()));
+      const double apart = std::abs(problem_.energy_off(z_) - problem_.energy_off(pacer_->whole()));
+      if (std::isfinite(apart)) made.off_in_energy = apart;
       if (!problem_.options.observable.is_energy()) {  // whose size is known
         keeps_energy_ = keeps_energy_ && problem_.keeps_energy(z_, 0.01);
         if (keeps_energy_) made.off = measure();

@@ -1,12 +1,14 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
-#include <functional>
 #include <random>
 #include <string>
 
 #include <semiexplicit/accuracy.hpp>
 #include <semiexplicit/derivatives.hpp>
+
+#include "../../tests/late_wall.hpp"
 
 namespace bench {
 
@@ -109,30 +111,18 @@ void for_each_forecast(int count, Use& use) {
         h, z0, ask(), [](const auto& q, const auto&) { return q[0]; }, by_small_steps(h, z0, 0.01));
   });
   each("a wall that comes once, beside an oscillator", [&] {
-    const double steep = power(0, 2), speed = power(-1, 0.5), rate = power(-0.3, 1.5),
-                 turn = between(0, 3);  // of both against the coordinates
-    const auto h =
-        from_energy<2>([steep, rate, c = std::cos(turn), s = std::sin(turn)](const auto& q, const auto& p) {
-          const auto x = c * q[0] + s * q[1], y = c * q[1] - s * q[0], u = c * p[0] + s * p[1],
-                     v = c * p[1] - s * p[0];
-          return u * u / 2 + exp(-steep * x) + rate / 2 * (y * y + v * v);
-        });
+    const double steep = power(0, 2), speed = power(-1, 0.5), rate = power(-0.3, 1.5), turn = between(0, 3);
     const Question asked = ask();
-    // x = (2 ln cosh(k v (t - t1)/2) - ln(v²/2))/k.
-    const double arrives = asked.T * between(0.05, 0.95);
-    const auto exact = [=, y = between(-1, 1), v = between(-1, 1)](double t) {
-      const double to_turn = steep * speed * (t - arrives) / 2, far = std::abs(to_turn);
-      const double x = (2 * (far + std::log1p(std::exp(-2 * far)) - std::log(2.0)) -
-                        std::log(speed * speed / 2)) /
-                       steep,
-                   u = speed * std::tanh(to_turn), c = std::cos(turn), s = std::sin(turn);
-      const double now_y = y * std::cos(rate * t) + v * std::sin(rate * t),
-                   now_v = v * std::cos(rate * t) - y * std::sin(rate * t);
-      return PhasePoint<double, 2>({c * x - s * now_y, s * x + c * now_y},
-                                   {c * u - s * now_v, s * u + c * now_v});
-    };
+    const LateWall wall{.steep = steep,
+                        .speed = speed,
+                        .rate = rate,
+                        .arrives = asked.T * between(0.05, 0.95),
+                        .y = between(-1, 1),
+                        .v = between(-1, 1),
+                        .turn = turn};
     use(
-        h, exact(0), asked, [](const auto& q, const auto&) { return q[0]; }, exact);
+        from_energy<2>(wall), wall.at(0), asked, [](const auto& q, const auto&) { return q[0]; },
+        [wall](double t) { return wall.at(t); });
   });
 }
 

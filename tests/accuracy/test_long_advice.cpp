@@ -16,6 +16,7 @@
 #include "catch.hpp"
 
 #include "kepler.hpp"
+#include "late_wall.hpp"
 
 namespace test_long_advice {
 
@@ -612,32 +613,25 @@ TEST_CASE("a motion that gets faster in the course of the time is run to the end
 }
 
 TEST_CASE("a wall that comes behind the trials, once, is no surprise", "[long]") {
-  // A free motion x to a wall exp(-k x) and back, beside an oscillator.
   struct Flight {
-    double steep, speed, rate, arrives, T, target;
+    LateWall wall;
+    double T, target;
     bool shows_angle;
   };
-  for (const auto& [k, speed, w, arrives, T, target, shows_angle] :
-       {Flight{14.632, 0.110871, 0.781582, 3778, 18097.5, 1e-8, true},
-        Flight{10.75, 2.544, 23.17, 322.5, 668.52, 1.45e-7, false}}) {
+  for (const auto& [wall, T, target, shows_angle] :
+       {Flight{{14.632, 0.110871, 0.781582, 3778, 0.5, 0.7}, 18097.5, 1e-8, true},
+        Flight{{10.75, 2.544, 23.17, 322.5, 0.5, 0.7}, 668.52, 1.45e-7, false}}) {
     CAPTURE(T);
-    const auto h = from_energy<2>([k = k, w = w](const auto& q, const auto& p) {
-      return p[0] * p[0] / 2 + exp(-k * q[0]) + w / 2 * (q[1] * q[1] + p[1] * p[1]);
-    });
-    const double log_energy = std::log(speed * speed / 2);
-    const auto x = [&, k = k, speed = speed, arrives = arrives](double t) {  // (2 ln cosh e - ln(v²/2))/k
-      const double e = std::abs(k * speed * (t - arrives) / 2);
-      return (2 * (e + std::log1p(std::exp(-2 * e)) - std::log(2.0)) - log_energy) / k;
-    };
-    const PhasePoint<double, 2> z0({x(0), 0.5}, {-speed, 0.7});
+    const auto h = from_energy<2>(wall);
     const auto shown = [angle = shows_angle](double position) {
       return angle ? Eigen::Vector2d(std::sin(position), std::cos(position)) : Eigen::Vector2d(position, 0);
     };
     const auto f = [shown](const auto& q, const auto&) { return shown(q[0]); };
     const auto cost =
-        cost_of_accuracy(h, z0, T, {.observable = f, .targets = {target}, .absolute = !shows_angle});
+        cost_of_accuracy(h, wall.at(0), T, {.observable = f, .targets = {target}, .absolute = !shows_angle});
     if (const auto advice = cost.cheapest(target))
-      CHECK(worst_off(cost, *advice, z0, f, [&](double t) { return shown(x(t)); }) < 3 * target);
+      CHECK(worst_off(cost, *advice, wall.at(0), f,
+                      [&, wall = wall](double t) { return shown(wall.at(t).q()[0]); }) < 3 * target);
     else
       CHECK(cost.reach(target) == Reach::budget);
   }
@@ -700,41 +694,28 @@ TEST_CASE("advice on whole runs only has met its target, or says what is missing
 TEST_CASE("a wall is seen where its coordinate is mixed with an oscillator's, and so is the moment of it",
           "[long]") {
   struct Flight {
-    double steep, speed, rate, arrives, y, v, turn, T;
+    LateWall wall;
+    double T;
     std::vector<double> targets;
     bool shows_momentum;
   };
   for (const Flight& flight :
-       {Flight{1.51, 1.95623, 1.803, 170, -0.90164, 0.772696, 0, 1157.54, {5.53e-8, 1.942e-7}, true},
-        Flight{6.48811, 0.376643, 0.584082, 484.4, -0.19796, -0.36659, 2.8477, 978.3, {4.068e-6}, true},
-        Flight{7.862, 0.5187, 1.294, 5687, 0.895678, -0.626224, 1.11, 13450.7, {3.045e-6}, false},
-        Flight{2.69166, 2.15912, 1.99829, 9636, 0.739239, 0.793919, 1.21975, 18411.9, {5.1e-6}, false}}) {
+       {Flight{{1.51, 1.95623, 1.803, 170, -0.90164, 0.772696}, 1157.54, {5.53e-8, 1.942e-7}, true},
+        Flight{{6.48811, 0.376643, 0.584082, 484.4, -0.19796, -0.36659, 2.8477}, 978.3, {4.068e-6}, true},
+        Flight{{7.862, 0.5187, 1.294, 5687, 0.895678, -0.626224, 1.11}, 13450.7, {3.045e-6}, false},
+        Flight{{2.69166, 2.15912, 1.99829, 9636, 0.739239, 0.793919, 1.21975}, 18411.9, {5.1e-6}, false}}) {
     CAPTURE(flight.T);
-    const double c = std::cos(flight.turn), s = std::sin(flight.turn);
-    const auto h = from_energy<2>([&](const auto& q, const auto& p) {
-      const auto x = c * q[0] + s * q[1], y = c * q[1] - s * q[0], u = c * p[0] + s * p[1],
-                 v = c * p[1] - s * p[0];
-      return u * u / 2 + exp(-flight.steep * x) + flight.rate / 2 * (y * y + v * v);
-    });
-    const auto exact = [&](double t) {  // x = (2 ln cosh(k v (t - t1)/2) - ln(v²/2))/k
-      const double to_turn = flight.steep * flight.speed * (t - flight.arrives) / 2, far = std::abs(to_turn);
-      const double x = (2 * (far + std::log1p(std::exp(-2 * far)) - std::log(2.0)) -
-                        std::log(flight.speed * flight.speed / 2)) /
-                       flight.steep,
-                   u = flight.speed * std::tanh(to_turn), angle = flight.rate * t;
-      const double y = flight.y * std::cos(angle) + flight.v * std::sin(angle),
-                   v = flight.v * std::cos(angle) - flight.y * std::sin(angle);
-      return PhasePoint<double, 2>({c * x - s * y, s * x + c * y}, {c * u - s * v, s * u + c * v});
-    };
+    const auto start = flight.wall.at(0);
     const auto shown = [&](double q, double p) {
       return flight.shows_momentum ? Eigen::Vector2d(p, 0) : Eigen::Vector2d(std::sin(q), std::cos(q));
     };
     const auto f = [shown](const auto& q, const auto& p) { return shown(q[0], p[0]); };
-    const auto cost = cost_of_accuracy(h, exact(0), flight.T, {.observable = f, .targets = flight.targets});
+    const auto cost = cost_of_accuracy(from_energy<2>(flight.wall), start, flight.T,
+                                       {.observable = f, .targets = flight.targets});
     for (const double target : flight.targets)
       if (const auto advice = cost.cheapest(target))
-        CHECK(worst_off(cost, *advice, exact(0), f, [&](double t) {
-                const auto there = exact(t);
+        CHECK(worst_off(cost, *advice, start, f, [&](double t) {
+                const auto there = flight.wall.at(t);
                 return shown(there.q()[0], there.p()[0]);
               }) < 3 * target * cost.unit);
       else

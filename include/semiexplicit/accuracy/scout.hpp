@@ -85,8 +85,9 @@ class Scout {
   /// free motion comes to once: in the observable, which may show nothing of it before, or in the energy.
   SEMIEXPLICIT_COLD bool errs_behind(double length) const {
     const double rounding = 1e3 * Problem<Any>::epsilon;
-    return off_behind(length, &Place::off, much_more, rounding * largest_.back()) > 0 ||
-           passes(off_behind(length, &Place::off_in_energy, clearly_more, rounding * problem_.energy_size()));
+    return off_behind(length, &Interval::off, much_more, rounding * largest_.back()) > 0 ||
+           passes(
+               off_behind(length, &Interval::off_in_energy, clearly_more, rounding * problem_.energy_size()));
   }
 
   /// Times in that stretch in which the observable, or the energy, is off by far more in a step than in
@@ -176,7 +177,7 @@ class Scout {
  private:
   struct Place {
     double t, pace;
-    double off, off_in_energy;  ///< the largest in a step since the place before
+    Interval since;  ///< the place before
   };
   /// The logarithm of the pace, over an eighth of T.
   struct Eighth {
@@ -186,21 +187,23 @@ class Scout {
 
   /// The most that steps behind that time are off by, where that is so many times more than `until` and than
   /// before; 0: it is not.
-  SEMIEXPLICIT_COLD double off_behind(double length, double Place::*off, double times, double until) const {
+  SEMIEXPLICIT_COLD double off_behind(double length, double Interval::*off, double times,
+                                      double until) const {
     double longest = 0, most = 0;
     for (const Place& place : places_)
-      if (place.t <= length) until = std::max(until, place.*off), longest = std::max(longest, place.pace);
+      if (place.t <= length)
+        until = std::max(until, place.since.*off), longest = std::max(longest, place.pace);
     for (const Place& place : places_) {
       const double longer = std::max(1.0, place.pace / longest);
-      if (place.t > length && longest > 0 && place.*off > times * until * std::pow(longer, 5))
-        most = std::max(most, place.*off);
+      if (place.t > length && longest > 0 && place.since.*off > times * until * std::pow(longer, 5))
+        most = std::max(most, place.since.*off);
     }
     return most;
   }
   /// Whether the energy is off by that for a while only: it is so for ever in what leaves, which the
   /// observable need not show.
   SEMIEXPLICIT_COLD bool passes(double most) const {
-    return most > 0 && !places_.empty() && places_.back().off_in_energy < most / clearly_more;
+    return most > 0 && !places_.empty() && places_.back().since.off_in_energy < most / clearly_more;
   }
 
   SEMIEXPLICIT_COLD void restart() {
@@ -233,8 +236,7 @@ class Scout {
       note(made);
       since_place_.join(made);
       if (pacer_->pace() > 0 && ++known_ % stride_ == 0) {
-        places_.push_back({time_, pacer_->pace(), since_place_.off, since_place_.off_in_energy});
-        since_place_ = {};
+        places_.push_back({time_, pacer_->pace(), std::exchange(since_place_, {})});
         if (places_.size() == most_places) thin();
       }
       note_pace(dt);
@@ -260,6 +262,7 @@ class Scout {
 
   /// Notes ‖f‖ unless errors have taken it there: the steps follow what moves most, beside which a small
   /// motion may become unstable. What f is off by in steps that are too long for it then adds up to its size.
+  /// Returns what it is off by in the last one; 0: that is not noted.
   SEMIEXPLICIT_COLD double measure() {
     problem_.measure(z_, value_), problem_.measure(pacer_->whole(), by_whole_);
     const double size = static_cast<double>(norm(value_)),
@@ -295,11 +298,10 @@ class Scout {
   SEMIEXPLICIT_COLD void thin() {
     std::size_t filled = first_places;
     for (std::size_t i = first_places; i + 1 < most_places; i += 2) {
-      const Place &one = places_[i], &other = places_[i + 1];
-      Place both = one.pace < other.pace ? one : other;
-      both.off = std::max(one.off, other.off);
-      both.off_in_energy = std::max(one.off_in_energy, other.off_in_energy);
-      places_[filled++] = both;
+      Interval both = places_[i].since;
+      both.join(places_[i + 1].since);
+      places_[filled] = places_[i].pace < places_[i + 1].pace ? places_[i] : places_[i + 1];
+      places_[filled++].since = both;
     }
     places_.resize(filled);
     stride_ *= 2;

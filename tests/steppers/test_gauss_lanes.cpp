@@ -322,6 +322,18 @@ TEST_CASE("A small oscillation converges as well beside a large one", "[gauss]")
   keeps_its_energy(GaussLegendreLanes(TwoOscillators(), {.stages = 4}));
 }
 
+TEST_CASE("Stages that run away are no success beside numbers that are far larger", "[gauss]") {
+  for (const double large : {1.0, 1e16, 1e18, 1e21, 1e25})
+    for (const double dt : {1.2, 2.0, 3.0}) {
+      CAPTURE(large, dt);
+      const PhasePoint<double, 2> before({0.7, large}, {0.3, 0});
+      auto z = before;
+      CHECK(GaussLegendre(TwoOscillators(), {.stages = 1}).step(z, dt).status == Status::no_convergence);
+      CHECK(GaussLegendreLanes(TwoOscillators(), {.stages = 1}).step(z, dt).status == Status::no_convergence);
+      CHECK(z.vector() == before.vector());
+    }
+}
+
 TEST_CASE("Gauss's methods iterate as well where momenta are in a unit far from that of positions",
           "[gauss]") {
   for (const double unit : {1.0, 512.0, 0x1p40})

@@ -348,6 +348,32 @@ TEST_CASE("Small corrections of Newton's method are no success where its equatio
   }
 }
 
+TEST_CASE("Equations of Newton's method that are far off count beside numbers that are far larger",
+          "[gauss]") {
+  // A wall in small units, far from the origin: what its second derivatives are differenced by says nothing.
+  const double unit = 0x1p-35, far = 4e-4;
+  for (const double large : {1.0, 1e8, 1e12}) {
+    const auto h = make_hamiltonian<double, 2>(
+        [=](const auto& q, const auto& p) {
+          const double x = (q[0] - far) / unit;
+          return unit * (2 * p[0] * p[0] + (std::exp(1.75 * x) - x + x * x / 2) / 4) +
+                 (q[1] * q[1] + p[1] * p[1]) / 2;
+        },
+        [=](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+          const double x = (q[0] - far) / unit;
+          dHdq[0] = (1.75 * std::exp(1.75 * x) - 1 + x) / 4, dHdq[1] = q[1];
+          dHdp[0] = 4 * unit * p[0], dHdp[1] = p[1];
+        });
+    GaussLegendre stepper(h, {.stages = 1, .solver = StageSolver::newton});
+    PhasePoint<double, 2> z({far, large}, {0, large});
+    if (!stepper.step(z, 0.5).ok()) continue;
+    // The implicit midpoint rule.
+    CAPTURE(large);
+    CHECK((z.q()[0] - far) / unit == Approx(z.p()[0]).epsilon(1e-6));
+    CHECK(z.p()[0] / 0.25 == Approx(-0.300541).epsilon(1e-5));
+  }
+}
+
 namespace {
 /// Their distance is kept by every solution of the stages.
 auto two_vortices() {

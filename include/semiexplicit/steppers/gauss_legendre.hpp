@@ -145,7 +145,13 @@ class GaussLegendre : public detail::GaussShell<GaussLegendre<H>, H> {
 
   Scalar displaced(Eigen::Index i) const { return detail::sum_of_absolutes(displacements_.row(i)); }
   Scalar changed(Eigen::Index i) const { return changed_[i]; }
-  Scalar residual() const { return newton_ ? detail::sum_of_absolutes(newton_->residual) : Scalar(0); }
+  Scalar residual(Eigen::Index i) const {
+    using std::abs;
+    Scalar sum(0);
+    for (Eigen::Index at = i; newton_ && at < newton_->residual.size(); at += 2 * dof())
+      sum += abs(newton_->residual[at]);
+    return sum;
+  }
 
   /// Stage i's displacement Σ_j m_ij (dt b_j X_j) as the gradients have it. Adds up to changed_ by how much
   /// that differs from what it was.

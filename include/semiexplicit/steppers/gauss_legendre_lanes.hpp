@@ -88,7 +88,7 @@ class GaussLegendreLanes : public detail::GaussShell<GaussLegendreLanes<H>, H> {
     return reduce(abs(displacements_[at(i)]));
   }
   Scalar changed(Eigen::Index i) const { return reduce(changes_[at(i)]); }
-  Scalar residual() const { return Scalar(0); }  // it has no Newton's method
+  Scalar residual(Eigen::Index) const { return Scalar(0); }  // it has no Newton's method
 
   template <class Visitor>
   void visit_stages(Visitor& visit) {

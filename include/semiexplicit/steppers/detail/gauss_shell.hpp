@@ -60,7 +60,7 @@ namespace detail {
 ///     Scalar increment(Eigen::Index i) const;    // Σ_j dt b_j X_ji
 ///     Scalar displaced(Eigen::Index i) const;    // Σ_j of the absolute values of displacement i, from z
 ///     Scalar changed(Eigen::Index i) const;      // the same of what the last sweep changed in it
-///     Scalar residual() const;                   // of Newton's equations, before the last correction, or 0
+///     Scalar residual(Eigen::Index i) const;     // of Newton's equations, before the last correction, or 0
 ///     void visit_stages(Visitor& visit);  // the gradients, which the next stages are extrapolated from
 template <class Stepper, class H>
 class GaussShell {
@@ -189,11 +189,22 @@ class GaussShell {
     };
     // Newton's corrections may be small, as where the field grows exponentially, and its equations far off.
     const auto ended = [&](Status status) {
-      const Scalar off = stages().residual();
-      if (off == Scalar(0) || is_small(off)) return status;
+      Scalar off(0);
+      bool each_is_small = true;
+      for (Eigen::Index i = 0; i < least_.size(); ++i) {
+        const Scalar part = stages().residual(i);
+        off += part;
+        if (part > Scalar(0)) each_is_small = each_is_small && part <= sqrt(epsilon) * size_of(z, i);
+      }
+      if (off == Scalar(0) || (each_is_small && is_small(off))) return status;
       feel(false);
-      const Scalar rounding = Scalar(options_.stages) * felt_.sum() + 10 * epsilon * displaced();
-      return off <= 100 * rounding ? status : Status::no_convergence;
+      Scalar rounding(0);
+      for (Eigen::Index i = 0; i < least_.size(); ++i) {
+        const Scalar own = 100 * (Scalar(options_.stages) * felt_[i] + 10 * epsilon * stages().displaced(i));
+        rounding += own;
+        if (!(stages().residual(i) <= own + sqrt(epsilon) * size_of(z, i))) return Status::no_convergence;
+      }
+      return off <= rounding ? status : Status::no_convergence;
     };
     bool entries_left = false;
     const Status at_rounding = options_.tolerance == 0 ? Status::success : Status::rounding_limited;
@@ -230,9 +241,13 @@ class GaussShell {
           parts_ = std::numeric_limits<Scalar>::infinity();
           least_.setConstant(parts_);
         }
-        // One that began at its solution, as of a circle, may run away from there.
-        if (entries_left && !improves(z) && settled(z) && change <= 100 * epsilon * displaced())
-          return ended(at_rounding);
+        // One that began at its solution, as of a circle, may run away from there, and so may an entry that
+        // is nothing in a sum.
+        if (entries_left && !improves(z) && settled(z) && change <= 100 * epsilon * displaced()) {
+          if (worst_ <= sqrt(epsilon)) return ended(at_rounding);
+          feel(settles());
+          if (is_within_felt(100)) return ended(at_rounding);
+        }
         previous = change;
       }
       if (report.evaluations < options_.max_iterations) continue;
@@ -321,12 +336,11 @@ class GaussShell {
   /// numbers are nothing in a sum with a heavy one's. Changes may shrink in turns, and one that shrinks no
   /// more is the rounding of others.
   bool improves(const State& z) {
-    using std::abs;
     const Scalar rounding = 100 * Eigen::NumTraits<Scalar>::epsilon();
     bool above = false, better = false;
     for (Eigen::Index i = 0; i < least_.size(); ++i) {
       const Scalar change = stages().changed(i);
-      if (!(change > rounding * (abs(z.vector()[i]) + stages().displaced(i)))) continue;
+      if (!(change > rounding * size_of(z, i))) continue;
       above = true;
       if (change < least_[i]) {
         least_[i] = change;
@@ -340,27 +354,34 @@ class GaussShell {
   /// Whether the entries no longer get better, each beside its own size, where sizes are far apart. Positions
   /// and momenta change in turns, and of one in a small unit a sum of all tells nothing.
   bool settled(const State& z) {
-    using std::abs;
-    Scalar sum(0), worst(0), largest(0), smallest = std::numeric_limits<Scalar>::infinity();
+    Scalar sum(0), largest(0), smallest = std::numeric_limits<Scalar>::infinity();
+    worst_ = Scalar(0);
     for (Eigen::Index i = 0; i < least_.size(); ++i) {
-      const Scalar size = abs(z.vector()[i]) + stages().displaced(i);
+      const Scalar size = size_of(z, i);
       if (!(size > Scalar(0))) continue;
       const Scalar part = stages().changed(i) / size;
-      sum += part, worst = std::max(worst, part);
+      sum += part, worst_ = std::max(worst_, part);
       largest = std::max(largest, size), smallest = std::min(smallest, size);
     }
-    if (largest <= 30 * smallest || 2 * worst <= Eigen::NumTraits<Scalar>::epsilon()) return true;
+    if (largest <= 30 * smallest || 2 * worst_ <= Eigen::NumTraits<Scalar>::epsilon()) return true;
     return sum >= std::exchange(parts_, sum);
+  }
+
+  /// Of entry i, at z and on the way.
+  Scalar size_of(const State& z, Eigen::Index i) {
+    using std::abs;
+    return abs(z.vector()[i]) + stages().displaced(i);
   }
 
   Stepper& stages() { return static_cast<Stepper&>(*this); }
 
   CompensatedUpdate<Scalar, Dof> update_;
-  Vec least_;                 ///< change of each entry so far
-  int since_better_ = 0;      ///< how many sweeps ago one of these became less
-  Scalar parts_ = Scalar(0);  ///< what the last sweep changed in them, as parts of their sizes
-  Vec at_, felt_, passed_on_, field_, other_;  ///< of feel_rounding()
-  Scalar growth_ = Scalar(0);                  ///< from what is felt to what is passed on
+  Vec least_;                                     ///< change of each entry so far
+  int since_better_ = 0;                          ///< how many sweeps ago one of these became less
+  Scalar parts_ = Scalar(0), worst_ = Scalar(0);  ///< what the last sweep changed in them, as parts of their
+                                                  ///< sizes, and in the worst
+  Vec at_, felt_, passed_on_, field_, other_;     ///< of feel_rounding()
+  Scalar growth_ = Scalar(0);                     ///< from what is felt to what is passed on
   Scalar last_dt_ = Scalar(0), weights_dt_ = Scalar(0);
   Scalar ratio_ = Scalar(0);  ///< that the stages know how to follow by
 };

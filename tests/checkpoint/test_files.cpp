@@ -112,7 +112,7 @@ TEST_CASE("A checkpoint with any byte changed, cut short or lengthened is refuse
   std::string other = sound;
   other[28] = 1;
   run.write(other);
-  CHECK(says(run.refusal_of_file(), "has the format 1, and this program reads the format 7; go on with"));
+  CHECK(says(run.refusal_of_file(), "has the format 1, and this program reads the format 8; go on with"));
   std::memcpy(other.data() + 24, "\x01\x02\x03\x04", 4);
   run.write(other);
   CHECK(says(run.refusal_of_file(), "another byte order"));

@@ -270,7 +270,29 @@ TEST_CASE("Another Hamiltonian of the same kind is refused", "[checkpoint]") {
   CHECK(says(light.resumed(of_mass(1 + 1e-9)), "another Hamiltonian"));
 }
 
-TEST_CASE("A Hamiltonian that differs in a sign, or in the smaller half of its gradient, is refused",
+namespace {
+/// What is said where one goes on with what the other has saved.
+std::string saved_and_resumed(auto stepper, auto other) {
+  const Folder folder;
+  const auto file = folder.path / "run.checkpoint";
+  PhasePoint<double, 2> start({10, 1}, {0.5, 0.3}), z = start;
+  IntegrationOptions<double> options{.dt = 0.1, .steps = 20};
+  {
+    Checkpoints checkpoints(file, {.every = 10}, stepper, options);
+    integrate(stepper, z, options, checkpoints);
+  }
+  z = start;
+  std::string said = "accepted";
+  try {
+    Checkpoints(file, {.every = 10}, other, options).resume(z);
+  } catch (const std::invalid_argument& refusal) {
+    said = refusal.what();
+  }
+  return said;
+}
+}  // namespace
+
+TEST_CASE("A Hamiltonian that differs in a sign, or in the smaller entries of its gradient, is refused",
           "[checkpoint]") {
   // A charge in the field of another one, repelled or attracted, in units where the force is far smaller than
   // the velocity.
@@ -286,30 +308,23 @@ TEST_CASE("A Hamiltonian that differs in a sign, or in the smaller half of its g
                                       }),
           schemes::strang<double>());
     };
-    const auto saved_and_resumed = [](auto stepper, auto other) {
-      const Folder folder;
-      const auto file = folder.path / "run.checkpoint";
-      PhasePoint<double, 2> start({10, 1}, {0.5, 0.3}), z = start;
-      IntegrationOptions<double> options{.dt = 0.1, .steps = 20};
-      {
-        Checkpoints checkpoints(file, {.every = 10}, stepper, options);
-        integrate(stepper, z, options, checkpoints);
-      }
-      z = start;
-      std::string said = "accepted";
-      try {
-        Checkpoints(file, {.every = 10}, other, options).resume(z);
-      } catch (const std::invalid_argument& refusal) {
-        said = refusal.what();
-      }
-      return said;
-    };
     CAPTURE(unit);
     CHECK(saved_and_resumed(charges(1), charges(1)) == "accepted");
     CHECK(says(saved_and_resumed(charges(1), charges(-1)), "another Hamiltonian"));
     CHECK(says(saved_and_resumed(charges(1), charges(1 + 1e-9)), "another Hamiltonian"));
     CHECK(says(saved_and_resumed(charges(1), charges(1, -1)), "another Hamiltonian"));
   }
+
+  // What is light beside something heavy.
+  const auto beside = [](double k) {
+    return Semiexplicit(from_energy<2>([k](const auto& q, const auto& p) {
+                          return (q[0] * q[0] + p[0] * p[0] + 1e-13 * (k * q[1] * q[1] + p[1] * p[1])) / 2;
+                        }),
+                        schemes::strang<double>());
+  };
+  CHECK(saved_and_resumed(beside(1), beside(1)) == "accepted");
+  CHECK(says(saved_and_resumed(beside(1), beside(2)), "another Hamiltonian"));
+  CHECK(says(saved_and_resumed(beside(1), beside(1 + 1e-9)), "another Hamiltonian"));
 }
 
 TEST_CASE("A Record comes back whole, also within every(), or the run is refused", "[checkpoint]") {

@@ -45,17 +45,19 @@ bool same_but_for_rounding(const Scalar& there, const Scalar& here) {
   using std::abs;
   using std::isfinite;
   if (!isfinite(here)) return there == here;
-  return abs(there - here) <= std::pow(std::numeric_limits<Scalar>::epsilon(), Scalar(0.75)) * abs(here);
+  return abs(there - here) <= std::pow(std::numeric_limits<Scalar>::epsilon(), Scalar(0.875)) * abs(here);
 }
 
 /// Throws where the i-th function had another value where `who` was saved. NaN here tells nothing.
 template <class State>
 void require_same(const FunctionValues<State>& functions, std::size_t i, const typename State::Scalar& there,
                   const std::string& who) {
+  constexpr int digits = std::numeric_limits<typename State::Scalar>::max_digits10;
   const auto& here = functions.values()[i];
   if (here == here && !same_but_for_rounding(there, here))
     throw std::invalid_argument("it belongs to another " + functions.names()[i] + ": where " + who +
-                                " was saved this is " + in_words(there, 9) + " there, " + in_words(here, 9) +
+                                " was saved this is " + in_words(there, digits) + " there, " +
+                                in_words(here, digits) +
                                 " here; give it the same parameters, or the run another file");
 }
 

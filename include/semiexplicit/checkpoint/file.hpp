@@ -25,7 +25,7 @@ namespace semiexplicit::detail {
 /// all that.
 struct CheckpointFrame {
   static constexpr std::string_view magic = "semiexplicit checkpoint\n";
-  static constexpr std::uint32_t byte_order = 0x01020304, foreign_order = 0x04030201, version = 7;
+  static constexpr std::uint32_t byte_order = 0x01020304, foreign_order = 0x04030201, version = 8;
   static constexpr std::size_t head = magic.size() + 2 * sizeof(std::uint32_t) + sizeof(std::uint64_t);
   static constexpr std::size_t tail = sizeof(std::uint64_t);
 

@@ -9,12 +9,10 @@
 
 namespace semiexplicit::detail {
 
-/// A number as large as ∇H, as a function of (q, p): by its value at some state a checkpoint tells one
-/// Hamiltonian from another. Each half g of the gradient gives ‖g‖ + w·g/2 with weights w of length one at
-/// most and of either sign: other signs are another number, and it lies between ‖g‖/2 and 3‖g‖/2, so that
-/// nothing cancels. A product of powers of both shows a change of either, however much larger the other one
-/// is in its units; the exponents are irrational, for a parameter scales the halves by rational powers, as a
-/// mass does one up and one down.
+/// The size of ∇H, as a function of (q, p): by its value at some state a checkpoint tells one Hamiltonian
+/// from another. It is a product of powers of the entries, which shows a change of any, however much larger
+/// others are: of one by a part δ it is a part of some δ/2d. The powers are random, for a parameter scales
+/// entries by rational powers, as a mass does one up and one down, and other signs are another number.
 template <class H>
 class GradientSize {
  public:
@@ -22,32 +20,29 @@ class GradientSize {
 
   template <class Q, class P>
   auto operator()(const Q& q, const P& p) const {
-    using std::pow;
+    using std::exp, std::exp2, std::frexp, std::isfinite, std::log;
     using Scalar = typename H::Scalar;
     PhasePoint<Scalar, H::Dof> at(q.size()), gradient = at;
     at.q() = q;
     at.p() = p;
     gradient_at(hamiltonian_, at.vector().data(), gradient.vector().data(), at.dof());
     std::uint64_t random = 1;
-    const Scalar by_q = with_signs(gradient.q(), random), by_p = with_signs(gradient.p(), random);
-    if (by_q == Scalar(0) || by_p == Scalar(0)) return Scalar(by_q + by_p);
-    const Scalar golden(0.61803398874989485);
-    return Scalar(pow(by_q, golden) * pow(by_p, 1 - golden));
+    // Mantissas and exponents are added up apart: a part of the last digits of either is not lost.
+    Scalar weights(0), mantissas(0), exponents(0);
+    for (const Scalar& entry : gradient.vector()) {
+      const Scalar weight(1 + scattered(random) / 2);
+      if (!isfinite(entry)) return entry;
+      if (entry == Scalar(0)) continue;
+      int exponent = 0;
+      const Scalar mantissa = frexp(entry, &exponent);
+      weights += weight;
+      mantissas += weight * (mantissa < Scalar(0) ? log(-mantissa) - weight : log(mantissa));
+      exponents += weight * Scalar(exponent);
+    }
+    return weights > Scalar(0) ? Scalar(exp(mantissas / weights) * exp2(exponents / weights)) : weights;
   }
 
  private:
-  template <class Half>
-  static auto with_signs(const Half& half, std::uint64_t& random) {
-    using std::isfinite;
-    using std::sqrt;
-    using Scalar = typename Half::Scalar;
-    const Scalar size = norm(half);
-    if (size == Scalar(0) || !isfinite(size)) return size;
-    Scalar sum(0);
-    for (Eigen::Index i = 0; i < half.size(); ++i) sum += Scalar(scattered(random)) * (half[i] / size);
-    return Scalar(size * (1 + sum / (2 * sqrt(Scalar(half.size())))));
-  }
-
   const H& hamiltonian_;
 };
 

@@ -211,6 +211,14 @@ TEST_CASE("bad requests are refused by name") {
     return refusal([&] { cost_of_accuracy(product, z, T, options); });
   };
   CHECK(contains(of(z0, 0), "T is not a finite positive time"));
+  const auto in_floats =
+      from_energy<1, float>([](const auto& q, const auto& p) { return q[0] + p[0] * p[0]; });
+  for (const double T : {1e39, 1e-46}) {  // infinite and zero as floats
+    CAPTURE(T);
+    CHECK_THROWS_WITH(cost_of_accuracy(in_floats, PhasePoint<float, 1>(0, 1), T,
+                                       {.observable = observables::Coordinate{0}}),
+                      Catch::Contains("T is not a finite positive time"));
+  }
   CHECK(contains(of(z0, -1), "T is not"));
   CHECK(contains(of(z0, nan), "T is not"));
   CHECK(contains(of({nan, 0}, 1), "z0 holds NaN or Inf; give"));

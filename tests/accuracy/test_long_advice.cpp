@@ -1337,4 +1337,43 @@ TEST_CASE("what rounding makes of an energy is seen in a run of the whole time: 
   CHECK(cost.rounding < 1e-14);
 }
 
+namespace {
+/// p²/2 + depth (1 - exp(-rate q))² from its outer turning point, at that part of the energy at which it
+/// breaks.
+struct Bond {
+  double rate, depth, part;
+
+  auto energy(const auto& q, const auto& p) const {
+    using std::exp;
+    const auto x = 1 - exp(-rate * q);
+    return p * p / 2 + depth * x * x;
+  }
+  double frequency() const { return rate * std::sqrt(2 * depth * (1 - part)); }
+  double start() const { return std::log((1 + std::sqrt(part)) / (1 - part)) / rate; }
+  double momentum(double t) const {
+    const double phase = frequency() * t;
+    return -std::sqrt(part) * frequency() * std::sin(phase) / (1 + std::sqrt(part) * std::cos(phase)) / rate;
+  }
+};
+}  // namespace
+
+TEST_CASE("A run of the whole meets its target at each turn, also of two bonds that are about to break",
+          "[long]") {
+  const auto [first, second, T, target] =
+      GENERATE(table<Bond, Bond, double, double>({{{1.12, 0.528, 0.793}, {1.401, 1.469, 0.999}, 245, 1e-7},
+                                                  {{0.705, 0.502, 0.997}, {0.733, 1.406, 0.978}, 145, 1e-3},
+                                                  {{2.01, 0.702, 0.971}, {1.959, 0.553, 0.929}, 275, 1e-4},
+                                                  {{1.937, 2.59, 0.726}, {2.625, 1.828, 0.999}, 89, 1e-4}}));
+  const Bond a = first, b = second;
+  const auto h = from_energy<2>(
+      [=](const auto& q, const auto& p) { return a.energy(q[0], p[0]) + b.energy(q[1], p[1]); });
+  const auto momenta = [](const auto&, const auto& p) { return Eigen::Vector2d(p[0], p[1]); };
+  const PhasePoint<double, 2> z0({a.start(), b.start()}, {0, 0});
+  const auto cost = cost_of_accuracy(h, z0, T, {.observable = momenta, .targets = {target}, .whole = true});
+  const auto advice = cost.cheapest(target);
+  REQUIRE(advice);
+  CHECK(reached(cost, *advice, z0, momenta,
+                [&](double t) { return Eigen::Vector2d(a.momentum(t), b.momentum(t)); }) < 2 * target);
+}
+
 }  // namespace test_long_advice

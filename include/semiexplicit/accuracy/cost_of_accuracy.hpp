@@ -117,7 +117,8 @@ SEMIEXPLICIT_COLD CostOptionsOf<Scalar, Dof> options_for(const CostOptionsOf<Sca
 /// adds up with the reason. What lies beyond the trials of a long run, and no coarse run shows, goes unseen:
 /// close encounters in chaos, slow instabilities, resonances of the step with the motion. Raise min_gradients
 /// there until `tried` is T. An observable other than an invariant is compared at some 80 times along what
-/// was tried, more where the motion is uneven: a flash between two of them goes unseen, too.
+/// was tried, and where that is much of T up to four times in a step of the coarse run, or some 500 times:
+/// a flash between two of them goes unseen, too.
 ///
 /// H needs an energy(q, p), which the gradient is compared with first. That of a TimeTransformed is K, near
 /// zero: for the energy of its H give that as the observable. z0 is not changed. Throws
@@ -132,9 +133,10 @@ auto cost_of_accuracy(
     const CostOptionsOf<typename detail::EnergyDoor<H>::Scalar, detail::EnergyDoor<H>::Dof>& options = {}) {
   if constexpr (HasEnergy<H>) {
     detail::check(options);
+    T = static_cast<double>(typename H::Scalar(T));  // as far as runs go
     if (!(T > 0 && std::isfinite(T)))
       throw std::invalid_argument(
-          "cost_of_accuracy: T is not a finite positive time; give the length of the run");
+          "cost_of_accuracy: T is not a finite positive time as a number of H's; give the length of the run");
     if (z0.dof() != dof_of(hamiltonian))
       throw std::invalid_argument("cost_of_accuracy: z0 has " + std::to_string(z0.dof()) +
                                   " degrees of freedom and the Hamiltonian " +
@@ -143,7 +145,6 @@ auto cost_of_accuracy(
       throw std::invalid_argument("cost_of_accuracy: z0 holds NaN or Inf; give a finite initial state");
     detail::require_symplectic(hamiltonian, "cost_of_accuracy",
                                "its energy changes by their work: give runs with_error_estimate() instead");
-    T = static_cast<double>(typename H::Scalar(T));  // as far as runs go
     using Any = detail::Erased<H>;
     const double start = detail::cpu_seconds();
     PhasePoint<typename H::Scalar, Eigen::Dynamic> at(z0.dof());

@@ -122,6 +122,23 @@ class Reference {
     return true;
   }
 
+  /// How many steps of the coarse run, of so many in that stretch, no sample is further apart than. A trial
+  /// over much of T may be advice by itself: its samples are as close as the motion asks for, as far as
+  /// the values are not many numbers.
+  SEMIEXPLICIT_COLD double steps_between_samples(double length, double all) const {
+    if (length >= problem_.table.time / 8)
+      return std::max(
+          {0.25, all / most_count, all * static_cast<double>(problem_.first.size()) / most_numbers});
+    return varies_ ? all / count : std::numeric_limits<double>::infinity();
+  }
+  /// What the coarse run would take for a step where the reference is, or in the hardest place.
+  SEMIEXPLICIT_COLD double local_step() {
+    if (!varies_) return hardest_;
+    auto ahead = fine_;
+    pacer_.step(ahead, time(), problem_.table.time - time());
+    return pacer_.next();
+  }
+
   SEMIEXPLICIT_COLD bool follow(double length) {
     const double from = time(), begin = problem_.table.spent_gradients;
     // Those of before become as few as the new ones.
@@ -141,26 +158,31 @@ class Reference {
     const auto [hardest, varies] = scout_.paces();
     hardest_ = hardest, varies_ = varies > far_easier;
     Value coarse, fine;
-    // At times in step with no period, and where the motion is hard after so many steps, too.
-    const double usual = (length - from) / (count * scout_.mean_step());
+    // At times in step with no period, and after as much of the motion, too.
+    const double most_steps = steps_between_samples(length, (length - from) / scout_.mean_step());
     double steps = 0;
     int next = 1;
     for (double planned = 0; time_ < length;) {
+      const double before = time();
       for (; next < count && planned <= time_; ++next)
         planned = from + (next - 0.3 * std::fmod(0.618034 * next, 1.0)) / count * (length - from);
       const double part = part_of_flash(time());
-      if (!step(length, std::min(part, (length - from) / least_count))) return false;
+      const double local = local_step();
+      if (!step(length, local, std::min({part, most_steps * local, (length - from) / least_count})))
+        return false;
       problem_.measure(fine_, fine);
       if (!all_finite(fine)) {
         problem_.table.observable_end = time();
         return false;
       }
       const bool flash = std::isfinite(part);
-      if (!flash && time_ < std::min(planned, length) && (!varies_ || ++steps < usual)) continue;
+      const bool is_planned = time_ >= std::min(planned, length);
+      steps += (time() - before) / (varies_ ? local : scout_.mean_step());
+      if (!flash && !is_planned && steps < most_steps) continue;
       if (!flash) steps = 0;
       problem_.measure(coarse_, coarse);
-      samples_.push_back(
-          {time_, fine, static_cast<double>(norm(coarse - fine)), problem_.terms_at(fine_), flash});
+      const double terms = is_planned || flash ? problem_.terms_at(fine_) : 0;
+      samples_.push_back({time_, fine, static_cast<double>(norm(coarse - fine)), terms, flash});
       size_ = std::max(size_, static_cast<double>(norm(fine)));
     }
     rate_ = (problem_.table.spent_gradients - begin) / (length - from);
@@ -168,16 +190,11 @@ class Reference {
   }
 
   /// Two steps of one run, three of the other, of `most` together and not beyond `end`.
-  SEMIEXPLICIT_COLD bool step(double end, double most) {
+  SEMIEXPLICIT_COLD bool step(double end, double local, double most) {
     const Time left = end - time_ - carry_;
     double planned = 2 * share_ * hardest_;
-    if (varies_) {
-      auto ahead = fine_;
-      pacer_.step(ahead, time(), problem_.table.time - time());
-      const double local = 2 * share_ * pacer_.next();
-      while (planned > 1.5 * local) planned /= much_easier;
-      while (much_easier * planned <= local) planned *= much_easier;
-    }
+    while (planned > 1.5 * 2 * share_ * local) planned /= much_easier;
+    while (much_easier * planned <= 2 * share_ * local) planned *= much_easier;
     planned = std::min(planned, most);
     Time dt = planned < 0.999 * left ? Time(planned) : left;
     bool cut = pacer_.cut();
@@ -203,7 +220,8 @@ class Reference {
 
   inline static const Setting method{.method = Setting::Method::gauss, .stages = 8};
   static constexpr int count = 80, least_count = 32;  ///< samples of a stretch, if steps are short; at least
-  static constexpr double flash_count = 16;           ///< the same of a flash
+  static constexpr double most_count = 500, most_numbers = 4e6;  ///< of those of all samples
+  static constexpr double flash_count = 16;                      ///< the same of a flash
   static constexpr double far_easier = 20, much_easier = 4;
 
   Problem<Any>& problem_;

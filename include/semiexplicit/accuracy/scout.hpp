@@ -250,7 +250,8 @@ class Scout {
   }
 
   SEMIEXPLICIT_COLD void note_pace(double dt) {
-    const auto now = std::min(eighths_.size() - 1, static_cast<std::size_t>(8 * time_ / problem_.table.time));
+    const auto now =
+        std::min(eighths_.size() - 1, static_cast<std::size_t>(8 * (time_ / problem_.table.time)));
     // What errors have made of a small motion beside a large one is no motion that gets faster.
     const auto is_known = [this] {
       return problem_.options.observable.is_energy() ? problem_.keeps_energy(z_, 0.01) : kept_ == time_;

@@ -256,10 +256,13 @@ struct CostRequest {
     const auto [rest, failure] = std::from_chars(text.data(), end, accuracy);
     unit.assign(rest, end);
     unit.erase(0, unit.find_first_not_of(" \t"));
+    unit.erase(unit.find_last_not_of(" \t") + 1);
     if (failure != std::errc() || !std::isfinite(accuracy) || !(accuracy >= 1e-300) ||
         (unit.empty() && accuracy > 0.1))
       return "'" + text +
-             "' is no accuracy: a relative energy error from 1e-300 to 0.1, or an angle as \"0.001 arcsec\"";
+             "' is no accuracy: a relative energy error from 1e-300 to 0.1, or, of a program that measures "
+             "one, an angle as "
+             "\"0.001 arcsec\"";
     if (unit.empty()) return "";
     try {
       if (is_angle(unit)) return "";

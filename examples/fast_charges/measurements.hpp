@@ -212,6 +212,7 @@ inline Measurement<3> stoermer(const Choice& c) {
   struct Seen {
     bool begun = false;
     double l = 0, turn = 0, azimuth = 0, about = 0;  ///< the last three: the largest turn from step to step
+    double momentum = 0;                             ///< the largest, with that of the field
     Eigen::Vector3d last = Eigen::Vector3d::Zero(), way = last;
     Largest closeness, sine;
     void visit_memory(CheckpointMemory& visit) {
@@ -220,6 +221,7 @@ inline Measurement<3> stoermer(const Choice& c) {
       visit(turn);
       visit(azimuth);
       visit(about);
+      visit(momentum);
       visit(last);
       visit(way);
       closeness.visit_memory(visit);
@@ -240,6 +242,7 @@ inline Measurement<3> stoermer(const Choice& c) {
             seen->about = std::max(seen->about, angle_between(seen->last, q));
             seen->last = q;
             seen->way = way;
+            seen->momentum = std::max(seen->momentum, p.norm());
             const Stoermer region(c, {1, 0, 0}, {0, seen->l, 0});
             seen->closeness.see(-q.norm());
             seen->sine.see(std::abs(region.sine(std::hypot(q[0], q[1]), q[2])));
@@ -254,12 +257,18 @@ inline Measurement<3> stoermer(const Choice& c) {
             const std::string sine = "largest |sin χ| on the way";
             if (const std::string coarse = too_coarse(seen->turn); !coarse.empty())
               return {not_measured("largest |sin χ|, and the place nearest to the dipole", coarse)};
+            // The charge's own momentum is a difference from that of the field.
+            const double lost = 4 * std::numeric_limits<double>::epsilon() * seen->momentum / momentum_of(c);
+            if (lost > 0.01)
+              return {not_measured("largest |sin χ|, and the place nearest to the dipole",
+                                   formatted("of the momentum a part of %.1g", lost) +
+                                       " is lost in rounding; give a larger --rigidity")};
             std::vector<Figure> list;
             // About the axis it peaks as sharply as the path is near to it.
             if (const std::string coarse = too_coarse(seen->azimuth, std::numbers::pi / 12); !coarse.empty())
               list.push_back(not_measured(sine, "about the axis " + coarse));
             else
-              list.push_back({sine, seen->sine.value(), seen->sine.uncertain(), "forbidden: above 1"});
+              list.push_back({sine, seen->sine.value(), seen->sine.uncertain() + lost, "forbidden: above 1"});
             const std::string nearest = "nearest to the dipole, " + c.units.name(0);
             if (const std::string coarse = too_coarse(seen->about, std::numbers::pi / 12); !coarse.empty())
               list.push_back(not_measured(nearest, "about the dipole " + coarse));

@@ -226,6 +226,8 @@ SEMIEXPLICIT_COLD void check_options(const IntegrationOptions<Scalar>& options, 
     throw std::invalid_argument("integrate: t0 is not finite; give the time of the start");
   if (options.steps < 0)
     throw std::invalid_argument("integrate: steps is negative; to go back in time give a negative dt");
+  if (isfinite(options.dt) && !isfinite(Scalar(options.t0 + Scalar(options.steps) * options.dt)))
+    throw std::invalid_argument("integrate: t0 + steps dt is not finite; give fewer steps, or a shorter dt");
   if (options.done.steps < 0 || (!by_clock && options.done.steps > options.steps))
     throw std::invalid_argument("integrate: " + std::to_string(options.done.steps) +
                                 " steps are done, and not 0 to " + std::to_string(options.steps) +

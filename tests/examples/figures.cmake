@@ -218,6 +218,7 @@ prints(fast_charges "says how uncertain a turn by coarse steps is" "--preset sol
 prints(fast_charges "does not measure less than a turn" "--time 1e-12 --dt 1e-14" "gyrofrequency: not measured, the run has no whole turn; give more --time")
 by_shell(fast_charges "paints Stoermer's region beside no other field"
   "$program --preset cosmic_ray --time 0.01 && grep forbidden out/fast_charges.gp && $program --preset cosmic_ray --time 0.01 --effects kinetic,dipole_field,uniform_field --b 5e-9 && ! grep forbidden out/fast_charges.gp")
+prints(fast_charges "does not measure a region where rounding hides the momentum" "--preset cosmic_ray --rigidity \"1e-10 V\" --time \"1 s\"" "of the momentum a part of [0-9.e+]+ is lost in rounding; give a larger --rigidity")
 prints(fast_charges "does not measure a region without a field" "--preset cosmic_ray --moment 0" "region: not measured, there is no field")
 prints(fast_charges "does not measure a turn from the axis" "--preset solenoid --x 0" "turn of the plane: not measured, it starts on the axis")
 check(charges "has no figures of a run that failed" "--dt 1e-6s --time 1e-4s --no-plot" EXIT_CODE 1 COMPLAINT "step 1 failed"

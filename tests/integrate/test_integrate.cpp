@@ -290,6 +290,7 @@ TEST_CASE("A run ends at t_end exactly, with the fewest equal steps no longer th
   for (const double no_time : {std::nan(""), HUGE_VAL})
     CHECK(refuses([&] { run({.dt = 0.1, .t_end = no_time}, z); }, "t_end and t0 finite"));
   CHECK(refuses([&] { run({.dt = 1e-300, .t_end = 1}, z); }, "more than 9e18 steps"));
+  CHECK(refuses([&] { run({.dt = 1e308, .steps = 10}, z); }, "t0 + steps dt is not finite"));
 
   // The rest of a run that was stopped: the same options, and what is done.
   z = z0;

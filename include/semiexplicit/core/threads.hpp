@@ -17,10 +17,13 @@
 namespace semiexplicit::detail {
 
 /// How many threads are meant: the number given, or with 0 what OpenMP would take (OMP_NUM_THREADS, or one a
-/// core). One in a program that is compiled without OpenMP.
-inline int threads_meant([[maybe_unused]] int asked) {
+/// core), no more than there are tasks, nor than OpenMP may be trusted to start: it ends the program where it
+/// cannot. One in a program that is compiled without OpenMP.
+inline int threads_meant([[maybe_unused]] int asked, [[maybe_unused]] std::int64_t tasks) {
 #ifdef _OPENMP
-  return asked > 0 ? asked : omp_get_max_threads();
+  constexpr std::int64_t most = 1024;
+  const int meant = asked > 0 ? asked : omp_get_max_threads();
+  return static_cast<int>(std::clamp<std::int64_t>(tasks, 1, std::min<std::int64_t>(meant, most)));
 #else
   return 1;
 #endif
@@ -35,7 +38,7 @@ void for_each_in_parallel(std::int64_t count, [[maybe_unused]] int threads, cons
   std::int64_t first_at = count;
   std::mutex mutex;
 #ifdef _OPENMP
-#pragma omp parallel for schedule(dynamic, 1) num_threads(threads_meant(threads))
+#pragma omp parallel for schedule(dynamic, 1) num_threads(threads_meant(threads, count))
 #endif
   for (std::int64_t i = 0; i < count; ++i) {
     try {

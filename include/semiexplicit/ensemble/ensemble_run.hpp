@@ -24,7 +24,7 @@ struct EnsembleOptions {
   std::int64_t steps = 0;  ///< how many, those of `done` included
   std::int64_t every =
       1;            ///< the observers of members hear of the start and of every so many steps; 0: of none
-  int threads = 0;  ///< 0: what OpenMP takes. Without OpenMP there is one, whatever this says
+  int threads = 0;  ///< 0: what OpenMP takes; one a task at most. Without OpenMP there is one
   double t0 = 0;    ///< time of the states, or of the first ones where the run goes on
   /// A step of a member that does not converge or is not finite is tried again in parts; see
   /// IntegrationOptions::subdivide.

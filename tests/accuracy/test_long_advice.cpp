@@ -1376,4 +1376,30 @@ TEST_CASE("A run of the whole meets its target at each turn, also of two bonds t
                 [&](double t) { return Eigen::Vector2d(a.momentum(t), b.momentum(t)); }) < 2 * target);
 }
 
+TEST_CASE("Two runs that a jump of the force has made wrong by the same are no reference", "[long]") {
+  const auto h = make_hamiltonian<double, 1>(
+      [](const auto& q, const auto& p) { return p[0] * p[0] / 2 + std::abs(q[0]); },
+      [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+        dHdq[0] = q[0] > 0 ? 1 : q[0] < 0 ? -1 : 0;
+        dHdp = p;
+      });
+  const auto [q0, p0, T, target] = GENERATE(table<double, double, double, double>(
+      {{0.55012928431296004, 0.04030820216189035, 3.0355864328718116, 4.7456435921034916e-07},
+       {0.55, 0.04, 3.0, 5e-7},
+       {0.7, 0.1, 3.0, 1e-6}}));
+  const double start = q0, first = p0, v = std::sqrt(first * first + 2 * start), jump = first + v;
+  const PhasePoint<double, 1> z0(start, first);
+  const auto exact = [&](double t) {
+    const double s = t - jump;
+    return t < jump ? Eigen::Vector2d(start + first * t - t * t / 2, first - t)
+                    : Eigen::Vector2d(-v * s + s * s / 2, -v + s);
+  };
+  REQUIRE(T < jump + 2 * v);
+  const auto state = [](const auto& q, const auto& p) { return Eigen::Vector2d(q[0], p[0]); };
+  const auto cost = cost_of_accuracy(
+      h, z0, T, {.observable = observables::Trajectory{}, .targets = {target}, .whole = true});
+  if (const auto advice = cost.cheapest(target))
+    CHECK(worst_off(cost, *advice, z0, state, exact) < 3 * target * cost.unit);
+}
+
 }  // namespace test_long_advice

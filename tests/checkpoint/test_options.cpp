@@ -325,6 +325,19 @@ TEST_CASE("A Hamiltonian that differs in a sign, or in the smaller entries of it
   CHECK(saved_and_resumed(beside(1), beside(1)) == "accepted");
   CHECK(says(saved_and_resumed(beside(1), beside(2)), "another Hamiltonian"));
   CHECK(says(saved_and_resumed(beside(1), beside(1 + 1e-9)), "another Hamiltonian"));
+
+  // One that is no longer there, where all others are equal.
+  const auto turning = [](double a, double b) {
+    return Semiexplicit(make_hamiltonian<double, 2>([](const auto&, const auto&) { return 0.0; },
+                                                    [=](const auto&, const auto&, auto& dHdq, auto& dHdp) {
+                                                      dHdq.setZero();
+                                                      dHdp[0] = a, dHdp[1] = b;
+                                                    }),
+                        schemes::strang<double>());
+  };
+  CHECK(saved_and_resumed(turning(2, 0), turning(2, 0)) == "accepted");
+  CHECK(says(saved_and_resumed(turning(2, 2), turning(2, 0)), "another Hamiltonian"));
+  CHECK(says(saved_and_resumed(turning(2, 0), turning(0, 2)), "another Hamiltonian"));
 }
 
 TEST_CASE("A Record comes back whole, also within every(), or the run is refused", "[checkpoint]") {

@@ -312,6 +312,7 @@ TEST_CASE("An ensemble that makes no sense is refused") {
   Ensemble fine(Lattice5(), lattices(3), scheme);
   CHECK(refuses([&] { fine.run({.dt = 0.1, .steps = -1}); }, "must not be negative"));
   CHECK(refuses([&] { fine.run({.dt = 0.1, .steps = 1, .t0 = std::nan("")}); }, "t0 is not finite"));
+  CHECK(refuses([&] { fine.run({.dt = 1e307, .steps = 30}); }, "t0 + steps dt is not finite"));
   CHECK(fine.run({.dt = 0, .steps = 1}).failed == 3);
   CHECK(says(fine.failure(0), "dt is zero"));
 }

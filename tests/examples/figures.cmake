@@ -220,6 +220,7 @@ by_shell(fast_charges "paints Stoermer's region beside no other field"
   "$program --preset cosmic_ray --time 0.01 && grep forbidden out/fast_charges.gp && $program --preset cosmic_ray --time 0.01 --effects kinetic,dipole_field,uniform_field --b 5e-9 && ! grep forbidden out/fast_charges.gp")
 prints(fast_charges "does not measure a region where rounding hides the momentum" "--preset cosmic_ray --rigidity \"1e-10 V\" --time \"1 s\"" "of the momentum a part of [0-9.e+]+ is lost in rounding; give a larger --rigidity")
 prints(fast_charges "does not measure a region without a field" "--preset cosmic_ray --moment 0" "region: not measured, there is no field")
+prints(fast_charges "says what rounding leaves of a small turn" "--preset solenoid --x 1mm --y 0.7mm --b0 \"1e-12 T\"" "but for half turns: 5[.]460[0-9]*e-12 ± 9e-16; Larmor")
 prints(fast_charges "does not measure a turn from the axis" "--preset solenoid --x 0" "turn of the plane: not measured, it starts on the axis")
 check(charges "has no figures of a run that failed" "--dt 1e-6s --time 1e-4s --no-plot" EXIT_CODE 1 COMPLAINT "step 1 failed"
   PRINTS "energy error, worst +FAILED at t = 0\n.*nothing else is measured" LACKS "nan|0.0e.00|gyro")

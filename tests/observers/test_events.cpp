@@ -1240,4 +1240,19 @@ TEST_CASE("A section that was moved from says so, whatever the size", "[events]"
   CHECK_THROWS_AS(integrate(stepper, z, {.dt = 0.1, .steps = 50}, from), std::logic_error);
 }
 
+TEST_CASE("Events that act refuse a state of another size in a later run too", "[events]") {
+  const auto energy = [](const auto& q, const auto& p) { return (q.squaredNorm() + p.squaredNorm()) / 2; };
+  const auto h = from_energy(3, energy), other = from_energy(2, energy);
+  auto bounces =
+      events(h, on_event([](const auto& q, const auto&) { return q[0]; },
+                         [](double, PhasePoint<double, Eigen::Dynamic>& now) { now.p()[0] *= -1; }));
+  GaussLegendre stepper(h, {.stages = 3}), second(other, {.stages = 3});
+  PhasePoint<double, Eigen::Dynamic> z(3), smaller(2);
+  z.vector().setOnes();
+  smaller.vector().setOnes();
+  integrate(stepper, z, {.dt = 0.1, .steps = 50}, bounces);
+  CHECK_THROWS_WITH(integrate(second, smaller, {.dt = 0.1, .steps = 50}, bounces),
+                    Catch::Contains("the state has another size than H"));
+}
+
 }  // namespace test_events

@@ -36,11 +36,15 @@ class Reference {
   SEMIEXPLICIT_COLD bool go(double length, double enough) {
     if (time_ > 0) return go_on(length);
     double last = std::numeric_limits<double>::infinity();
+    bool agreed = false;
     for (int no_better = 0; no_better < 3;) {
       if (!follow(length)) return false;
       const double now = apart(length);
       const double rounding = 1e4 * Problem<Any>::epsilon * scale();
-      if (now <= std::min(enough * (problem_.options.absolute ? 1 : size_), rounding)) break;
+      const bool agrees = now <= std::min(enough * (problem_.options.absolute ? 1 : size_), rounding);
+      // Both may be off by the same where a force jumps: shorter steps do not bring so much by themselves.
+      if (agrees && (agreed || !(now < 1e-6 * last) || !std::isfinite(last))) break;
+      agreed = agrees;
       const double small = std::max(1e-6 * size_, rounding);
       no_better = now > 0.3 * last && now < small ? no_better + 1 : 0;
       last = std::min(last, now);

@@ -12,7 +12,8 @@ namespace semiexplicit::detail {
 /// The size of ∇H, as a function of (q, p): by its value at some state a checkpoint tells one Hamiltonian
 /// from another. It is a product of powers of the entries, which shows a change of any, however much larger
 /// others are: of one by a part δ it is a part of some δ/2d. The powers are random, for a parameter scales
-/// entries by rational powers, as a mass does one up and one down, and other signs are another number.
+/// entries by rational powers, as a mass does one up and one down, and other signs, or zeros, are another
+/// number.
 template <class H>
 class GradientSize {
  public:
@@ -32,14 +33,15 @@ class GradientSize {
     for (const Scalar& entry : gradient.vector()) {
       const Scalar weight(1 + scattered(random) / 2);
       if (!isfinite(entry)) return entry;
-      if (entry == Scalar(0)) continue;
       int exponent = 0;
       const Scalar mantissa = frexp(entry, &exponent);
       weights += weight;
-      mantissas += weight * (mantissa < Scalar(0) ? log(-mantissa) - weight : log(mantissa));
+      mantissas += weight * (entry == Scalar(0)  ? -3 * weight
+                             : entry < Scalar(0) ? log(-mantissa) - weight
+                                                 : log(mantissa));
       exponents += weight * Scalar(exponent);
     }
-    return weights > Scalar(0) ? Scalar(exp(mantissas / weights) * exp2(exponents / weights)) : weights;
+    return Scalar(exp(mantissas / weights) * exp2(exponents / weights));
   }
 
  private:

@@ -122,6 +122,7 @@ class Events {
   /// The same where changes_state: a run that begins with another state than the last one is seen here, all
   /// else by first_event().
   void see(const Scalar&, const State& z, const IntegrationReport& run) requires(changes_state) {
+    require_size(z);
     if (run.steps == 0 && !run.at_event) {
       longest_ = Scalar(0);
       if (!started_ || z.vector() != last_.vector()) forget();
@@ -454,10 +455,15 @@ class Events {
     known_.fill({});
     largest_.vector().setZero();
   }
-  void enlarge(const State& z) {
+  void require_size(const State& z) const {
     if (largest_.dof() != z.dof())
       throw std::logic_error(
-          "events: it was moved from; use the one that it was moved to, or make a new one");
+          "events: the state has another size than H, or it was moved from; use the one that it was moved "
+          "to, "
+          "or make a new one");
+  }
+  void enlarge(const State& z) {
+    require_size(z);
     largest_.vector() = largest_.vector().cwiseMax(z.vector().cwiseAbs());
   }
 

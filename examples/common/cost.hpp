@@ -261,8 +261,7 @@ struct CostRequest {
         (unit.empty() && accuracy > 0.1))
       return "'" + text +
              "' is no accuracy: a relative energy error from 1e-300 to 0.1, or, of a program that measures "
-             "one, an angle as "
-             "\"0.001 arcsec\"";
+             "one, an angle as \"0.001 arcsec\"";
     if (unit.empty()) return "";
     try {
       if (is_angle(unit)) return "";

@@ -21,6 +21,9 @@
 
 namespace examples {
 
+/// What rounding makes of a difference, as a part of what it is taken of.
+inline constexpr double few_roundings = 4 * std::numeric_limits<double>::epsilon();
+
 /// γmv at the start.
 inline double momentum_of(const Choice& c) {
   if (c.has("rigidity")) return std::abs(c["charge"]) * c["rigidity"] / c["c"];
@@ -167,8 +170,8 @@ inline Measurement<3> rotation(const Choice& c) {
     if (off.empty())
       off = too_large("the slope's square times the turn", slope * slope * std::abs(larmor(way)), 0.5);
     // Of a small angle the rounding of both places is no small part.
-    const double rounding = 4 * std::numeric_limits<double>::epsilon(), angle = turn(way);
-    if (rounding > 1e-9 * std::abs(angle)) missed += rounding;
+    const double angle = turn(way);
+    if (few_roundings > 1e-9 * std::abs(angle)) missed += few_roundings;
     return {compared(what, angle, missed, "Larmor, -e∫B dz/(2p)", larmor(way), off)};
   });
 }
@@ -258,14 +261,14 @@ inline Measurement<3> stoermer(const Choice& c) {
             if (!std::isnormal(region.square) || !std::isfinite(seen->sine.value()))
               return {not_measured("Stoermer's region", "there is no field, or no momentum")};
             const std::string sine = "largest |sin χ| on the way";
-            if (const std::string coarse = too_coarse(seen->turn); !coarse.empty())
-              return {not_measured("largest |sin χ|, and the place nearest to the dipole", coarse)};
             // The charge's own momentum is a difference from that of the field.
-            const double lost = 4 * std::numeric_limits<double>::epsilon() * seen->momentum / momentum_of(c);
-            if (lost > 0.01)
-              return {not_measured("largest |sin χ|, and the place nearest to the dipole",
-                                   formatted("of the momentum a part of %.1g", lost) +
-                                       " is lost in rounding; give a larger --rigidity")};
+            const double lost = few_roundings * seen->momentum / momentum_of(c);
+            std::string off = too_coarse(seen->turn);
+            if (off.empty() && lost > 0.01)
+              off = formatted("of the momentum a part of %.1g", lost) +
+                    " is lost in rounding; give a larger --rigidity";
+            if (!off.empty())
+              return {not_measured("largest |sin χ|, and the place nearest to the dipole", off)};
             std::vector<Figure> list;
             // About the axis it peaks as sharply as the path is near to it.
             if (const std::string coarse = too_coarse(seen->azimuth, std::numbers::pi / 12); !coarse.empty())

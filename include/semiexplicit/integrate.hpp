@@ -192,6 +192,17 @@ SEMIEXPLICIT_COLD inline void require_subdivide(const std::string& who, int subd
     throw std::invalid_argument(who + ": subdivide is not between 0 and 30; 10 makes a thousandth of a step");
 }
 
+/// Throws std::invalid_argument, in the name of `who`, where a run begins or ends at no finite time. A dt
+/// that is NaN or Inf is for the steps to refuse.
+template <class Scalar>
+SEMIEXPLICIT_COLD void require_times(const std::string& who, const Scalar& t0, std::int64_t steps,
+                                     const Scalar& dt) {
+  using std::isfinite;
+  if (!isfinite(t0)) throw std::invalid_argument(who + ": t0 is not finite; give the time of the start");
+  if (isfinite(dt) && !isfinite(Scalar(t0 + Scalar(steps) * dt)))
+    throw std::invalid_argument(who + ": t0 + steps dt is not finite; give fewer steps, or a shorter dt");
+}
+
 /// Throws std::invalid_argument, in the name of `who`, where the earlier part of a run took other steps.
 SEMIEXPLICIT_COLD inline void require_step(const std::string& who, const IntegrationReport& done, double dt) {
   if (done.steps > 0 && done.dt != 0 && done.dt != dt)
@@ -221,13 +232,9 @@ template <class Scalar>
 SEMIEXPLICIT_COLD void check_options(const IntegrationOptions<Scalar>& options, bool by_clock,
                                      bool equal_steps) {
   require_subdivide("integrate", options.subdivide);
-  using std::isfinite;
-  if (!isfinite(options.t0))
-    throw std::invalid_argument("integrate: t0 is not finite; give the time of the start");
   if (options.steps < 0)
     throw std::invalid_argument("integrate: steps is negative; to go back in time give a negative dt");
-  if (isfinite(options.dt) && !isfinite(Scalar(options.t0 + Scalar(options.steps) * options.dt)))
-    throw std::invalid_argument("integrate: t0 + steps dt is not finite; give fewer steps, or a shorter dt");
+  require_times("integrate", options.t0, options.steps, options.dt);
   if (options.done.steps < 0 || (!by_clock && options.done.steps > options.steps))
     throw std::invalid_argument("integrate: " + std::to_string(options.done.steps) +
                                 " steps are done, and not 0 to " + std::to_string(options.steps) +

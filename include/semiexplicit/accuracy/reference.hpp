@@ -43,7 +43,8 @@ class Reference {
       const double rounding = 1e4 * Problem<Any>::epsilon * scale();
       const bool agrees = now <= std::min(enough * (problem_.options.absolute ? 1 : size_), rounding);
       // Both may be off by the same where a force jumps: shorter steps do not bring so much by themselves.
-      if (agrees && (agreed || !(now < 1e-6 * last) || !std::isfinite(last))) break;
+      const bool too_soon = std::isfinite(last) && now < 1e-6 * last;
+      if (agrees && (agreed || !too_soon)) break;
       agreed = agrees;
       const double small = std::max(1e-6 * size_, rounding);
       no_better = now > 0.3 * last && now < small ? no_better + 1 : 0;
@@ -197,8 +198,9 @@ class Reference {
   SEMIEXPLICIT_COLD bool step(double end, double local, double most) {
     const Time left = end - time_ - carry_;
     double planned = 2 * share_ * hardest_;
-    while (planned > 1.5 * 2 * share_ * local) planned /= much_easier;
-    while (much_easier * planned <= 2 * share_ * local) planned *= much_easier;
+    const double wanted = 2 * share_ * local;
+    while (planned > 1.5 * wanted) planned /= much_easier;
+    while (much_easier * planned <= wanted) planned *= much_easier;
     planned = std::min(planned, most);
     Time dt = planned < 0.999 * left ? Time(planned) : left;
     bool cut = pacer_.cut();

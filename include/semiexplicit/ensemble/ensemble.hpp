@@ -269,11 +269,7 @@ class Ensemble {
       throw std::invalid_argument(
           "Ensemble: steps, every, threads, together and done must not be negative; to go back in time give "
           "a negative dt");
-    if (!std::isfinite(options.t0))
-      throw std::invalid_argument("Ensemble: t0 is not finite; give the time of the start");
-    if (std::isfinite(options.dt) &&
-        !std::isfinite(options.t0 + static_cast<double>(options.steps) * options.dt))
-      throw std::invalid_argument("Ensemble: t0 + steps dt is not finite; give fewer steps, or a shorter dt");
+    detail::require_times("Ensemble", options.t0, options.steps, options.dt);
     detail::require_subdivide("Ensemble", options.subdivide);
     if (options.done > options.steps)
       throw std::invalid_argument("Ensemble: " + std::to_string(options.done) + " steps are done of " +

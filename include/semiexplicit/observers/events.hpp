@@ -459,13 +459,10 @@ class Events {
     if (largest_.dof() != z.dof())
       throw std::logic_error(
           "events: the state has another size than H, or it was moved from; use the one that it was moved "
-          "to, "
-          "or make a new one");
+          "to, or "
+          "make a new one");
   }
-  void enlarge(const State& z) {
-    require_size(z);
-    largest_.vector() = largest_.vector().cwiseMax(z.vector().cwiseAbs());
-  }
+  void enlarge(const State& z) { largest_.vector() = largest_.vector().cwiseMax(z.vector().cwiseAbs()); }
 
   /// Whether s = from is so small that it is crossed, or was, within about `near`.
   template <class At>
@@ -641,6 +638,7 @@ class Events {
       longest_ = Scalar(0);
       forget();
     }
+    require_size(start);
     enlarge(start);
     enlarge(end);
     if (std::exchange(arc_, intervals_.arcs()) != intervals_.arcs()) {

@@ -189,14 +189,15 @@ class GaussShell {
     };
     // Newton's corrections may be small, as where the field grows exponentially, and its equations far off.
     const auto ended = [&](Status status) {
+      if (options_.solver != StageSolver::newton) return status;
       Scalar off(0);
       bool each_is_small = true;
       for (Eigen::Index i = 0; i < least_.size(); ++i) {
         const Scalar part = stages().residual(i);
         off += part;
-        if (part > Scalar(0)) each_is_small = each_is_small && part <= sqrt(epsilon) * size_of(z, i);
+        each_is_small = each_is_small && part <= sqrt(epsilon) * size_of(z, i);
       }
-      if (off == Scalar(0) || (each_is_small && is_small(off))) return status;
+      if (each_is_small && is_small(off)) return status;
       feel(false);
       Scalar rounding(0);
       for (Eigen::Index i = 0; i < least_.size(); ++i) {

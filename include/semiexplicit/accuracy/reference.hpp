@@ -35,20 +35,22 @@ class Reference {
   /// False: the calls ended, no step goes on, or the observable is not finite.
   SEMIEXPLICIT_COLD bool go(double length, double enough) {
     if (time_ > 0) return go_on(length);
-    double last = std::numeric_limits<double>::infinity();
+    constexpr double never = std::numeric_limits<double>::infinity();
+    double before = never, least = never;
     bool agreed = false;
     for (int no_better = 0; no_better < 3;) {
       if (!follow(length)) return false;
       const double now = apart(length);
       const double rounding = 1e4 * Problem<Any>::epsilon * scale();
       const bool agrees = now <= std::min(enough * (problem_.options.absolute ? 1 : size_), rounding);
-      // Both may be off by the same where a force jumps: shorter steps do not bring so much by themselves.
-      const bool too_soon = std::isfinite(last) && now < 1e-6 * last;
-      if (agrees && (agreed || !too_soon)) break;
+      // Shorter steps do not bring so much by themselves.
+      const bool too_soon = std::isfinite(before) && now < 1e-6 * before;
+      if (agrees && (agreed || !(too_soon || are_cheap()))) break;
       agreed = agrees;
+      if (agreed) ++others_;
       const double small = std::max(1e-6 * size_, rounding);
-      no_better = now > 0.3 * last && now < small ? no_better + 1 : 0;
-      last = std::min(last, now);
+      no_better = now > 0.3 * least && now < small ? no_better + 1 : 0;
+      before = now, least = std::min(least, now);
       if (share_ < 1e-3) break;
       share_ /= 1.5;
       restart();
@@ -113,17 +115,25 @@ class Reference {
     samples_.clear();
   }
 
+  /// Whether both runs are so cheap over all of T that they have to agree twice. Where a force jumps next to
+  /// a time at which both begin a step they agree, and both are wrong: one jump of a hundred.
+  bool are_cheap() const { return rate_ * problem_.table.time < 0.01 * problem_.table.budget; }
+
   /// Behind the first stretch. Where the runs part by far more than rounding would, in places that are
   /// harder, both begin anew with half the step, unless that was seen not to help, as in chaos.
   SEMIEXPLICIT_COLD bool go_on(double length) {
     const double from = time(), before = std::max(apart(from), Problem<Any>::epsilon * scale());
     if (!follow(length)) return false;
     const double parted = apart(length);
-    if (halving_failed_ || parted <= 30 * before * std::pow(length / from, 1.5)) return true;
-    share_ /= 2;
+    const bool agrees = parted <= 30 * before * std::pow(length / from, 1.5);
+    if (agrees ? !are_cheap() : halving_failed_) return true;
+    if (agrees)
+      ++others_;
+    else
+      share_ /= 2;
     restart();
     if (!follow(length)) return false;
-    halving_failed_ = apart(length) > 0.3 * parted;
+    halving_failed_ = halving_failed_ || (!agrees && apart(length) > 0.3 * parted);
     return true;
   }
 
@@ -202,6 +212,7 @@ class Reference {
     while (planned > 1.5 * wanted) planned /= much_easier;
     while (much_easier * planned <= wanted) planned *= much_easier;
     planned = std::min(planned, most);
+    planned *= 1 - 0.3 * std::fmod(0.618034 * others_, 1.0);
     Time dt = planned < 0.999 * left ? Time(planned) : left;
     bool cut = pacer_.cut();
     for (int attempt = 0; attempt < 40 && time_ + dt > time_ && !cut; ++attempt, dt /= 2) {
@@ -241,6 +252,7 @@ class Reference {
   double share_ = 0.4, hardest_ = 0;  ///< of the scout's steps, and the shortest of them
   bool varies_ = false;               ///< there are far longer ones
   bool halving_failed_ = false;
+  int others_ = 0;  ///< runs that were to agree with one before: each by steps of its own
 };
 
 }  // namespace semiexplicit::detail

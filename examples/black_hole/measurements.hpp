@@ -30,11 +30,76 @@ inline double outer_horizon(const black_hole::Kerr<>& hole) {
   return hole.mass + std::sqrt(hole.mass * hole.mass - hole.spin * hole.spin);
 }
 
+/// What an orbit whirls above: the minimum of Carter's radial potential (1968), eq. (62), for a body of mass
+/// 1,
+///
+///     R(r) = ((r² + a²) E - a L)² - (r² - 2 M r + a²) (r² + (L - a E)² + Q),
+///
+/// between the horizon and the periapsis.
+class Barrier {
+ public:
+  Barrier(const black_hole::Kerr<>& hole, double energy, double momentum, double carter)
+      : M_(hole.mass), a_(hole.spin), E_(energy), L_(momentum), Q_(carter) {
+    const double c4 = E_ * E_ - 1, c2 = a_ * a_ * c4 - L_ * L_ - Q_,
+                 c1 = 2 * M_ * (std::pow(L_ - a_ * E_, 2) + Q_);
+    const auto slope = [&](double r) { return ((4 * c4 * r + 6 * M_) * r + 2 * c2) * r + c1; };
+    if (!(c4 < 0)) return;
+    // Between the two places where R bends neither way it has its minimum, if any.
+    const double bends = std::sqrt(M_ * M_ - 2 * c4 * c2 / 3);
+    double inner = (bends - M_) / (2 * c4), outer = -(bends + M_) / (2 * c4);
+    if (!(slope(inner) < 0 && slope(outer) > 0)) return;
+    for (int i = 0; i < 60; ++i) {
+      const double middle = (inner + outer) / 2;
+      (slope(middle) < 0 ? inner : outer) = middle;
+    }
+    if (!(inner > outer_horizon(hole))) return;
+    r_ = inner;
+    bend_ = (6 * c4 * r_ + 6 * M_) * r_ + c2;
+  }
+
+  /// R(r): a body moves where it is positive.
+  double radial(double r) const {
+    const double k = (r * r + a_ * a_) * E_ - a_ * L_;
+    return k * k - delta(r) * (r * r + std::pow(L_ - a_ * E_, 2) + Q_);
+  }
+  /// What the rounding of a start at that r, which moves E, makes of the turns of an orbit: the motion past
+  /// the barrier takes as many as the logarithm of its depth.
+  double by_start_in_turns(double start) const {
+    if (r_ == 0) return 0;
+    const double k = (r_ * r_ + a_ * a_) * E_ - a_ * L_;
+    const double turning =
+        std::copysign(std::sqrt(L_ * L_ + std::max(0.0, Q_)), L_) - a_ * E_ + a_ * k / delta(r_);
+    return std::abs(turning) / (std::numbers::pi * std::sqrt(bend_)) * by_start(start) / (2 * depth());
+  }
+  /// The same of the nearest r.
+  double by_start_in_nearest(double start) const {
+    return r_ == 0 ? 0 : by_start(start) / (2 * std::sqrt(bend_ * depth()));
+  }
+
+ private:
+  double delta(double r) const { return r * r - 2 * M_ * r + a_ * a_; }
+  double depth() const { return std::max(0.0, -radial(r_)); }
+  /// In R, where the start stays where it is and the mass of the body is off by as much. The factor is
+  /// measured.
+  double by_start(double start) const {
+    const auto by_energy = [this](double r) {
+      const double squared = r * r + a_ * a_;
+      return (squared * E_ - a_ * L_) * squared;
+    };
+    const auto by_mass = [this](double r) { return delta(r) * r * r; };
+    return 4 * std::numeric_limits<double>::epsilon() *
+           std::abs(by_energy(r_) - by_energy(start) * by_mass(r_) / by_mass(start));
+  }
+
+  double M_, a_, E_, L_, Q_;
+  double r_ = 0, bend_ = 0;  ///< where the minimum is, 0 where there is none, and R''/2 there
+};
+
 /// Counts the orbits from apoapsis to apoapsis, and says what they are like. For an `ellipse` about a hole
 /// without spin the turns between two apoapsides are known.
 inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::optional<Ellipse>& ellipse) {
   struct Seen {
-    double energy = 0, momentum = 0, carter = 0;  // at first
+    double start = 0, energy = 0, momentum = 0, carter = 0;  // r and more at first
     Largest closeness, distance, highest;
     Crossing<2> crossing;  // of -p_r, and phi
     double last_r = 0, last_r_momentum = 0, last_theta = 0, last_phi = 0, first = 0, latest = 0, open = 0,
@@ -43,8 +108,8 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
     std::int64_t rows = 0, apoapsides = 0;
     bool over_a_pole = false;
     void visit_memory(CheckpointMemory& visit) {
-      for (double* number : {&energy, &momentum, &carter, &last_r, &last_r_momentum, &last_theta, &last_phi,
-                             &first, &latest, &open, &turn, &tilt})
+      for (double* number : {&start, &energy, &momentum, &carter, &last_r, &last_r_momentum, &last_theta,
+                             &last_phi, &first, &latest, &open, &turn, &tilt})
         visit(*number);
       crossing.visit_memory(visit);
       highest.visit_memory(visit);
@@ -57,6 +122,7 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
   };
   using std::numbers::pi;
   const auto seen = std::make_shared<Seen>();
+  const std::string another = ellipse ? "a larger --p" : "another --r or --l";
   const auto observe = [=](double t, const In<double, 4>& q, const In<double, 4>& p) {
     Seen& s = *seen;
     // The start may be one.
@@ -68,6 +134,7 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
                                     [](const auto& a, const auto& b) { return a.values[1] - b.values[1]; }));
     }
     if (s.rows == 0) {
+      s.start = q[1];
       s.energy = -p[0];
       s.momentum = p[3];
       s.carter = hole.carter(q, p);
@@ -127,15 +194,18 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
     turns.value = (s.latest - s.first) / angle;
     turns.uncertain = 2 * s.open / angle;
     turns.beside = "mean of " + counted(orbits, "orbit");
+    const Barrier barrier(hole, s.energy, s.momentum, s.carter);
+    const double by_start = barrier.by_start_in_turns(s.start);
+    turns.uncertain += by_start;
+    list[0].uncertain += barrier.by_start_in_nearest(s.start);
+    if (!(by_start < 0.1)) {
+      const std::string why =
+          "rounding decides how often it turns so near to the separatrix; give " + another;
+      for (Figure* figure : {&list[0], &turns})
+        if (figure->missing.empty()) figure->missing = why;
+    }
     if (ellipse) {  // Cutler, Kennefick, Poisson, Phys. Rev. D 50 (1994) 3816, section II
-      const double width = ellipse->p - 6 + 2 * ellipse->e, apart = ellipse->p - 6 - 2 * ellipse->e;
-      // Next to the separatrix, p = 6 + 2e, they are as many as the rounding of the start makes them: it
-      // moves E by ε, and E has a maximum there. The factor is measured.
-      const double by_start =
-          60 * std::numeric_limits<double>::epsilon() / (apart * apart * std::sqrt(width));
-      turns.uncertain += by_start;
-      if (by_start > 0.1 && turns.missing.empty())
-        turns.missing = "rounding decides how often it turns so near to the separatrix; give a larger --p";
+      const double width = ellipse->p - 6 + 2 * ellipse->e;
       turns.beside += "; closed form";
       turns.expected =
           2 / pi * std::sqrt(ellipse->p / width) * std::comp_ellint_1(std::sqrt(4 * ellipse->e / width));
@@ -148,17 +218,18 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
   const auto ending = [=]() -> std::string {
     const Seen& s = *seen;
     if (!(s.last_r_momentum < 0)) return "";
-    const double a = hole.spin, horizon = outer_horizon(hole), farthest = s.distance.value();
-    const double rest = s.carter + std::pow(s.momentum - a * s.energy, 2);
+    const double horizon = outer_horizon(hole), farthest = s.distance.value();
+    const Barrier barrier(hole, s.energy, s.momentum, s.carter);
     for (int i = 1; i < 10'000; ++i) {
       const double r = 1 / (1 / horizon + (1 / farthest - 1 / horizon) * i / 10'000);
-      const double k = (r * r + a * a) * s.energy - a * s.momentum;
-      if (!(k * k > (r * r - 2 * hole.mass * r + a * a) * (r * r + rest))) return "";
+      if (!(barrier.radial(r) > 0)) return "";
     }
     return formatted(
-        "the body falls into the hole, from r = %.4g on nothing turns it back before the horizon, r = %.4g; "
-        "give %s, a --time that ends before, or a smaller --dt, by which it goes on for longer",
-        s.last_r, horizon, ellipse ? "a larger --p" : "another --r or --l");
+               "the body falls into the hole, from r = %.4g on nothing turns it back before the horizon, "
+               "r = %.4g; give %s, a --time that ends before, or a smaller --dt, by which it goes on for "
+               "longer",
+               s.last_r, horizon, another.c_str()) +
+           (barrier.by_start_in_turns(s.start) < 0.1 ? "" : "; rounding decides so near to the separatrix");
   };
   return {observe, memory_of(seen), figures, {}, heading, ending};
 }

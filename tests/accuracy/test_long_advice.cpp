@@ -1406,4 +1406,43 @@ TEST_CASE("Two runs that a jump of the force has made wrong by the same are no r
     CHECK(worst_off(cost, *advice, z0, seen, exactly_seen) < 3 * target * cost.unit);
 }
 
+TEST_CASE("A dear reference has to agree twice, too: one wall, whose force jumps once") {
+  const double wall = -0.37522071402537094, stiff = 8888.5361308852443, push = 0.13540607693727413,
+               pull = -5.5866209998016831, mass = 0.47641312432323499, T = 1.9979645913286765,
+               target = 9.1942347532341895e-07;
+  const auto h = make_hamiltonian<double, 1>(
+      [=](const auto& q, const auto& p) {
+        const double d = q[0] - wall;
+        return p[0] * p[0] / 2 / mass + (d >= 0 ? push * d + stiff * d * d / 2 : pull * d);
+      },
+      [=](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+        const double d = q[0] - wall;
+        dHdq[0] = d >= 0 ? push + stiff * d : pull;
+        dHdp[0] = p[0] / mass;
+      });
+  const PhasePoint<double, 1> z0(-0.22530968353201386, 0.79225062243098199);
+  // An oscillation until it leaves the wall, after half a period at most, then a free fall.
+  const double w = std::sqrt(stiff / mass), c = push / stiff, d0 = z0.q()[0] - wall + c,
+               v0 = z0.p()[0] / mass, size = std::hypot(d0, v0 / w),
+               leaves = (std::acos(c / size) + std::atan2(v0 / w, d0)) / w,
+               speed = -w * std::sqrt(size * size - c * c);
+  const auto exact = [=](double t) {
+    const double s = t - leaves;
+    return Eigen::Vector2d(t < leaves ? wall - c + d0 * std::cos(w * t) + v0 / w * std::sin(w * t)
+                                      : wall + speed * s - pull / mass * s * s / 2,
+                           0);
+  };
+  const auto place = [](const auto& q, const auto&) { return Eigen::Vector2d(q[0], 0); };
+  for (const double min_gradients : {1e5, 5e6}) {
+    const auto cost = cost_of_accuracy(h, z0, T,
+                                       {.observable = observables::Coordinate{0},
+                                        .targets = {4.0038398183614314e-05, target},
+                                        .min_gradients = min_gradients});
+    for (const double each : cost.targets) {
+      const auto advice = cost.cheapest(each);
+      CHECK((!advice || worst_off(cost, *advice, z0, place, exact) < 3 * each * cost.unit));
+    }
+  }
+}
+
 }  // namespace test_long_advice

@@ -255,6 +255,33 @@ void satellite_is_the_same_in_heavy_units(const GaussLegendreOptions& options) {
   CHECK((satellite_after<Stepper>(400, 0x1p100, options) - light).norm() < 1e-9);
 }
 
+/// A satellite of the Earth, 1000 kg, and the Earth about the Sun behind it, in relative coordinates, SI
+/// units.
+struct BesideEarth {
+  using Scalar = float;
+  using PackGradientOf = BesideEarth;
+  static constexpr int Dof = 4;
+  void gradient(const auto& q, const auto& p, auto&& by_q, auto&& by_p) const {
+    using std::sqrt;
+    const auto orbit = [&](int i, float pull, float mass) {
+      const auto squared = q[i] * q[i] + q[i + 1] * q[i + 1], force = pull / (squared * sqrt(squared)) * mass;
+      for (const int j : {i, i + 1}) by_q[j] = force * q[j], by_p[j] = p[j] / mass;
+    };
+    orbit(0, 3.986e14F, 1000);
+    orbit(2, 1.327e20F, 5.97e24F);
+  }
+};
+
+template <template <class> class Stepper>
+double drift_of_satellite(int stages) {
+  PhasePoint<float, 4> z({7e6F, 0, 1.496e11F, 0}, {0, 7.9e6F, 0, 5.97e24F * 2.978e4F});
+  Stepper<BesideEarth> stepper(BesideEarth(), {.stages = stages});
+  const auto momentum = [&] { return double(z.q()[0]) * z.p()[1] - double(z.q()[1]) * z.p()[0]; };
+  const double first = momentum();
+  for (int n = 0; n < 2000; ++n) REQUIRE(stepper.step(z, 300).ok());
+  return std::abs(momentum() / first - 1);
+}
+
 /// At the rates 2 and 0.01.
 struct TwoOscillators {
   using Scalar = double;
@@ -305,6 +332,14 @@ TEST_CASE("Light bodies' stages converge as well where heavy bodies' numbers are
     satellite_is_the_same_in_heavy_units<GaussLegendreLanes>({.stages = 6, .extrapolate = extrapolate});
   }
   satellite_is_the_same_in_heavy_units<GaussLegendre>({.stages = 3, .solver = StageSolver::newton});
+}
+
+TEST_CASE("Gauss converges for what is nothing beside a heavy body to the third power of rounding") {
+  for (const int stages : {2, 3}) {
+    CAPTURE(stages);
+    CHECK(drift_of_satellite<GaussLegendre>(stages) < 1e-5);
+    CHECK(drift_of_satellite<GaussLegendreLanes>(stages) < 1e-5);
+  }
 }
 
 TEST_CASE("A small oscillation converges as well beside a large one", "[gauss]") {

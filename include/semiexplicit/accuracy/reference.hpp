@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include <semiexplicit/accuracy/scout.hpp>
@@ -38,16 +40,18 @@ class Reference {
     constexpr double never = std::numeric_limits<double>::infinity();
     double before = never, least = never;
     bool agreed = false;
+    const Runs start(runs());
     for (int no_better = 0; no_better < 3;) {
       if (!follow(length)) return false;
-      const double now = apart(length);
+      double now = apart(length);
       const double rounding = 1e4 * Problem<Any>::epsilon * scale();
-      const bool agrees = now <= std::min(enough * (problem_.options.absolute ? 1 : size_), rounding);
+      const double most = std::min(enough * (problem_.options.absolute ? 1 : size_), rounding);
       // Shorter steps do not bring so much by themselves.
       const bool too_soon = std::isfinite(before) && now < 1e-6 * before;
-      if (agrees && (agreed || !(too_soon || are_cheap()))) break;
+      const bool agrees = now <= most && others_agree(start, length, most);
+      if (agrees && (agreed || !too_soon)) break;
       agreed = agrees;
-      if (agreed) ++others_;
+      now = apart(length);
       const double small = std::max(1e-6 * size_, rounding);
       no_better = now > 0.3 * least && now < small ? no_better + 1 : 0;
       before = now, least = std::min(least, now);
@@ -115,25 +119,38 @@ class Reference {
     samples_.clear();
   }
 
-  /// Whether both runs are so cheap over all of T that they have to agree twice. Where a force jumps next to
-  /// a time at which both begin a step they agree, and both are wrong: one jump of a hundred.
-  bool are_cheap() const { return rate_ * problem_.table.time < 0.01 * problem_.table.budget; }
+  /// Where the pair of runs is, and what it has seen.
+  using Runs = std::tuple<typename Any::State, typename Any::State, Time, Time, double, double,
+                          std::vector<Sample<Any>>>;
+  auto runs() { return std::tie(coarse_, fine_, time_, carry_, size_, rate_, samples_); }
+
+  /// Whether two more runs from where the last stretch began, by other steps, are apart by no more than that;
+  /// all is as it was then, and else goes on from these.
+  /// Where a force jumps next to a time at which both runs begin a step they agree, and both are wrong: one
+  /// jump of a hundred. It is looked at where that is cheap beside the calls allowed.
+  SEMIEXPLICIT_COLD bool others_agree(const Runs& start, double length, double most) {
+    if (!(rate_ * problem_.table.time < 0.03 * problem_.options.max_gradients)) return true;
+    const Runs made(runs());
+    runs() = start;
+    const double usual = std::exchange(stagger_, 0.87 * stagger_);
+    if (follow(length) && apart(length) > most) return false;
+    stagger_ = usual;
+    runs() = made;
+    return true;
+  }
 
   /// Behind the first stretch. Where the runs part by far more than rounding would, in places that are
   /// harder, both begin anew with half the step, unless that was seen not to help, as in chaos.
   SEMIEXPLICIT_COLD bool go_on(double length) {
     const double from = time(), before = std::max(apart(from), Problem<Any>::epsilon * scale());
+    const Runs start(runs());
     if (!follow(length)) return false;
-    const double parted = apart(length);
-    const bool agrees = parted <= 30 * before * std::pow(length / from, 1.5);
-    if (agrees ? !are_cheap() : halving_failed_) return true;
-    if (agrees)
-      ++others_;
-    else
-      share_ /= 2;
+    const double parted = apart(length), most = 30 * before * std::pow(length / from, 1.5);
+    if (halving_failed_ || (parted <= most && others_agree(start, length, most))) return true;
+    share_ /= 2;
     restart();
     if (!follow(length)) return false;
-    halving_failed_ = halving_failed_ || (!agrees && apart(length) > 0.3 * parted);
+    halving_failed_ = apart(length) > 0.3 * parted;
     return true;
   }
 
@@ -212,7 +229,7 @@ class Reference {
     while (planned > 1.5 * wanted) planned /= much_easier;
     while (much_easier * planned <= wanted) planned *= much_easier;
     planned = std::min(planned, most);
-    planned *= 1 - 0.3 * std::fmod(0.618034 * others_, 1.0);
+    planned *= stagger_;
     Time dt = planned < 0.999 * left ? Time(planned) : left;
     bool cut = pacer_.cut();
     for (int attempt = 0; attempt < 40 && time_ + dt > time_ && !cut; ++attempt, dt /= 2) {
@@ -252,7 +269,7 @@ class Reference {
   double share_ = 0.4, hardest_ = 0;  ///< of the scout's steps, and the shortest of them
   bool varies_ = false;               ///< there are far longer ones
   bool halving_failed_ = false;
-  int others_ = 0;  ///< runs that were to agree with one before: each by steps of its own
+  double stagger_ = 1;  ///< of steps
 };
 
 }  // namespace semiexplicit::detail

@@ -144,8 +144,8 @@ class GaussShell {
   }
 
   /// Repeats sweep(), which returns the sum of the absolute values of what it changed in the stages'
-  /// displacements from z, until that is zero, or twice nothing beside them in any units, within the
-  /// tolerance, or but the rounding of z and the displacements, in each entry as well.
+  /// displacements from z, until that is zero, within the tolerance, or nothing beside them in any units or
+  /// but the rounding of z and the displacements, in each entry as well.
   template <class Sweep>
   Status iterate(const State& z, StepReport& report, const Sweep& sweep) {
     using std::isfinite;
@@ -208,6 +208,8 @@ class GaussShell {
       return off <= rounding ? status : Status::no_convergence;
     };
     bool entries_left = false;
+    constexpr int most_idle = 32;
+    int idle = 0;
     const Status at_rounding = options_.tolerance == 0 ? Status::success : Status::rounding_limited;
     for (;;) {
       const Scalar change = sweep();
@@ -221,8 +223,8 @@ class GaussShell {
         if (!isfinite(change)) return Status::not_finite;
         if (change < Scalar(options_.tolerance)) return Status::success;
         // From rest a sweep changes momenta alone, which may be nothing beside positions in another unit.
-        const bool was_nothing = previous > Scalar(0) && previous <= nothing;
-        if (change == Scalar(0) || (change <= nothing && was_nothing)) return ended(Status::success);
+        const bool is_nothing = change <= nothing && previous > Scalar(0) && previous <= nothing;
+        if (change == Scalar(0)) return ended(Status::success);
         since_least = change < least ? 0 : since_least + 1;
         if (change < least) least = change;
         if (report.evaluations % 16 == 0) earlier[0] = std::exchange(earlier[1], least);
@@ -236,7 +238,7 @@ class GaussShell {
             return ended(at_rounding);
         }
         const bool grows = previous > Scalar(0) && change >= previous;
-        if (!entries_left && grows && change <= 10 * epsilon * displaced()) {
+        if (!entries_left && (is_nothing || (grows && change <= 10 * epsilon * displaced()))) {
           entries_left = true;
           since_better_ = 0;
           parts_ = std::numeric_limits<Scalar>::infinity();
@@ -244,11 +246,15 @@ class GaussShell {
         }
         // One that began at its solution, as of a circle, may run away from there, and so may an entry that
         // is nothing in a sum.
-        if (entries_left && !improves(z) && settled(z) && change <= 100 * epsilon * displaced()) {
+        if (entries_left && !improves(z) && settled(z) &&
+            (is_nothing || change <= 100 * epsilon * displaced())) {
+          if (is_nothing) return ended(Status::success);
           if (worst_ <= sqrt(epsilon)) return ended(at_rounding);
           feel(settles());
           if (is_within_felt(100)) return ended(at_rounding);
         }
+        // An entry that goes to zero gets better for ever.
+        if (is_nothing && ++idle == most_idle) return ended(Status::success);
         previous = change;
       }
       if (report.evaluations < options_.max_iterations) continue;

@@ -1445,4 +1445,41 @@ TEST_CASE("A dear reference has to agree twice, too: one wall, whose force jumps
   }
 }
 
+TEST_CASE("A reference that never agreed is not known to what its last try is apart by accident") {
+  Eigen::Matrix3d turn;
+  turn << -0.20737996030440398, -0.65095461425010104, -0.73024081113742634, 0.94895112213634203,
+      -0.31521352380570367, 0.011497921819549783, -0.23766640456808641, -0.690578398588092,
+      0.68309307970670075;
+  const Eigen::Array3d mass(2.9509477620037026, 1.7629919415075495, 1.1754302223678155),
+      wall(-0.24225007069342086, 0.52934860231518654, 0.95423140835417075),
+      push(-0.73245900184324719, 0.39003716342928896, -0.04379260450847311),
+      pull(0.73245900184324719, 0.42969814395054895, 0.04379260450847311),
+      stiff(0.26975218189284461, 3.4929029054331266, 1.5233630726834517),
+      soft(0.26975218189284461, 2.0327416354121426, 1.5233630726834517);
+  // Three oscillators in halves, seen turned; the force of the second jumps.
+  const auto h = make_hamiltonian<double, 3>(
+      [=](const auto& q, const auto& p) {
+        const Eigen::Array3d d = (turn.transpose() * q).array() - wall, Y = (turn.transpose() * p).array();
+        const Eigen::Array3d outside = push * d + stiff * d.square() / 2,
+                             inside = -pull * d + soft * d.square() / 2;
+        return (Y.square() / mass / 2 + (d >= 0).select(outside, inside)).sum();
+      },
+      [=](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+        const Eigen::Array3d d = (turn.transpose() * q).array() - wall, Y = (turn.transpose() * p).array();
+        const Eigen::Array3d outside = push + stiff * d, inside = -pull + soft * d;
+        dHdq = turn * (d >= 0).select(outside, inside).matrix();
+        dHdp = turn * (Y / mass).matrix();
+      });
+  const PhasePoint<double, 3> z0({0.90086664775043523, 1.273157408797329, -2.4326354622841762},
+                                 {-0.39921042912121224, 0.82961583042345921, 1.6122587475405197});
+  const auto seen = [](const auto& q, const auto& p) { return Eigen::Vector2d(q[2] * q[2], p[2]); };
+  const auto cost =
+      cost_of_accuracy(h, z0, 1.6119084097619161,
+                       {.observable = seen,
+                        .targets = {1.0244758339710871e-06, 0.00015671963937313025, 1.407181076957156e-08}});
+  // 3e-7 by leapfrog's steps of 2e-8.
+  CHECK(cost.reference_error > 1e-7);
+  CHECK_FALSE(cost.cheapest(1.407181076957156e-08));
+}
+
 }  // namespace test_long_advice

@@ -48,14 +48,17 @@ class Reference {
       const double most = std::min(enough * (problem_.options.absolute ? 1 : size_), rounding);
       // Shorter steps do not bring so much by themselves.
       const bool too_soon = std::isfinite(before) && now < 1e-6 * before;
-      const bool agrees = now <= most && others_agree(start, length, most);
+      const bool agrees = now <= most && (!is_cheap() || others_agree(start, length, most));
       if (agrees && (agreed || !too_soon)) break;
       agreed = agrees;
       now = apart(length);
       const double small = std::max(1e-6 * size_, rounding);
       no_better = now > 0.3 * least && now < small ? no_better + 1 : 0;
       before = now, least = std::min(least, now);
-      if (share_ < 1e-3) break;
+      if (share_ < 1e-3) {
+        others_agree(start, length, 10 * now);  // or what they are apart by counts
+        break;
+      }
       share_ /= 1.5;
       restart();
     }
@@ -124,12 +127,14 @@ class Reference {
                           std::vector<Sample<Any>>>;
   auto runs() { return std::tie(coarse_, fine_, time_, carry_, size_, rate_, samples_); }
 
+  /// Beside the calls allowed.
+  bool is_cheap() const { return rate_ * problem_.table.time < 0.03 * problem_.options.max_gradients; }
+
   /// Whether two more runs from where the last stretch began, by other steps, are apart by no more than that;
   /// all is as it was then, and else goes on from these.
   /// Where a force jumps next to a time at which both runs begin a step they agree, and both are wrong: one
-  /// jump of a hundred. It is looked at where that is cheap beside the calls allowed.
+  /// jump of a hundred.
   SEMIEXPLICIT_COLD bool others_agree(const Runs& start, double length, double most) {
-    if (!(rate_ * problem_.table.time < 0.03 * problem_.options.max_gradients)) return true;
     const Runs made(runs());
     runs() = start;
     const double usual = std::exchange(stagger_, 0.87 * stagger_);
@@ -146,7 +151,8 @@ class Reference {
     const Runs start(runs());
     if (!follow(length)) return false;
     const double parted = apart(length), most = 30 * before * std::pow(length / from, 1.5);
-    if (halving_failed_ || (parted <= most && others_agree(start, length, most))) return true;
+    if (halving_failed_ || (parted <= most && (!is_cheap() || others_agree(start, length, most))))
+      return true;
     share_ /= 2;
     restart();
     if (!follow(length)) return false;

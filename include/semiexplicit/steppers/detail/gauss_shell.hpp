@@ -208,8 +208,6 @@ class GaussShell {
       return off <= rounding ? status : Status::no_convergence;
     };
     bool entries_left = false;
-    constexpr int most_idle = 32;
-    int idle = 0;
     const Status at_rounding = options_.tolerance == 0 ? Status::success : Status::rounding_limited;
     for (;;) {
       const Scalar change = sweep();
@@ -248,13 +246,10 @@ class GaussShell {
         // is nothing in a sum.
         if (entries_left && !improves(z) && settled(z) &&
             (is_nothing || change <= 100 * epsilon * displaced())) {
-          if (is_nothing) return ended(Status::success);
           if (worst_ <= sqrt(epsilon)) return ended(at_rounding);
           feel(settles());
           if (is_within_felt(100)) return ended(at_rounding);
         }
-        // An entry that goes to zero gets better for ever.
-        if (is_nothing && ++idle == most_idle) return ended(Status::success);
         previous = change;
       }
       if (report.evaluations < options_.max_iterations) continue;

@@ -126,11 +126,10 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
     turns.value = (s.latest - s.first) / angle;
     turns.uncertain = 2 * s.open / angle;
     turns.beside = "mean of " + counted(orbits, "orbit");
-    const Barrier barrier(hole, s.energy, s.momentum, s.carter);
-    const double by_start = barrier.by_start_in_turns(s.start);
-    turns.uncertain += by_start;
-    list[0].uncertain += barrier.by_start_in_nearest(s.start);
-    if (!(by_start < 0.1)) {
+    const Barrier barrier(hole, s.start, s.energy, s.momentum, s.carter);
+    turns.uncertain += barrier.by_start_in_turns();
+    list[0].uncertain += barrier.by_start_in_nearest();
+    if (barrier.rounding_decides()) {
       const std::string why =
           "rounding decides how often it turns so near to the separatrix; give " + another;
       for (Figure* figure : {&list[0], &turns})
@@ -151,17 +150,16 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
     const Seen& s = *seen;
     if (!(s.last_r_momentum < 0)) return "";
     const double horizon = outer_horizon(hole), farthest = s.distance.value();
-    const Barrier barrier(hole, s.energy, s.momentum, s.carter);
+    const Barrier barrier(hole, s.start, s.energy, s.momentum, s.carter);
     for (int i = 1; i < 10'000; ++i) {
       const double r = 1 / (1 / horizon + (1 / farthest - 1 / horizon) * i / 10'000);
       if (!(barrier.radial(r) > 0)) return "";
     }
     return formatted(
-               "the body falls into the hole, from r = %.4g on nothing turns it back before the horizon, "
-               "r = %.4g; give %s, a --time that ends before, or a smaller --dt, by which it goes on for "
-               "longer",
-               s.last_r, horizon, another.c_str()) +
-           (barrier.by_start_in_turns(s.start) < 0.1 ? "" : "; rounding decides so near to the separatrix");
+        "the body falls into the hole, from r = %.4g on nothing turns it back before the horizon, r = %.4g; "
+        "give %s, a --time that ends before, or a smaller --dt, by which it goes on for longer%s",
+        s.last_r, horizon, another.c_str(),
+        barrier.rounding_decides() ? "; rounding decides so near to the separatrix" : "");
   };
   return {observe, memory_of(seen), figures, {}, heading, ending};
 }

@@ -297,9 +297,9 @@ void satellite_converges_beside_the_earth() {
   const auto [drift, ok] = drift_of_satellite<Stepper>(4, 2000, 50);
   CHECK(ok);
   CHECK(drift < 1e-5);
-  for (const auto& [stages, dt] : {std::pair(1, 600.F), std::pair(1, 750.F)}) {
-    CAPTURE(stages);
-    const auto far_too_long = drift_of_satellite<Stepper>(stages, dt, 50);
+  for (const float dt : {600.F, 750.F}) {
+    CAPTURE(dt);
+    const auto far_too_long = drift_of_satellite<Stepper>(1, dt, 50);
     CHECK_FALSE(far_too_long.second);
     CHECK(far_too_long.first < 1e-4);
   }

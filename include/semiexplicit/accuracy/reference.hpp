@@ -43,15 +43,14 @@ class Reference {
     const Runs start(runs());
     for (int no_better = 0; no_better < 3;) {
       if (!follow(length)) return false;
-      double now = apart(length);
       const double rounding = 1e4 * Problem<Any>::epsilon * scale();
-      const double most = std::min(enough * (problem_.options.absolute ? 1 : size_), rounding);
+      const bool agrees =
+          agree(start, length, std::min(enough * (problem_.options.absolute ? 1 : size_), rounding));
+      const double now = apart(length);
       // Shorter steps do not bring so much by themselves.
       const bool too_soon = std::isfinite(before) && now < 1e-6 * before;
-      const bool agrees = now <= most && (!is_cheap() || others_agree(start, length, most));
       if (agrees && (agreed || !too_soon)) break;
       agreed = agrees;
-      now = apart(length);
       const double small = std::max(1e-6 * size_, rounding);
       no_better = now > 0.3 * least && now < small ? no_better + 1 : 0;
       before = now, least = std::min(least, now);
@@ -127,13 +126,15 @@ class Reference {
                           std::vector<Sample<Any>>>;
   auto runs() { return std::tie(coarse_, fine_, time_, carry_, size_, rate_, samples_); }
 
-  /// Beside the calls allowed.
-  bool is_cheap() const { return rate_ * problem_.table.time < 0.03 * problem_.options.max_gradients; }
-
+  /// Whether both runs are apart by no more than that. Where a force jumps next to a time at which both begin
+  /// a step they are so, and both are wrong, at one jump of a hundred: where two more are cheap beside the
+  /// calls allowed these have to agree, too.
+  SEMIEXPLICIT_COLD bool agree(const Runs& start, double length, double most) {
+    const bool is_cheap = rate_ * problem_.table.time < 0.03 * problem_.options.max_gradients;
+    return apart(length) <= most && (!is_cheap || others_agree(start, length, most));
+  }
   /// Whether two more runs from where the last stretch began, by other steps, are apart by no more than that;
   /// all is as it was then, and else goes on from these.
-  /// Where a force jumps next to a time at which both runs begin a step they agree, and both are wrong: one
-  /// jump of a hundred.
   SEMIEXPLICIT_COLD bool others_agree(const Runs& start, double length, double most) {
     const Runs made(runs());
     runs() = start;
@@ -150,9 +151,8 @@ class Reference {
     const double from = time(), before = std::max(apart(from), Problem<Any>::epsilon * scale());
     const Runs start(runs());
     if (!follow(length)) return false;
-    const double parted = apart(length), most = 30 * before * std::pow(length / from, 1.5);
-    if (halving_failed_ || (parted <= most && (!is_cheap() || others_agree(start, length, most))))
-      return true;
+    const double parted = apart(length);
+    if (halving_failed_ || agree(start, length, 30 * before * std::pow(length / from, 1.5))) return true;
     share_ /= 2;
     restart();
     if (!follow(length)) return false;
@@ -234,8 +234,7 @@ class Reference {
     const double wanted = 2 * share_ * local;
     while (planned > 1.5 * wanted) planned /= much_easier;
     while (much_easier * planned <= wanted) planned *= much_easier;
-    planned = std::min(planned, most);
-    planned *= stagger_;
+    planned = stagger_ * std::min(planned, most);
     Time dt = planned < 0.999 * left ? Time(planned) : left;
     bool cut = pacer_.cut();
     for (int attempt = 0; attempt < 40 && time_ + dt > time_ && !cut; ++attempt, dt /= 2) {

@@ -459,8 +459,7 @@ class Events {
     if (largest_.dof() != z.dof())
       throw std::logic_error(
           "events: the state has another size than H, or it was moved from; use the one that it was moved "
-          "to, or "
-          "make a new one");
+          "to, or make a new one");
   }
   void enlarge(const State& z) { largest_.vector() = largest_.vector().cwiseMax(z.vector().cwiseAbs()); }
 

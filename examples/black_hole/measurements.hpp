@@ -127,8 +127,8 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
     turns.uncertain = 2 * s.open / angle;
     turns.beside = "mean of " + counted(orbits, "orbit");
     const Barrier barrier(hole, s.start, s.energy, s.momentum, s.carter);
-    turns.uncertain += barrier.by_start_in_turns();
-    list[0].uncertain += barrier.by_start_in_nearest();
+    turns.uncertain += barrier.by_rounding_in_turns();
+    list[0].uncertain += barrier.by_rounding_in_nearest();
     if (barrier.rounding_decides()) {
       const std::string why =
           "rounding decides how often it turns so near to the separatrix; give " + another;

@@ -126,8 +126,12 @@ class FirstOrder {
     if (c.on("spin_orbit"))
       strongest = std::max(strongest, take("spin", spin_, 2 * c["gs"] / (c["c"] * c["c"] * std::sqrt(gm_)),
                                            1.5, 3 + 21 * std::pow(1 - e, 4)));
-    if (c.on("2pn")) second = std::max(second, 3 * std::pow(relativity / p, 2));  // of that order itself
-    second_of_node = (c.on("j2") ? 2.5 : 1) * strongest * at_most;                // by J2 at most, Brouwer
+    if (c.on("2pn")) {  // of that order itself; a node that something else turns it moves by up to 4 squares
+      const double square = std::pow(relativity / p, 2);
+      second = std::max(second, 3 * square);
+      at_most = std::max(at_most, 4 * square);
+    }
+    second_of_node = (c.on("j2") ? 2.5 : 1) * strongest * at_most;  // by J2 at most, Brouwer
     // A periapsis that is hardly determined turns by more. A loss of energy bends a circle by such a part of
     // its radius, which counts beside e.
     second_of_periapsis = second * (c.on("j2") ? 1 + 0.3 / e : 1);

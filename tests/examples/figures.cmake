@@ -73,6 +73,9 @@ prints(orbits "tells steps that are too long of an orbit of any size" "--effects
 prints(orbits "count a loss of energy in terms of second order" "--preset hulse_taylor --effects kinetic,attraction,spin_orbit,2.5pn --nu 0.25 --gm \"1 GMsun\" \
 --a \"300 km\" --e 3e-4 --inclination 30deg --gs \"1e30 m^5/s^3\" --time \"2 s\" --dt \"1e-4 s\"" "perihelion advance: -38294[0-9]*[^\n]*, terms of second order: about [4-9]e.04\n")
 prints(orbits "count nothing that does not turn a node" "--preset gps --effects kinetic,attraction,1pn --time 2day" "node: 0.0000000000 ± [^\n]*; 1PN to first order: 0.0000000000\n")
+# By steps of half a minute -0.13082613; relativity of second order turns no node alone.
+prints(orbits "count what relativity of second order makes of a node" "--preset gps --effects kinetic,attraction,j2,2pn --c 80 --j2 1e-5 --dt 2min --time 30day"
+  "node: -0.130826127[0-9]* [^\n]*; J2 to first order: -0.1308532930, terms of second order: about ([3-9]e-05|0.000[1-3])\n")
 # By half and a quarter of the step 1.040051 and 1.040013: run and companion are off by the same.
 prints(vortices "do not trust a companion that is off alike" "--preset wall --dt 13.64 --time 545.6 --method midpoint --scheme strang" "at the end: 1.04005 ± 5e-05; [^\n]*\nspeed along the wall at the end: 0.08108[0-9]* ± [3-5]e-06")
 prints(vortices "know how short steps round a speed" "--preset wall --dt 1e-11 --time 1e-10" "speed along the wall at the end: 0.000[67] ± 0.000[12]; ")

@@ -48,17 +48,19 @@ class Barrier {
                off = std::numeric_limits<double>::epsilon() *
                      (4 * std::abs(by_energy - by_mass) + (std::abs(by_energy) + std::abs(by_mass)) / 10);
     // The motion past the barrier takes as many turns as the logarithm of its height.
-    const Wide bend = (6 * c4 * r + 3 * c3) * r + c2, height = std::abs(radial(r)),
+    const Wide bend = (6 * c4 * r + 3 * c3) * r + c2, least = radial(r), height = std::abs(least),
                turning = std::copysign(std::sqrt(L_ * L_ + std::max(Wide(0), Q_)), L_) - a_ * E_ +
                          a_ * k(r) / delta(r);
     in_turns_ = std::abs(turning) / (std::numbers::pi_v<Wide> * std::sqrt(bend)) * off / (2 * height);
     in_nearest_ = off / (2 * std::sqrt(bend * height));
+    turns_back_ = least < 0;
   }
 
   /// R(r), for the mass that the start has: a body moves where it is positive.
   Wide radial(Wide r) const {
     return k(r) * k(r) - delta(r) * (mass2_ * r * r + std::pow(L_ - a_ * E_, 2) + Q_);
   }
+  bool turns_back() const { return turns_back_; }                        ///< a body that comes from outside
   double by_rounding_in_turns() const { return double(in_turns_); }      ///< of an orbit
   double by_rounding_in_nearest() const { return double(in_nearest_); }  ///< r
   /// How often it turns, or that it falls.
@@ -70,6 +72,7 @@ class Barrier {
 
   Wide M_, a_, E_, L_, Q_, mass2_ = 1;
   Wide in_turns_ = 0, in_nearest_ = 0;
+  bool turns_back_ = false;
 };
 
 }  // namespace examples

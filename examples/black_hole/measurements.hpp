@@ -145,12 +145,13 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
     return list;
   };
   // Inwards, and no turning point on the way from where it was farthest, where the radial potential of Carter
-  // (1968), eq. (62), is zero: one that is behind it was jumped over by a step.
+  // (1968), eq. (62), is zero: one that is behind it was jumped over by a step. A barrier may be narrow.
   const auto ending = [=]() -> std::string {
     const Seen& s = *seen;
-    if (!(s.last_r_momentum < 0)) return "";
+    if (!(s.last_r_momentum < 0) || !(s.last_r > 0)) return "";
     const double horizon = outer_horizon(hole), farthest = s.distance.value();
     const Barrier barrier(hole, s.start, s.energy, s.momentum, s.carter);
+    if (barrier.turns_back() && !barrier.rounding_decides()) return "";
     for (int i = 1; i < 10'000; ++i) {
       const double r = 1 / (1 / horizon + (1 / farthest - 1 / horizon) * i / 10'000);
       if (!(barrier.radial(r) > 0)) return "";

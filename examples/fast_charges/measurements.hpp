@@ -148,9 +148,10 @@ inline Measurement<3> rotation(const Choice& c) {
   };
   // A plane is the same after half a turn.
   const auto turn = [=](const Way& way) {
-    const double pi = std::numbers::pi,
-                 angle = std::atan2(way.first[0] * way.last[1] - way.first[1] * way.last[0],
-                                    way.first.head<2>().dot(way.last.head<2>()));
+    const double pi = std::numbers::pi;
+    const Eigen::Vector2d first = way.first.head<2>().stableNormalized(),  // a square of places may be zero
+        last = way.last.head<2>().stableNormalized();
+    const double angle = std::atan2(first[0] * last[1] - first[1] * last[0], first.dot(last));
     return angle + pi * std::round((larmor(way) - angle) / pi);
   };
   return of_way(c, "solenoid", [=](const Way& way) -> std::vector<Figure> {

@@ -564,6 +564,53 @@ TEST_CASE("an observable that is NaN somewhere on the orbit is refused with the 
   }
 }
 
+TEST_CASE("no error is said to be less than what the rounding of a state makes of the observable") {
+  // H = ((q - X)² + p²)/2 from (X + 1/2, 1/4).
+  const auto search = [](auto far, double T, const auto& observable, std::vector<double> targets) {
+    using Scalar = decltype(far);
+    const auto H = make_hamiltonian<Scalar, 1>(
+        [=](const auto& q, const auto& p) { return ((q[0] - far) * (q[0] - far) + p[0] * p[0]) / 2; },
+        [=](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+          dHdq[0] = q[0] - far;
+          dHdp[0] = p[0];
+        });
+    const PhasePoint<Scalar, 1> start(far + Scalar(0.5), Scalar(0.25));
+    const auto cost =
+        cost_of_accuracy(H, start, T, {.observable = observable, .targets = std::move(targets)});
+    double worst = 0;
+    for (const double target : cost.targets)
+      if (const auto advice = cost.cheapest(target)) {
+        double off = 0;
+        auto z = start;
+        cost.run(z, *advice, [&](double t, const auto& state) {
+          const long double exact = far + 0.5L * std::cos(static_cast<long double>(t)) +
+                                    0.25L * std::sin(static_cast<long double>(t));
+          off = std::max(off, static_cast<double>(std::abs(state.q()[0] - exact)));
+        });
+        worst = std::max(worst, off / cost.unit / target);
+      } else {
+        CHECK(cost.reach(target) == Reach::rounding);
+      }
+    CHECK(cost.cheapest(1e-2).has_value());
+    CHECK_FALSE(cost.cheapest(1e-11).has_value());
+    CHECK(worst < 2);
+  };
+  const double T = GENERATE(0.1, 0.5, 1.0, 2.0);
+  CAPTURE(T);
+  const std::vector<double> targets{1e-2, 1e-4, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11};
+  for (const double far : {1e7, 1e8, 1e9})
+    search(
+        far, T, [=](const auto& q, const auto&) { return q[0] - far; }, targets);
+  // A vector whose size stays the same.
+  const auto on_circle = [](const auto& q, const auto&) {
+    return Eigen::Vector2d(std::cos(q[0]), std::sin(q[0]));
+  };
+  search(1e8, T, on_circle, targets);
+  for (const float far : {16.0F, 256.0F})
+    search(
+        far, T, [=](const auto& q, const auto&) { return q[0] - far; }, targets);
+}
+
 TEST_CASE("the table does not depend on the locale") {
   const CostTable cost =
       cost_of_accuracy(systems::Product<double>(), PhasePoint<double, 1>(-3, 0), 10, {.targets = {1e-6}});

@@ -374,4 +374,23 @@ TEST_CASE("A hessian_times that is no derivative of the gradient is refused", "[
   CHECK(refuses(start, "hessian_times"));
 }
 
+TEST_CASE("Tangent vectors of another number or size than was asked for are refused", "[chaos]") {
+  const auto h =
+      from_energy(2, [](const auto& q, const auto& p) { return (q.squaredNorm() + p.squaredNorm()) / 2; });
+  PhasePoint<double, Eigen::Dynamic> z(2);
+  z.q() << 1, 2;
+  for (const Eigen::Index columns : {1, 3, 4}) {
+    TangentVectors tangents(Semiexplicit(h, schemes::strang()), 2);
+    tangents.vectors() = Eigen::MatrixXd::Identity(4, columns);
+    CHECK(refuses([&] { tangents.advance(z, 0.1); },
+                  "has been given 4 rows and " + std::to_string(columns) + " columns"));
+  }
+  TangentVectors tangents(Semiexplicit(h, schemes::strang()), 2);
+  tangents.vectors() = Eigen::MatrixXd::Identity(6, 2);
+  CHECK(refuses([&] { tangents.advance(z, 0.1); }, "has been given 6 rows"));
+  tangents.vectors() = Eigen::MatrixXd::Identity(4, 2);
+  CHECK(tangents.advance(z, 0.1).ok());
+  CHECK(std::abs(tangents.vectors()(0, 0) - std::cos(0.1)) < 1e-3);
+}
+
 }  // namespace test_tangent_vectors

@@ -61,6 +61,8 @@ endforeach()
 list(JOIN same "|" same)
 prints(fast_charges "runs as many steps as were tried" "--preset solenoid --gamma 338.43 --b0 \"39 mT\" --effects kinetic,solenoid,electric --ez \"13.8 V/m\" --accuracy 1e-11 --cost-by gradients"
   "asked for, (${same})")
+# Squares of such places are zero.
+prints(fast_charges "turns a plane however near to the axis" "--preset solenoid --x 0 --y 1e-300" "turn of the plane[^\n]*: 0.2730035[0-9]*[^\n]*; Larmor[^\n]*: 0.27300352 ")
 # By a method of second order 9.5767e-06, by others and a quarter of the step 9.5704e-06.
 prints(fast_charges "counts the trajectory's error in a wiggle" "--preset undulator --method gauss --stages 1" "wiggle, m: 9.5[78][0-9]*e-06 ± ([6-9]e-09|[1-5]e-08); ")
 

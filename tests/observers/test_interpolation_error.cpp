@@ -210,4 +210,20 @@ TEST_CASE("The error of interpolation goes on with a resumed run", "[interpolati
   CHECK(run(100, true) == whole);
 }
 
+TEST_CASE("A state of dynamic size becomes what is interpolated, whatever size it had") {
+  const auto H =
+      from_energy(2, [](const auto& q, const auto& p) { return (q.squaredNorm() + p.squaredNorm()) / 2; });
+  PhasePoint<double, Eigen::Dynamic> z(2);
+  z.q() << 1, 2;
+  DenseOutput dense(H);
+  integrate(Semiexplicit(H, schemes::low_defect6_s13()), z, {.dt = 0.1, .steps = 5}, dense);
+  for (const Eigen::Index dof : {0, 1, 2, 3}) {
+    PhasePoint<double, Eigen::Dynamic> at(dof);
+    dense.at(0.25, at);
+    REQUIRE(at.dof() == 2);
+    CHECK(std::abs(at.q()[1] - 2 * std::cos(0.25)) < 1e-7);
+    CHECK(std::abs(at.p()[0] + std::sin(0.25)) < 1e-7);
+  }
+}
+
 }  // namespace test_interpolation_error

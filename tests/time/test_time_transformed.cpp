@@ -335,4 +335,17 @@ TEST_CASE("A driven system is transformed by monitors of its own coordinates", "
   }
 }
 
+TEST_CASE("A transformation of dynamic size works on where it was moved from") {
+  const auto H =
+      from_energy(2, [](const auto& q, const auto& p) { return (q.squaredNorm() + p.squaredNorm()) / 2; });
+  PhasePoint<double, Eigen::Dynamic> z(2);
+  z.q() << 1, 2;
+  TimeTransformed K(H, monitors::Distance{}, H.energy(z.q(), z.p()));
+  auto Z = K.extended(z, 0.0), same = Z;
+  const auto moved = std::move(K);
+  integrate(Semiexplicit(moved, schemes::strang()), Z, {.dt = 0.1, .steps = 2});
+  integrate(Semiexplicit(K, schemes::strang()), same, {.dt = 0.1, .steps = 2});
+  CHECK(same.vector() == Z.vector());
+}
+
 }  // namespace test_time_transformed

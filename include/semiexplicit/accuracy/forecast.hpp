@@ -68,7 +68,8 @@ class Forecast {
     // What rounding has made of it grows in its own way.
     const double known = table_.invariant ? problem_.rounding_of_invariant(dt) * std::sqrt(probe.length / T)
                                           : known_by_reference(probe);
-    if (is_whole(probe)) return probe.error + (table_.invariant ? problem_.judged.noise : known);
+    if (is_whole(probe))
+      return probe.error + (table_.invariant ? problem_.judged.noise : std::max(known, rounding_of_state_));
     const double error = std::max(0.0, probe.error - 2 * known),
                  early = std::max(0.0, probe.early - 2 * known);
     // Only the energy, and of a symplectic method, is kept within bounds.
@@ -184,7 +185,9 @@ class Forecast {
                                                            : least;
     table_.size = reference_.size() / unit;
     table_.reference_error = apart(length) * grown(length, std::clamp(power, least, most_power));
-    table_.rounding = more_rounding * table_.reference_error;
+    rounding_of_state_ =
+        std::max(problem_.rounding_at(problem_.z0), problem_.rounding_at(reference_.state())) / unit;
+    table_.rounding = std::max(more_rounding * table_.reference_error, rounding_of_state_);
     table_.reference_time = length;
   }
 
@@ -246,6 +249,8 @@ class Forecast {
   double varies_ = 1;          ///< how far paces differ along the way
   double suspected_rate_ = 0;  ///< at which neighbouring orbits may part
   double rate_of_size_ = 0;    ///< at which the observable itself grows
+  /// What the rounding of a state makes of the observable, which no run sees where all round to the same.
+  double rounding_of_state_ = 0;
   mutable double looked_from_ = 0, harder_ = 1;
   bool counts_harder_ = false;
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <exception>
 #include <limits>
 #include <stdexcept>
@@ -12,6 +13,7 @@
 #include <semiexplicit/accuracy/cost_options.hpp>
 #include <semiexplicit/accuracy/right_gradient.hpp>
 #include <semiexplicit/core/cold.hpp>
+#include <semiexplicit/core/reference_size.hpp>
 
 namespace semiexplicit::detail {
 
@@ -63,6 +65,22 @@ class Problem {
 
   /// About the size of the terms that the observable at z is a sum of.
   SEMIEXPLICIT_COLD double terms_at(const State& z) const { return static_cast<double>(size_at(z).terms); }
+
+  /// How far the observable at z moves when z is rounded.
+  SEMIEXPLICIT_COLD double rounding_at(const State& z) const {
+    Value value, near;
+    measure(z, value);
+    double farthest = 0;
+    std::uint64_t random = 1;
+    for (int attempt = 0; attempt < 4; ++attempt) {
+      State rounded = z;
+      for (Eigen::Index i = 0; i < z.vector().size(); ++i)
+        rounded.vector()[i] *= Scalar(1 + 2 * epsilon * scattered(random));  // by one to two units
+      measure(rounded, near);
+      if (all_finite(near)) farthest = std::max(farthest, static_cast<double>(norm(near - value)) / 2);
+    }
+    return farthest;
+  }
 
   /// Whether the energy at z is that at z0, up to that part of its terms: where a fast motion that the
   /// observable does not show has become unstable it is nothing like it.

@@ -67,6 +67,7 @@ class Reference {
 
   double rate() const { return rate_; }  ///< gradient calls a unit of time
   const std::vector<Sample<Any>>& samples() const { return samples_; }
+  const auto& state() const { return fine_; }                 ///< where the finer one is
   double size() const { return size_; }                       ///< largest ‖f‖
   double time() const { return static_cast<double>(time_); }  ///< how far both runs went
 

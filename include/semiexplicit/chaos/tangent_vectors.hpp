@@ -52,17 +52,23 @@ class TangentVectors {
   TangentVectors(const Stepper& stepper, Eigen::Index count)
       : step_(checked(stepper), require(count)),
         vectors_(Vectors::Identity(2 * stepper.dof(), count)),
-        scale_(count) {}
+        scale_(count),
+        rows_(vectors_.rows()) {}
 
-  /// To be set before the first step, and read after each; of any length but NaN or Inf.
+  /// To be set before the first step, and read after each; of any length but NaN or Inf, and as many.
   Vectors& vectors() { return vectors_; }
   const Vectors& vectors() const { return vectors_; }
   Eigen::Index count() const { return vectors_.cols(); }
 
   /// The vectors become their images by the derivative of the step of size dt, which may be negative, from z.
   /// They are untouched unless the report is ok(); its evaluations and its correction are those of the
-  /// vectors' own projection.
+  /// vectors' own projection. Throws std::invalid_argument where vectors() has become a matrix of another
+  /// size.
   StepReport advance(const State& z, const Scalar& dt) {
+    if (count() != scale_.size() || (count() > 0 && vectors_.rows() != rows_))
+      throw std::invalid_argument("TangentVectors: vectors() has been given " +
+                                  std::to_string(vectors_.rows()) + " rows and " + std::to_string(count()) +
+                                  " columns; set entries of it, or make it for as many vectors");
     // To a length near one, since one rule judges all, and by powers of two, which rounds nothing.
     for (Eigen::Index j = 0; j < count(); ++j) scale_[j] = to_length_one(j);
     struct Back {  // also where a gradient throws
@@ -135,6 +141,7 @@ class TangentVectors {
   Step step_;
   Vectors vectors_;
   Eigen::Matrix<int, Eigen::Dynamic, 1> scale_;
+  Eigen::Index rows_;
 };
 
 }  // namespace semiexplicit

@@ -230,6 +230,7 @@ class DenseOutput {
     // The weights of the states have the sum 1: differences from state i are added to it, so that late times
     // and other large values are not rounded once a node.
     const State& start = node(i).z;
+    if (z.dof() != start.dof()) z = start;  // of dynamic size
     z.vector().setZero();
     for (std::size_t j = 0; j < size_; ++j) {
       if (!at.used[j]) continue;

@@ -136,10 +136,12 @@ class TimeTransformed
 
   /// Where ∂g/∂q, ∂g/∂p come to lie; the latter stays zero for a g of q alone.
   decltype(auto) work() const {
-    if constexpr (Dof == Eigen::Dynamic)
+    if constexpr (Dof == Eigen::Dynamic) {
+      if (dg_.dof() != dof() - 1) dg_ = Point(dof() - 1);  // it was moved from
       return (dg_);
-    else
+    } else {
       return Point{};
+    }
   }
 
   /// g, and its gradient to dg. NaN where g is not positive, so that a step fails there: it would go back in

@@ -384,6 +384,8 @@ TEST_CASE("Tangent vectors of another number or size than was asked for are refu
     tangents.vectors() = Eigen::MatrixXd::Identity(4, columns);
     CHECK(refuses([&] { tangents.advance(z, 0.1); },
                   "has been given 4 rows and " + std::to_string(columns) + " columns"));
+    CHECK(refuses([&] { tangents.check(z); }, "has been given 4 rows"));
+    CHECK(refuses([&] { tangents.unit_of_momenta(z); }, "has been given 4 rows"));
   }
   TangentVectors tangents(Semiexplicit(h, schemes::strang()), 2);
   tangents.vectors() = Eigen::MatrixXd::Identity(6, 2);

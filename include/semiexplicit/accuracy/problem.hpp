@@ -66,7 +66,7 @@ class Problem {
   /// About the size of the terms that the observable at z is a sum of.
   SEMIEXPLICIT_COLD double terms_at(const State& z) const { return static_cast<double>(size_at(z).terms); }
 
-  /// How far the observable at z moves when z is rounded.
+  /// How far the observable at z moves when z is rounded: half as far as by one to two units.
   SEMIEXPLICIT_COLD double rounding_at(const State& z) const {
     Value value, near;
     measure(z, value);
@@ -75,7 +75,7 @@ class Problem {
     for (int attempt = 0; attempt < 4; ++attempt) {
       State rounded = z;
       for (Eigen::Index i = 0; i < z.vector().size(); ++i)
-        rounded.vector()[i] *= Scalar(1 + 2 * epsilon * scattered(random));  // by one to two units
+        rounded.vector()[i] *= Scalar(1) + Scalar(2 * epsilon) * static_cast<Scalar>(scattered(random));
       measure(rounded, near);
       if (all_finite(near)) farthest = std::max(farthest, static_cast<double>(norm(near - value)) / 2);
     }

@@ -65,10 +65,7 @@ class TangentVectors {
   /// vectors' own projection. Throws std::invalid_argument where vectors() has become a matrix of another
   /// size.
   StepReport advance(const State& z, const Scalar& dt) {
-    if (count() != scale_.size() || (count() > 0 && vectors_.rows() != rows_))
-      throw std::invalid_argument("TangentVectors: vectors() has been given " +
-                                  std::to_string(vectors_.rows()) + " rows and " + std::to_string(count()) +
-                                  " columns; set entries of it, or make it for as many vectors");
+    require_size();
     // To a length near one, since one rule judges all, and by powers of two, which rounds nothing.
     for (Eigen::Index j = 0; j < count(); ++j) scale_[j] = to_length_one(j);
     struct Back {  // also where a gradient throws
@@ -85,6 +82,7 @@ class TangentVectors {
   /// at z along the first vector, as far as differences of the gradient can tell. Some dozens of gradients,
   /// and memory of its own.
   void check(const State& z) {
+    require_size();
     typename State::Storage v = vectors_.col(0);
     const Scalar length = detail::norm(v);
     if (length > Scalar(0)) step_.second().check(step_.hamiltonian(), z.vector(), v / length);
@@ -92,6 +90,7 @@ class TangentVectors {
 
   /// See HessianProduct::unit_of_momenta(), along the first vector.
   Scalar unit_of_momenta(const State& z) {
+    require_size();
     const typename State::Storage v = vectors_.col(0);
     return step_.second().unit_of_momenta(step_.hamiltonian(), z.vector(), v);
   }
@@ -119,6 +118,13 @@ class TangentVectors {
     if (count < 1)
       throw std::invalid_argument("TangentVectors: " + std::to_string(count) + " vectors; give one or more");
     return count;
+  }
+
+  void require_size() const {
+    if (count() != scale_.size() || (count() > 0 && vectors_.rows() != rows_))
+      throw std::invalid_argument("TangentVectors: vectors() has been given " +
+                                  std::to_string(vectors_.rows()) + " rows and " + std::to_string(count()) +
+                                  " columns; set entries of it, or make it for as many vectors");
   }
 
   void multiply(Eigen::Index j, int power) {

@@ -41,6 +41,7 @@ class Barrier {
       (slope(middle) < 0 ? r : outer) = middle;
     }
     if (!(r > horizon)) return;
+    place_ = r;
     // By this much R is off where E is by one rounding: as the start stays where it is, its mass is off, too.
     // Both cancel beside the start; the rounding of the steps does not. The factors are measured.
     const Wide by_energy = k(r) * (r * r + a_ * a_),
@@ -48,19 +49,19 @@ class Barrier {
                off = std::numeric_limits<double>::epsilon() *
                      (4 * std::abs(by_energy - by_mass) + (std::abs(by_energy) + std::abs(by_mass)) / 10);
     // The motion past the barrier takes as many turns as the logarithm of its height.
-    const Wide bend = (6 * c4 * r + 3 * c3) * r + c2, least = radial(r), height = std::abs(least),
+    const Wide bend = (6 * c4 * r + 3 * c3) * r + c2, height = std::abs(radial(r)),
                turning = std::copysign(std::sqrt(L_ * L_ + std::max(Wide(0), Q_)), L_) - a_ * E_ +
                          a_ * k(r) / delta(r);
     in_turns_ = std::abs(turning) / (std::numbers::pi_v<Wide> * std::sqrt(bend)) * off / (2 * height);
     in_nearest_ = off / (2 * std::sqrt(bend * height));
-    turns_back_ = least < 0;
   }
 
   /// R(r), for the mass that the start has: a body moves where it is positive.
   Wide radial(Wide r) const {
     return k(r) * k(r) - delta(r) * (mass2_ * r * r + std::pow(L_ - a_ * E_, 2) + Q_);
   }
-  bool turns_back() const { return turns_back_; }                        ///< a body that comes from outside
+  /// Whether a body that comes from there, which may be beneath, turns back.
+  bool turns_back(double from) const { return place_ > 0 && place_ < from && radial(place_) < 0; }
   double by_rounding_in_turns() const { return double(in_turns_); }      ///< of an orbit
   double by_rounding_in_nearest() const { return double(in_nearest_); }  ///< r
   /// How often it turns, or that it falls.
@@ -71,8 +72,8 @@ class Barrier {
   Wide delta(Wide r) const { return r * r - 2 * M_ * r + a_ * a_; }
 
   Wide M_, a_, E_, L_, Q_, mass2_ = 1;
+  Wide place_ = 0;  // of the minimum; 0 where there is none
   Wide in_turns_ = 0, in_nearest_ = 0;
-  bool turns_back_ = false;
 };
 
 }  // namespace examples

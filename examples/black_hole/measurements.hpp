@@ -151,7 +151,7 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
     if (!(s.last_r_momentum < 0) || !(s.last_r > 0)) return "";
     const double horizon = outer_horizon(hole), farthest = s.distance.value();
     const Barrier barrier(hole, s.start, s.energy, s.momentum, s.carter);
-    if (barrier.turns_back() && !barrier.rounding_decides()) return "";
+    if (barrier.turns_back(farthest) && !barrier.rounding_decides()) return "";
     for (int i = 1; i < 10'000; ++i) {
       const double r = 1 / (1 / horizon + (1 / farthest - 1 / horizon) * i / 10'000);
       if (!(barrier.radial(r) > 0)) return "";

@@ -40,12 +40,12 @@ class Forecast {
       if (!reference_.go(length, enough)) return false;
       table_.invariant = reference_.is_constant();
       problem_.judge_by_first();
-      if (table_.invariant) {
-        note_rounding();
-        table_.rounding = std::max(problem_.rounding_of_invariant(table_.time_scale), rounding_of_state_);
-      } else {
+      by_rounding_ = std::max({problem_.rounding_at(problem_.z0), problem_.rounding_at(reference_.state()),
+                               problem_.epsilon * reference_.size()});
+      if (table_.invariant)
+        table_.rounding = std::max(problem_.rounding_of_invariant(table_.time_scale), least_error());
+      else
         judge_reference(length);
-      }
     }
     return true;
   }
@@ -64,18 +64,18 @@ class Forecast {
     return followed;
   }
 
-  /// What the rounding of a state, or its own, makes of the observable, which no run sees where all round to
-  /// the same; 0 of the energy.
-  double rounding_of_state() const { return rounding_of_state_; }
-
+  /// The error of a run of the whole.
+  double error_of_whole(const Probe& probe) const {
+    return probe.error +
+           std::max(table_.invariant ? problem_.judged.noise : known_by_reference(probe), least_error());
+  }
   /// The error at T that a trial by steps of dt stands for.
   SEMIEXPLICIT_COLD double error_of(const Candidate& candidate, const Probe& probe, double dt) const {
+    if (is_whole(probe)) return error_of_whole(probe);
     const double T = table_.time;
     // What rounding has made of it grows in its own way.
     const double known = table_.invariant ? problem_.rounding_of_invariant(dt) * std::sqrt(probe.length / T)
                                           : known_by_reference(probe);
-    if (is_whole(probe))
-      return probe.error + std::max(table_.invariant ? problem_.judged.noise : known, rounding_of_state_);
     const double error = std::max(0.0, probe.error - 2 * known),
                  early = std::max(0.0, probe.early - 2 * known);
     // Only the energy, and of a symplectic method, is kept within bounds.
@@ -146,6 +146,8 @@ class Forecast {
   double tightest() const { return *std::min_element(table_.targets.begin(), table_.targets.end()); }
 
   bool is_whole(const Probe& probe) const { return !(probe.length < table_.time * (1 - 1e-12)); }
+  /// What rounding makes of the observable and no run sees, as all round to the same; 0 of the energy.
+  double least_error() const { return by_rounding_ / table_.unit; }
   /// How well the reference knows the observable until there, in the unit of errors.
   double known_by_reference(const Probe& probe) const { return reference_.apart(probe.length) / table_.unit; }
 
@@ -191,15 +193,8 @@ class Forecast {
                                                            : least;
     table_.size = reference_.size() / unit;
     table_.reference_error = apart(length) * grown(length, std::clamp(power, least, most_power));
-    note_rounding();
-    table_.rounding = std::max(more_rounding * table_.reference_error, rounding_of_state_);
+    table_.rounding = std::max(more_rounding * table_.reference_error, least_error());
     table_.reference_time = length;
-  }
-
-  SEMIEXPLICIT_COLD void note_rounding() {
-    const double by_state =
-        std::max(problem_.rounding_at(problem_.z0), problem_.rounding_at(reference_.state()));
-    rounding_of_state_ = std::max(by_state, problem_.epsilon * reference_.size()) / table_.unit;
   }
 
   /// ‖f‖ up to T, of which the coarse run knows more, but by no more than the reference lets expect: it may
@@ -257,10 +252,10 @@ class Forecast {
   const Scout<Any>& scout_;
   Reference<Any> reference_;
   Neighbour<Any> neighbour_;
-  double varies_ = 1;             ///< how far paces differ along the way
-  double suspected_rate_ = 0;     ///< at which neighbouring orbits may part
-  double rate_of_size_ = 0;       ///< at which the observable itself grows
-  double rounding_of_state_ = 0;  ///< see rounding_of_state()
+  double varies_ = 1;          ///< how far paces differ along the way
+  double suspected_rate_ = 0;  ///< at which neighbouring orbits may part
+  double rate_of_size_ = 0;    ///< at which the observable itself grows
+  double by_rounding_ = 0;     ///< see least_error(); in the unit of the observable
   mutable double looked_from_ = 0, harder_ = 1;
   bool counts_harder_ = false;
 };

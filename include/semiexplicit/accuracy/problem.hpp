@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <exception>
 #include <limits>
 #include <stdexcept>
@@ -68,18 +67,13 @@ class Problem {
 
   /// How far the observable at z moves when z is rounded: half as far as by one to two units.
   SEMIEXPLICIT_COLD double rounding_at(const State& z) const {
-    Value value, near;
+    Value value, moved;
     measure(z, value);
-    double farthest = 0;
-    std::uint64_t random = 1;
-    for (int attempt = 0; attempt < 4; ++attempt) {
-      State rounded = z;
-      for (Eigen::Index i = 0; i < z.vector().size(); ++i)
-        rounded.vector()[i] *= Scalar(1) + Scalar(2 * epsilon) * static_cast<Scalar>(scattered(random));
-      measure(rounded, near);
-      if (all_finite(near)) farthest = std::max(farthest, static_cast<double>(norm(near - value)) / 2);
-    }
-    return farthest;
+    const auto distance = [&](const State& near) {
+      measure(near, moved);
+      return Scalar(norm(moved - value));
+    };
+    return static_cast<double>(largest_beside(z, Scalar(2 * epsilon), distance)) / 2;
   }
 
   /// Whether the energy at z is that at z0, up to that part of its terms: where a fast motion that the

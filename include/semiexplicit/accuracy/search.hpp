@@ -592,7 +592,7 @@ class Search {
     row.tried = table_.time, row.harder = 1, row.lasts = !seen.given_up;
     const double gradients = seen.rate * table_.time;
     row.seconds *= gradients / row.gradients, row.gradients = gradients;
-    row.error = seen.error + std::max(problem_.judged.noise, forecast_.rounding_of_state());
+    row.error = forecast_.error_of_whole(seen);
     if (!row.works()) {
       row.error = row.gradients = row.seconds = std::numeric_limits<double>::quiet_NaN();
       row.limit = LimitedBy::failure;

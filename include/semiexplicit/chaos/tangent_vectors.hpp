@@ -52,8 +52,7 @@ class TangentVectors {
   TangentVectors(const Stepper& stepper, Eigen::Index count)
       : step_(checked(stepper), require(count)),
         vectors_(Vectors::Identity(2 * stepper.dof(), count)),
-        scale_(count),
-        rows_(vectors_.rows()) {}
+        scale_(count) {}
 
   /// To be set before the first step, and read after each; of any length but NaN or Inf, and as many.
   Vectors& vectors() { return vectors_; }
@@ -121,7 +120,7 @@ class TangentVectors {
   }
 
   void require_size() const {
-    if (count() != scale_.size() || (count() > 0 && vectors_.rows() != rows_))
+    if (count() != scale_.size() || (count() > 0 && vectors_.rows() != 2 * dof_of(step_.hamiltonian())))
       throw std::invalid_argument("TangentVectors: vectors() has been given " +
                                   std::to_string(vectors_.rows()) + " rows and " + std::to_string(count()) +
                                   " columns; set entries of it, or make it for as many vectors");
@@ -147,7 +146,6 @@ class TangentVectors {
   Step step_;
   Vectors vectors_;
   Eigen::Matrix<int, Eigen::Dynamic, 1> scale_;
-  Eigen::Index rows_;
 };
 
 }  // namespace semiexplicit

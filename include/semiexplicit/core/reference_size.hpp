@@ -24,6 +24,23 @@ inline double scattered(std::uint64_t& state) {
   return (state >> 11) % 2 == 0 ? size : -size;
 }
 
+/// The largest finite distance(near) of four points `near` z, in which each entry is changed by about that
+/// part of it.
+template <class Scalar, int Dof, class F>
+Scalar largest_beside(const PhasePoint<Scalar, Dof>& z, const Scalar& change, const F& distance) {
+  using std::isfinite;
+  Scalar largest(0);
+  std::uint64_t random = 1;
+  for (int attempt = 0; attempt < 4; ++attempt) {
+    PhasePoint<Scalar, Dof> near = z;
+    for (Eigen::Index i = 0; i < near.vector().size(); ++i)
+      near.vector()[i] *= Scalar(1) + change * static_cast<Scalar>(scattered(random));
+    const Scalar here = distance(near);
+    if (isfinite(here)) largest = std::max(largest, here);
+  }
+  return largest;
+}
+
 /// The size that an error of f at z = (q, p), where it is `value`, is relative to. The terms' size is how far
 /// f moves when all entries of z change by a small factor: four values of f, whatever the dimension.
 template <class Scalar, int Dof, class F>
@@ -34,14 +51,8 @@ ReferenceSize<Scalar> reference_size(const F& f, const Scalar& value, const Phas
   const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon(), change = sqrt(epsilon);
   ReferenceSize<Scalar> result;
   if (!isfinite(value)) return result;
-  std::uint64_t random = 1;
-  for (int attempt = 0; attempt < 4; ++attempt) {
-    PhasePoint<Scalar, Dof> near = z;
-    for (Eigen::Index i = 0; i < near.vector().size(); ++i)
-      near.vector()[i] *= Scalar(1) + change * static_cast<Scalar>(scattered(random));
-    const Scalar terms = abs(f(near.q(), near.p()) - value) / change;
-    if (isfinite(terms)) result.terms = std::max(result.terms, terms);
-  }
+  result.terms = largest_beside(
+      z, change, [&](const auto& near) { return Scalar(abs(f(near.q(), near.p()) - value) / change); });
   result.relative = abs(value) > 100 * epsilon * result.terms;
   if (result.relative) result.size = abs(value);
   return result;

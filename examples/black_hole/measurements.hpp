@@ -35,8 +35,7 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
     Largest closeness, distance, highest;
     Crossing<2> crossing;  // of -p_r, and phi
     double last_r = 0, last_r_momentum = 0, last_theta = 0, last_phi = 0, first = 0, latest = 0, open = 0,
-           turn = 0,
-           tilt = 0;  // the largest of a step, in theta
+           turn = 0, tilt = 0;  // the largest of a step, in phi and in theta
     std::int64_t rows = 0, apoapsides = 0;
     bool over_a_pole = false;
     void visit_memory(CheckpointMemory& visit) {
@@ -104,6 +103,10 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
     std::vector<Figure> list{{"nearest r", nearest, s.closeness.uncertain()},
                              {"farthest r", farthest, s.distance.uncertain()},
                              {"degrees off the equator", highest, open}};
+    // A companion may be off by as much then.
+    const std::string jumps = "a step jumps through the horizon; give a smaller --dt, or " + another,
+                      coarse = nearest <= outer_horizon(hole) ? jumps : too_coarse(std::max(s.turn, s.tilt));
+    for (Figure& figure : list) figure.missing = coarse;
     // The force of L²/sin²θ beside a pole is then that of chance, of the companion's steps as well.
     if (s.momentum != 0 && 4 * std::abs(s.momentum) < s.tilt * std::sqrt(std::max(0.0, s.carter)))
       for (std::size_t i = 0; i < 2; ++i)
@@ -111,7 +114,7 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
             "the orbit passes the poles by less than a step; give a smaller --dt, or another --l";
     Figure turns{.name = "turns from apoapsis to apoapsis"};
     turns.missing =
-        nearest <= outer_horizon(hole) ? "the body has fallen through the horizon"
+        !coarse.empty() ? coarse
         : s.over_a_pole
             ? "the orbit goes over a pole, where phi does not count the half turns; give another --l"
         : farthest - nearest < 1e-6 * farthest

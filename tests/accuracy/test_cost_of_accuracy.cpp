@@ -613,6 +613,40 @@ TEST_CASE("no error is said to be less than what the rounding of a state makes o
         far, T, [=](const auto& q, const auto&) { return q[0] - far; }, targets);
 }
 
+TEST_CASE("no error is said to be less than what the rounding of a state makes of the motion") {
+  // H = ((q - X)² + p²)/2 from (X, p0), where q moves by a tenth of a rounding of X.
+  const auto search = [](auto far, double T) {
+    using Scalar = decltype(far);
+    const auto H = make_hamiltonian<Scalar, 1>(
+        [=](const auto& q, const auto& p) { return ((q[0] - far) * (q[0] - far) + p[0] * p[0]) / 2; },
+        [=](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+          dHdq[0] = q[0] - far;
+          dHdp[0] = p[0];
+        });
+    const PhasePoint<Scalar, 1> start(far, far * Eigen::NumTraits<Scalar>::epsilon() / Scalar(10 * T));
+    const auto momentum = [](const auto&, const auto& p) { return p[0]; };
+    for (const bool whole : {false, true}) {
+      const auto cost = cost_of_accuracy(
+          H, start, T, {.observable = momentum, .targets = {0.9, 1e-2, 1e-4, 1e-6, 1e-8}, .whole = whole});
+      for (const double target : cost.targets)
+        if (const auto advice = cost.cheapest(target)) {
+          auto z = start;
+          cost.run(z, *advice);
+          const double right = start.p()[0] * std::cos(T);
+          CHECK(std::abs(z.p()[0] - right) / cost.unit < 2 * target);
+        } else {
+          CHECK(cost.reach(target) == Reach::rounding);
+        }
+      CHECK(cost.cheapest(0.9).has_value());
+      CHECK_FALSE(cost.cheapest(1e-8).has_value());
+    }
+  };
+  const double T = GENERATE(1e-3, 1e-2, 0.1, 0.25);
+  CAPTURE(T);
+  search(149597870700.0, T);
+  search(6.4e6F, T);
+}
+
 TEST_CASE("the table does not depend on the locale") {
   const CostTable cost =
       cost_of_accuracy(systems::Product<double>(), PhasePoint<double, 1>(-3, 0), 10, {.targets = {1e-6}});

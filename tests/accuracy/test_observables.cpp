@@ -5,6 +5,7 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <semiexplicit/accuracy.hpp>
@@ -464,6 +465,57 @@ TEST_CASE("advice on a chaotic trajectory is of runs to the end, also beside tar
                {.observable = [](const auto& q, const auto&) { return 3 + q[0]; },
                 .targets = {1e-2, 2.6e-3, 7e-10, 4e-11}},
                [](const auto& z) { return Eigen::VectorXd::Constant(1, 3 + z.q()[0]); });
+}
+
+TEST_CASE("the end of the first step counts where an observable is the largest at the start", "[long]") {
+  // A flyby from its periapsis on, in a frame that turns.
+  constexpr double near = 0.5, speed = 2.5;
+  const auto h = from_energy<2>([](const auto& q, const auto& p) {
+    return (p[0] * p[0] + p[1] * p[1]) / 2 - 1 / sqrt(q[0] * q[0] + q[1] * q[1]) -
+           (q[0] * p[1] - q[1] * p[0]);
+  });
+  const auto distance = [](double t) {  // by Kepler's equation, e sinh F - F = M
+    const double e = near * speed * speed - 1, a = near / (e - 1), M = t / std::sqrt(a * a * a);
+    double F = std::asinh(M / e);
+    for (int i = 0; i < 60; ++i) F -= (e * std::sinh(F) - F - M) / (e * std::cosh(F) - 1);
+    return a * (e * std::cosh(F) - 1);
+  };
+  const PhasePoint<double, 2> start({near, 0}, {0, speed});
+  const auto [T, target] = GENERATE(std::pair(500.0, 1e-8), std::pair(200.0, 1e-6), std::pair(50.0, 1e-6));
+  CAPTURE(T, target);
+  const auto force = [](const auto& q, const auto&) { return 1 / q.squaredNorm(); };
+  const auto cost = cost_of_accuracy(h, start, T, {.observable = force, .targets = {target}});
+  const auto advice = cost.cheapest(target);
+  REQUIRE(advice);
+  double off = 0;
+  auto z = start;
+  cost.run(z, *advice, [&](double t, const auto& state) {
+    const double r = distance(t);
+    off = std::max(off, std::abs(1 / state.q().squaredNorm() - 1 / (r * r)));
+  });
+  CHECK(off / cost.unit < 2 * target);
+}
+
+TEST_CASE("the beginning of a long run is seen as closely as the rest", "[long]") {
+  // A rotor whose inertia changes with its angle: it winds, and the observable is the largest at the start.
+  const auto h = from_energy<1>([](const auto& q, const auto& p) {
+    return p[0] * p[0] / (2 * (1 + 0.7 * cos(q[0]))) - 1.5 * cos(q[0]);
+  });
+  const PhasePoint<double, 1> start(2.5, 5);
+  const auto f = [](const auto& q, const auto&) { return 1 / (1 + q[0] * q[0]); };
+  const double T = 30, target = 1e-6;
+  const auto cost = cost_of_accuracy(h, start, T, {.observable = f, .targets = {target}, .whole = true});
+  const auto advice = cost.cheapest(target);
+  REQUIRE(advice);
+  double off = 0, now = 0;
+  auto z = start, right = start;
+  GaussLegendre tight(h, {.stages = 8});
+  cost.run(z, *advice, [&](double t, const auto& state) {
+    if (t > now) REQUIRE(integrate(tight, right, {.dt = (t - now) / 4, .steps = 4}).ok());
+    now = t;
+    off = std::max(off, std::abs(f(state.q(), 0) - f(right.q(), 0)));
+  });
+  CHECK(off / cost.unit < 2 * target);
 }
 
 TEST_CASE("what was given up for a tight target is no advice for a loose one") {

@@ -27,6 +27,7 @@ class Reference {
       : problem_(problem),
         scout_(scout),
         pacer_(problem),
+        first_step_(pacer_.next()),
         by_two_(problem, method),
         by_three_(problem, method) {
     restart();
@@ -123,9 +124,9 @@ class Reference {
   }
 
   /// Where the pair of runs is, and what it has seen.
-  using Runs = std::tuple<typename Any::State, typename Any::State, Time, Time, double, double,
+  using Runs = std::tuple<typename Any::State, typename Any::State, Time, Time, double, double, double,
                           std::vector<Sample<Any>>>;
-  auto runs() { return std::tie(coarse_, fine_, time_, carry_, size_, rate_, samples_); }
+  auto runs() { return std::tie(coarse_, fine_, time_, carry_, size_, rate_, spacing_, samples_); }
 
   /// Whether both runs are apart by no more than that. Where a force jumps next to a time at which both begin
   /// a step they are so, and both are wrong, at one jump of a hundred: where two more are cheap beside the
@@ -180,11 +181,15 @@ class Reference {
 
   SEMIEXPLICIT_COLD bool follow(double length) {
     const double from = time(), begin = problem_.table.spent_gradients;
+    // At times in step with no period, and after as much of the motion, too.
+    const double most_steps = steps_between_samples(length, (length - from) / scout_.mean_step()),
+                 spacing = std::min(most_steps * scout_.mean_step(), (length - from) / count);
     // Those of before become as few as the new ones.
-    const std::size_t keep =
-        from > 0 ? static_cast<std::size_t>(std::max(1.0, std::round((length - from) / from))) : 1;
+    const auto keep = static_cast<std::size_t>(from > 0 ? std::max(1.0, std::round(spacing / spacing_)) : 1);
     std::size_t seen = 0;
-    std::erase_if(samples_, [&](const auto& sample) { return !sample.flash && ++seen % keep != 0; });
+    std::erase_if(samples_,
+                  [&](const auto& sample) { return !sample.flash && !sample.opening && ++seen % keep != 0; });
+    spacing_ = spacing;
     const auto flashes = scout_.flashes(from, length);
     // A part of the flash that goes on at t, or begins or ended right there; infinite where there is none.
     const auto part_of_flash = [&](double t) {
@@ -197,8 +202,6 @@ class Reference {
     const auto [hardest, varies] = scout_.paces();
     hardest_ = hardest, varies_ = varies > far_easier;
     Value coarse, fine;
-    // At times in step with no period, and after as much of the motion, too.
-    const double most_steps = steps_between_samples(length, (length - from) / scout_.mean_step());
     double steps = 0;
     int next = 1;
     for (double planned = 0; time_ < length;) {
@@ -207,21 +210,24 @@ class Reference {
         planned = from + (next - 0.3 * std::fmod(0.618034 * next, 1.0)) / count * (length - from);
       const double part = part_of_flash(time());
       const double local = local_step();
-      if (!step(length, local, std::min({part, most_steps * local, (length - from) / least_count})))
-        return false;
+      double most = std::min({part, most_steps * local, (length - from) / least_count});
+      // Its first steps are too short to tell the scout how hard the motion is there.
+      if (from == 0 && !varies_) most = std::min(most, std::max(first_step_, time() / 2));
+      if (!step(length, local, most)) return false;
       problem_.measure(fine_, fine);
       if (!all_finite(fine)) {
         problem_.table.observable_end = time();
         return false;
       }
-      const bool flash = std::isfinite(part);
+      const bool flash = std::isfinite(part),
+                 opens = from == 0 && time_ >= 1.5 * (samples_.empty() ? 0 : samples_.back().t);
       const bool is_planned = time_ >= std::min(planned, length);
       steps += (time() - before) / (varies_ ? local : scout_.mean_step());
-      if (!flash && !is_planned && steps < most_steps) continue;
-      if (!flash) steps = 0;
+      if (!flash && !opens && !is_planned && steps < most_steps) continue;
+      if (!flash && !opens) steps = 0;
       problem_.measure(coarse_, coarse);
       const double terms = is_planned || flash ? problem_.terms_at(fine_) : 0;
-      samples_.push_back({time_, fine, static_cast<double>(norm(coarse - fine)), terms, flash});
+      samples_.push_back({time_, fine, static_cast<double>(norm(coarse - fine)), terms, flash, opens});
       size_ = std::max(size_, static_cast<double>(norm(fine)));
     }
     rate_ = (problem_.table.spent_gradients - begin) / (length - from);
@@ -267,11 +273,13 @@ class Reference {
   Problem<Any>& problem_;
   const Scout<Any>& scout_;
   Pacer<Any> pacer_;
+  double first_step_;  ///< by the motion at z0
   Walker<Any> by_two_, by_three_;
   typename Any::State coarse_{}, fine_{};
   std::vector<Sample<Any>> samples_{};
   Time time_ = 0, carry_ = 0;  ///< and what rounding has left out of it
   double rate_ = 0, size_ = 0;
+  double spacing_ = 0;                ///< of samples, in time
   double share_ = 0.4, hardest_ = 0;  ///< of the scout's steps, and the shortest of them
   bool varies_ = false;               ///< there are far longer ones
   bool halving_failed_ = false;

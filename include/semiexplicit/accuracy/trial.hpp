@@ -124,6 +124,7 @@ struct Sample {
   double apart;  ///< how far the two runs of the reference differ there
   double terms;  ///< about the size of what it is a sum of
   bool flash;    ///< one of those times at which errors are far larger than usual
+  bool opening;  ///< one more at the start, where no step has told how far apart they may be
 };
 
 /// By how much the mean of something moves from the first half of a time to the second. Weights that rise and
@@ -180,6 +181,8 @@ SEMIEXPLICIT_COLD Probe try_setting(Problem<Any>& problem, const Setting& settin
   DriftOfMean<typename Problem<Any>::Value> drift;
   Time t = 0;
   while (t < length * (1 - 1e-12) && walker.step_on(z, t, dt, probe)) {
+    if (probe.length == 0)  // far within the first step they tell nothing of this setting
+      while (next != samples.end() && next->opening && next->t < t / 2) ++next;
     probe.length = static_cast<double>(t);
     if (samples.empty()) {
       if (!note(t, z, problem.first)) break;

@@ -73,7 +73,7 @@ class Problem {
     const auto h = static_cast<Scalar>(std::min(table.time, table.time_scale));
     Value value, ahead, moved;
     measure(z, value);
-    const bool goes_on = measure_after(h, z, ahead);
+    const bool goes_on = left() >= 5 * calls_ahead && measure_after(h, z, ahead);
     const auto distance = [&](const State& near) {
       measure(near, moved);
       const Scalar at_once = norm(moved - value);
@@ -141,6 +141,8 @@ class Problem {
   double limit;  ///< on gradient calls, at present
 
  private:
+  static constexpr double calls_ahead = 4;  ///< for gradients, of measure_after()
+
   /// The observable a step of Runge and Kutta's method behind z. False: that is outside of the domain.
   SEMIEXPLICIT_COLD bool measure_after(const Scalar& h, const State& z, Value& value) {
     try {

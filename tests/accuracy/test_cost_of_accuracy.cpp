@@ -647,6 +647,42 @@ TEST_CASE("no error is said to be less than what the rounding of a state makes o
   search(6.4e6F, T);
 }
 
+TEST_CASE("no target is lost in rounding because something far faster lies ahead, or is at rest") {
+  const auto rounding = [](const auto& H, const auto& start, double T, const auto& f) {
+    const auto cost = cost_of_accuracy(H, start, T, {.observable = f, .targets = {1e-6, 1e-10}});
+    CHECK(cost.cheapest(1e-10).has_value());
+    return cost.rounding;
+  };
+  const auto momentum = [](const auto&, const auto& p) { return p[0]; };
+  // A ball above a soft floor, which it comes to at 1.4.
+  const auto ball = make_hamiltonian<double, 1>(
+      [](const auto& q, const auto& p) { return p[0] * p[0] / 2 + q[0] + std::exp(-40 * q[0]); },
+      [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+        dHdq[0] = 1 - 40 * std::exp(-40 * q[0]);
+        dHdp[0] = p[0];
+      });
+  CHECK(rounding(ball, PhasePoint<double, 1>(1, 0), 1.2, momentum) < 1e-13);
+  // Two atoms on a stiff spring that fall, by their centre and their distance, which stays what it is.
+  const auto atoms = make_hamiltonian<double, 2>(
+      [](const auto& q, const auto& p) {
+        return (p[0] * p[0] + p[1] * p[1]) / 2 + q[0] + 5e5 * (q[1] - 1) * (q[1] - 1);
+      },
+      [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+        dHdq[0] = 1;
+        dHdq[1] = 1e6 * (q[1] - 1);
+        dHdp = p;
+      });
+  CHECK(rounding(atoms, PhasePoint<double, 2>({10, 1}, {-1, 0}), 1.0, momentum) < 1e-13);
+  // From the apoapsis of an ellipse, e = 0.999, to its periapsis.
+  const Kepler kepler;
+  const PhasePoint<double, 2> apoapsis({1.999, 0}, {0, std::sqrt(0.001 / 1.999)});
+  const auto eccentricity = [](const auto& q, const auto& p) {
+    const double l = q[0] * p[1] - q[1] * p[0];
+    return Eigen::Vector2d(p[1] * l - q[0] / q.norm(), -p[0] * l - q[1] / q.norm());
+  };
+  CHECK(rounding(kepler, apoapsis, std::acos(-1.0), eccentricity) < 1e-13);
+}
+
 TEST_CASE("the table does not depend on the locale") {
   const CostTable cost =
       cost_of_accuracy(systems::Product<double>(), PhasePoint<double, 1>(-3, 0), 10, {.targets = {1e-6}});

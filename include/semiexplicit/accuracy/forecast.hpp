@@ -41,7 +41,7 @@ class Forecast {
       table_.invariant = reference_.is_constant();
       problem_.judge_by_first();
       by_rounding_ = std::max({problem_.rounding_at(problem_.z0), problem_.rounding_at(reference_.state()),
-                               problem_.epsilon * reference_.size()});
+                               reference_.rounding_by_motion(), problem_.epsilon * reference_.size()});
       if (table_.invariant)
         table_.rounding = std::max(problem_.rounding_of_invariant(table_.time_scale), least_error());
       else

@@ -7,7 +7,6 @@
 #include <stdexcept>
 #include <string>
 #include <type_traits>
-#include <utility>
 
 #include <semiexplicit/accuracy/any_hamiltonian.hpp>
 #include <semiexplicit/accuracy/cost_options.hpp>
@@ -66,19 +65,13 @@ class Problem {
   /// About the size of the terms that the observable at z is a sum of.
   SEMIEXPLICIT_COLD double terms_at(const State& z) const { return static_cast<double>(size_at(z).terms); }
 
-  /// How far the observable at z moves when z is rounded: half as far as by one to two units, at once or
-  /// after a time in which the motion changes. Where z moves by less than a rounding, that is all a run knows
-  /// of it.
-  SEMIEXPLICIT_COLD double rounding_at(const State& z) {
-    const auto h = static_cast<Scalar>(std::min(table.time, table.time_scale));
-    Value value, ahead, moved;
+  /// How far the observable at z moves when z is rounded: half as far as by one to two units.
+  SEMIEXPLICIT_COLD double rounding_at(const State& z) const {
+    Value value, moved;
     measure(z, value);
-    const bool goes_on = left() >= 5 * calls_ahead && measure_after(h, z, ahead);
     const auto distance = [&](const State& near) {
       measure(near, moved);
-      const Scalar at_once = norm(moved - value);
-      return goes_on && measure_after(h, near, moved) ? std::max(at_once, Scalar(norm(moved - ahead)))
-                                                      : at_once;
+      return Scalar(norm(moved - value));
     };
     return static_cast<double>(largest_beside(z, Scalar(2 * epsilon), distance)) / 2;
   }
@@ -130,7 +123,7 @@ class Problem {
   static constexpr double epsilon = static_cast<double>(Eigen::NumTraits<Scalar>::epsilon());
 
   Any hamiltonian;
-  State z0;
+  State z0, first_velocity{};  ///< of the motion at z0
   Options options;
   CostTable table{};
   Value first{};  ///< the observable at z0
@@ -141,23 +134,6 @@ class Problem {
   double limit;  ///< on gradient calls, at present
 
  private:
-  static constexpr double calls_ahead = 4;  ///< for gradients, of measure_after()
-
-  /// The observable a step of Runge and Kutta's method behind z. False: that is outside of the domain.
-  SEMIEXPLICIT_COLD bool measure_after(const Scalar& h, const State& z, Value& value) {
-    try {
-      State at = z, sum = z;
-      for (const auto& [weight, next] : {std::pair{6, 2}, {3, 2}, {3, 1}, {6, 1}}) {
-        const State velocity = velocity_at(at);
-        sum.vector() += h / Scalar(weight) * velocity.vector();
-        at.vector() = z.vector() + h / Scalar(next) * velocity.vector();
-      }
-      measure(sum, value);
-      return all_finite(value);
-    } catch (const std::exception&) {
-      return false;
-    }
-  }
   /// The vector field at z, for a gradient call.
   SEMIEXPLICIT_COLD State velocity_at(const State& z) {
     State velocity(z.dof());
@@ -171,8 +147,8 @@ class Problem {
   /// ‖X‖/‖dX/dt‖ at z0, by an explicit Euler step that is just long enough to change X visibly. (‖z‖/‖X‖ says
   /// nothing near the origin, or far from it.)
   SEMIEXPLICIT_COLD void find_time_scale() {
-    const State velocity = velocity_at(z0);
-    const double speed = static_cast<double>(norm(velocity.vector()));
+    first_velocity = velocity_at(z0);
+    const double speed = static_cast<double>(norm(first_velocity.vector()));
     if (!std::isfinite(speed))
       throw std::invalid_argument(
           "cost_of_accuracy: the gradient at z0 is NaN or Inf; give another initial state");
@@ -185,8 +161,8 @@ class Problem {
     if (!(h > 0)) h = visible * table.time * 1e-3;
     const auto change_after = [&](double time) {
       State moved = z0;
-      moved.vector() += Scalar(time) * velocity.vector();
-      return static_cast<double>(norm(velocity_at(moved).vector() - velocity.vector()));
+      moved.vector() += Scalar(time) * first_velocity.vector();
+      return static_cast<double>(norm(velocity_at(moved).vector() - first_velocity.vector()));
     };
     try {
       for (; h < table.time; h *= 10) {

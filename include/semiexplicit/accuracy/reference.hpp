@@ -10,6 +10,7 @@
 
 #include <semiexplicit/accuracy/scout.hpp>
 #include <semiexplicit/core/cold.hpp>
+#include <semiexplicit/core/reference_size.hpp>
 #include <semiexplicit/core/two_sum.hpp>
 
 namespace semiexplicit::detail {
@@ -104,6 +105,27 @@ class Reference {
     return true;
   }
 
+  /// How far the observable is off a time scale behind z0 when that is rounded, where an entry of z moves by
+  /// few roundings of itself: what depends on that entry is rounded by the motion, in all runs alike. 0
+  /// elsewhere.
+  SEMIEXPLICIT_COLD double rounding_by_motion() {
+    if (!hardly_moves()) return 0;
+    Value value, moved;
+    double h = std::min(problem_.table.time, problem_.table.time_scale);
+    for (int attempt = 0; attempt < 20; ++attempt, h /= 2) {
+      bool works = measure_after(h, problem_.z0, value);
+      const auto distance = [&](const auto& near) {
+        using Scalar = typename Any::Scalar;
+        works = works && measure_after(h, near, moved);
+        return works ? Scalar(norm(moved - value)) : Scalar(0);
+      };
+      const auto change = static_cast<typename Any::Scalar>(2 * Problem<Any>::epsilon);
+      const double off = works ? static_cast<double>(largest_beside(problem_.z0, change, distance)) : 0;
+      if (works) return off / 2;
+    }
+    return 0;
+  }
+
  private:
   SEMIEXPLICIT_COLD double largest_until(double t, double largest, const auto& measure) const {
     for (const auto& sample : samples_)
@@ -145,6 +167,25 @@ class Reference {
     stagger_ = usual;
     runs() = made;
     return true;
+  }
+
+  bool hardly_moves() const {
+    using Scalar = typename Any::Scalar;
+    const auto& z0 = problem_.z0.vector();
+    const Scalar few = Scalar(1e4) * Eigen::NumTraits<Scalar>::epsilon();
+    for (Eigen::Index i = 0; i < z0.size(); ++i)
+      if (problem_.first_velocity.vector()[i] != 0 &&
+          std::abs(fine_.vector()[i] - z0[i]) < few * std::abs(z0[i]))
+        return true;
+    return false;
+  }
+  /// The observable a step behind z. False: it fails.
+  SEMIEXPLICIT_COLD bool measure_after(double h, typename Any::State z, Value& value) {
+    Walker<Any> walker(problem_, method);
+    Probe probe;
+    if (!walker.step(z, h, probe)) return false;
+    problem_.measure(z, value);
+    return all_finite(value);
   }
 
   /// Behind the first stretch. Where the runs part by far more than rounding would, in places that are

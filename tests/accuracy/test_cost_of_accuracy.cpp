@@ -614,8 +614,8 @@ TEST_CASE("no error is said to be less than what the rounding of a state makes o
 }
 
 TEST_CASE("no error is said to be less than what the rounding of a state makes of the motion") {
-  // H = ((q - X)² + p²)/2 from (X, p0), where q moves by a tenth of a rounding of X.
-  const auto search = [](auto far, double T) {
+  // H = ((q - X)² + p²)/2 from (X, p0), or from rest, where q moves by less than a rounding of X.
+  const auto search = [](auto far, double T, bool rests) {
     using Scalar = decltype(far);
     const auto H = make_hamiltonian<Scalar, 1>(
         [=](const auto& q, const auto& p) { return ((q[0] - far) * (q[0] - far) + p[0] * p[0]) / 2; },
@@ -623,7 +623,11 @@ TEST_CASE("no error is said to be less than what the rounding of a state makes o
           dHdq[0] = q[0] - far;
           dHdp[0] = p[0];
         });
-    const PhasePoint<Scalar, 1> start(far, far * Eigen::NumTraits<Scalar>::epsilon() / Scalar(10 * T));
+    const Scalar small = far * Eigen::NumTraits<Scalar>::epsilon();
+    const PhasePoint<Scalar, 1> start(rests ? far + 8 * small : far,
+                                      rests ? Scalar(0) : small / Scalar(10 * T));
+    const double displaced = static_cast<double>(start.q()[0] - far),
+                 moving = static_cast<double>(start.p()[0]);
     const auto momentum = [](const auto&, const auto& p) { return p[0]; };
     for (const bool whole : {false, true}) {
       const auto cost = cost_of_accuracy(
@@ -632,8 +636,8 @@ TEST_CASE("no error is said to be less than what the rounding of a state makes o
         if (const auto advice = cost.cheapest(target)) {
           auto z = start;
           cost.run(z, *advice);
-          const double right = start.p()[0] * std::cos(T);
-          CHECK(std::abs(z.p()[0] - right) / cost.unit < 2 * target);
+          const double right = moving * std::cos(T) - displaced * std::sin(T);
+          CHECK(std::abs(static_cast<double>(z.p()[0]) - right) / cost.unit < 2 * target);
         } else {
           CHECK(cost.reach(target) == Reach::rounding);
         }
@@ -643,8 +647,10 @@ TEST_CASE("no error is said to be less than what the rounding of a state makes o
   };
   const double T = GENERATE(1e-3, 1e-2, 0.1, 0.25);
   CAPTURE(T);
-  search(149597870700.0, T);
-  search(6.4e6F, T);
+  for (const bool rests : {false, true}) {
+    search(149597870700.0, T, rests);
+    search(6.4e6F, T, rests);
+  }
 }
 
 TEST_CASE("no target is lost in rounding because something far faster lies ahead, or is at rest") {

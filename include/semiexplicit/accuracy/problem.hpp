@@ -116,6 +116,16 @@ class Problem {
     if (table.relative) judged.terms = std::max(1.0, judged.terms);
   }
 
+  /// The vector field at z, for a gradient call.
+  SEMIEXPLICIT_COLD State velocity_at(const State& z) {
+    State velocity(z.dof());
+    Vector<Scalar, Eigen::Dynamic> gq = z.q(), gp = z.p();
+    hamiltonian.gradient(z.q(), z.p(), gq, gp);
+    spend(1);
+    velocity.q() = gp, velocity.p() = -gq;
+    return velocity;
+  }
+
   /// Some gradient calls more.
   void spend(double calls) { table.spent_gradients += calls; }
   double left() const { return limit - table.spent_gradients; }
@@ -134,16 +144,6 @@ class Problem {
   double limit;  ///< on gradient calls, at present
 
  private:
-  /// The vector field at z, for a gradient call.
-  SEMIEXPLICIT_COLD State velocity_at(const State& z) {
-    State velocity(z.dof());
-    Vector<Scalar, Eigen::Dynamic> gq = z.q(), gp = z.p();
-    hamiltonian.gradient(z.q(), z.p(), gq, gp);
-    spend(1);
-    velocity.q() = gp, velocity.p() = -gq;
-    return velocity;
-  }
-
   /// ‖X‖/‖dX/dt‖ at z0, by an explicit Euler step that is just long enough to change X visibly. (‖z‖/‖X‖ says
   /// nothing near the origin, or far from it.)
   SEMIEXPLICIT_COLD void find_time_scale() {

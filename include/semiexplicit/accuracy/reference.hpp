@@ -169,12 +169,14 @@ class Reference {
     return true;
   }
 
-  bool hardly_moves() const {
+  SEMIEXPLICIT_COLD bool hardly_moves() {
     using Scalar = typename Any::Scalar;
+    if (problem_.left() < 1) return false;
     const auto& z0 = problem_.z0.vector();
+    const auto last_velocity = problem_.velocity_at(fine_);  // from rest nothing moves at first
     const Scalar few = Scalar(1e4) * Eigen::NumTraits<Scalar>::epsilon();
     for (Eigen::Index i = 0; i < z0.size(); ++i)
-      if (problem_.first_velocity.vector()[i] != 0 &&
+      if ((problem_.first_velocity.vector()[i] != 0 || last_velocity.vector()[i] != 0) &&
           std::abs(fine_.vector()[i] - z0[i]) < few * std::abs(z0[i]))
         return true;
     return false;

@@ -96,6 +96,17 @@ bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
+/// H = ((q - X)² + p²)/2.
+template <class Scalar>
+auto oscillator_about(const Scalar& X) {
+  return make_hamiltonian<Scalar, 1>(
+      [=](const auto& q, const auto& p) { return ((q[0] - X) * (q[0] - X) + p[0] * p[0]) / 2; },
+      [=](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+        dHdq[0] = q[0] - X;
+        dHdp[0] = p[0];
+      });
+}
+
 }  // namespace
 
 TEST_CASE("the advised setting meets the target and is near the cheapest there is", "[long]") {
@@ -565,15 +576,10 @@ TEST_CASE("an observable that is NaN somewhere on the orbit is refused with the 
 }
 
 TEST_CASE("no error is said to be less than what the rounding of a state makes of the observable") {
-  // H = ((q - X)² + p²)/2 from (X + 1/2, 1/4).
+  // From (X + 1/2, 1/4).
   const auto search = [](auto far, double T, const auto& observable, std::vector<double> targets) {
     using Scalar = decltype(far);
-    const auto H = make_hamiltonian<Scalar, 1>(
-        [=](const auto& q, const auto& p) { return ((q[0] - far) * (q[0] - far) + p[0] * p[0]) / 2; },
-        [=](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
-          dHdq[0] = q[0] - far;
-          dHdp[0] = p[0];
-        });
+    const auto H = oscillator_about(far);
     const PhasePoint<Scalar, 1> start(far + Scalar(0.5), Scalar(0.25));
     const auto cost =
         cost_of_accuracy(H, start, T, {.observable = observable, .targets = std::move(targets)});
@@ -614,15 +620,10 @@ TEST_CASE("no error is said to be less than what the rounding of a state makes o
 }
 
 TEST_CASE("no error is said to be less than what the rounding of a state makes of the motion") {
-  // H = ((q - X)² + p²)/2 from (X, p0), or from rest, where q moves by less than a rounding of X.
+  // From (X, p0), or from rest, where q moves by less than a rounding of X.
   const auto search = [](auto far, double T, bool rests) {
     using Scalar = decltype(far);
-    const auto H = make_hamiltonian<Scalar, 1>(
-        [=](const auto& q, const auto& p) { return ((q[0] - far) * (q[0] - far) + p[0] * p[0]) / 2; },
-        [=](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
-          dHdq[0] = q[0] - far;
-          dHdp[0] = p[0];
-        });
+    const auto H = oscillator_about(far);
     const Scalar small = far * Eigen::NumTraits<Scalar>::epsilon();
     const PhasePoint<Scalar, 1> start(rests ? far + 8 * small : far,
                                       rests ? Scalar(0) : small / Scalar(10 * T));

@@ -40,8 +40,10 @@ class Forecast {
       if (!reference_.go(length, enough)) return false;
       table_.invariant = reference_.is_constant();
       problem_.judge_by_first();
+      const auto by_motion = reference_.rounding_by_motion();
+      if (!by_motion) return false;
       by_rounding_ = std::max({problem_.rounding_at(problem_.z0), problem_.rounding_at(reference_.state()),
-                               reference_.rounding_by_motion(), problem_.epsilon * reference_.size()});
+                               *by_motion, problem_.epsilon * reference_.size()});
       if (table_.invariant)
         table_.rounding = std::max(problem_.rounding_of_invariant(table_.time_scale), least_error());
       else

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -107,20 +108,22 @@ class Reference {
 
   /// How far the observable is off a time scale behind z0 when that is rounded, where an entry of z moves by
   /// few roundings of itself: what depends on that entry is rounded by the motion, in all runs alike. 0
-  /// elsewhere.
-  SEMIEXPLICIT_COLD double rounding_by_motion() {
+  /// elsewhere; nothing where the calls end.
+  SEMIEXPLICIT_COLD std::optional<double> rounding_by_motion() {
+    if (problem_.left() < 1) return std::nullopt;
     if (!hardly_moves()) return 0;
     Value value, moved;
     double h = std::min(problem_.table.time, problem_.table.time_scale);
     for (int attempt = 0; attempt < 20; ++attempt, h /= 2) {
-      bool works = measure_after(h, problem_.z0, value);
+      bool cut = false, works = measure_after(h, problem_.z0, value, cut);
       const auto distance = [&](const auto& near) {
         using Scalar = typename Any::Scalar;
-        works = works && measure_after(h, near, moved);
+        works = works && measure_after(h, near, moved, cut);
         return works ? Scalar(norm(moved - value)) : Scalar(0);
       };
       const auto change = static_cast<typename Any::Scalar>(2 * Problem<Any>::epsilon);
       const double off = works ? static_cast<double>(largest_beside(problem_.z0, change, distance)) : 0;
+      if (cut) return std::nullopt;
       if (works) return off / 2;
     }
     return 0;
@@ -171,7 +174,6 @@ class Reference {
 
   SEMIEXPLICIT_COLD bool hardly_moves() {
     using Scalar = typename Any::Scalar;
-    if (problem_.left() < 1) return false;
     const auto& z0 = problem_.z0.vector();
     const auto last_velocity = problem_.velocity_at(fine_);  // from rest nothing moves at first
     const Scalar few = Scalar(1e4) * Eigen::NumTraits<Scalar>::epsilon();
@@ -182,10 +184,12 @@ class Reference {
     return false;
   }
   /// The observable a step behind z. False: it fails.
-  SEMIEXPLICIT_COLD bool measure_after(double h, typename Any::State z, Value& value) {
+  SEMIEXPLICIT_COLD bool measure_after(double h, typename Any::State z, Value& value, bool& cut) {
     Walker<Any> walker(problem_, method);
     Probe probe;
-    if (!walker.step(z, h, probe)) return false;
+    const bool works = walker.step(z, h, probe);
+    cut = probe.cut;
+    if (!works) return false;
     problem_.measure(z, value);
     return all_finite(value);
   }

@@ -104,8 +104,10 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
                              {"farthest r", farthest, s.distance.uncertain()},
                              {"degrees off the equator", highest, open}};
     // A companion may be off by as much then.
-    const std::string jumps = "a step jumps through the horizon; give a smaller --dt, or " + another,
-                      coarse = nearest <= outer_horizon(hole) ? jumps : too_coarse(std::max(s.turn, s.tilt));
+    const std::string jumps = nearest <= outer_horizon(hole)
+                                  ? "a step jumps through the horizon; give a smaller --dt, or " + another
+                                  : "",
+                      coarse = jumps.empty() ? too_coarse(std::max(s.turn, s.tilt), 2 * pi) : jumps;
     for (Figure& figure : list) figure.missing = coarse;
     // The force of L²/sin²θ beside a pole is then that of chance, of the companion's steps as well.
     if (s.momentum != 0 && 4 * std::abs(s.momentum) < s.tilt * std::sqrt(std::max(0.0, s.carter)))
@@ -114,7 +116,7 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
             "the orbit passes the poles by less than a step; give a smaller --dt, or another --l";
     Figure turns{.name = "turns from apoapsis to apoapsis"};
     turns.missing =
-        !coarse.empty() ? coarse
+        !jumps.empty() ? jumps
         : s.over_a_pole
             ? "the orbit goes over a pole, where phi does not count the half turns; give another --l"
         : farthest - nearest < 1e-6 * farthest

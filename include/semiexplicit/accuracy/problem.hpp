@@ -65,7 +65,7 @@ class Problem {
   /// About the size of the terms that the observable at z is a sum of.
   SEMIEXPLICIT_COLD double terms_at(const State& z) const { return static_cast<double>(size_at(z).terms); }
 
-  /// How far the observable at z moves when z is rounded: half as far as by one to two units.
+  /// How far the observable at z moves when z is rounded.
   SEMIEXPLICIT_COLD double rounding_at(const State& z) const {
     Value value, moved;
     measure(z, value);
@@ -73,6 +73,10 @@ class Problem {
       measure(near, moved);
       return Scalar(norm(moved - value));
     };
+    return when_rounded(z, distance);
+  }
+  /// The largest distance(near) of a z that is rounded: half that of points by one to two units beside it.
+  static double when_rounded(const State& z, const auto& distance) {
     return static_cast<double>(largest_beside(z, Scalar(2 * epsilon), distance)) / 2;
   }
 

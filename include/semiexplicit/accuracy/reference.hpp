@@ -11,7 +11,6 @@
 
 #include <semiexplicit/accuracy/scout.hpp>
 #include <semiexplicit/core/cold.hpp>
-#include <semiexplicit/core/reference_size.hpp>
 #include <semiexplicit/core/two_sum.hpp>
 
 namespace semiexplicit::detail {
@@ -121,10 +120,9 @@ class Reference {
         works = works && measure_after(h, near, moved, cut);
         return works ? Scalar(norm(moved - value)) : Scalar(0);
       };
-      const auto change = static_cast<typename Any::Scalar>(2 * Problem<Any>::epsilon);
-      const double off = works ? static_cast<double>(largest_beside(problem_.z0, change, distance)) : 0;
+      const double off = works ? problem_.when_rounded(problem_.z0, distance) : 0;
       if (cut) return std::nullopt;
-      if (works) return off / 2;
+      if (works) return off;
     }
     return 0;
   }

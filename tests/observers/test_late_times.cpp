@@ -95,6 +95,54 @@ TEST_CASE("Observers see at late times what they see at early ones", "[observers
 }
 
 namespace {
+/// The states a few roundings of the time behind a step, and before the first one, by steps of 1/8.
+template <class Scalar>
+void meets_times_to_rounding(Scalar late) {
+  const auto h =
+      from_energy<1, Scalar>([](const auto& q, const auto& p) { return (q[0] * q[0] + p[0] * p[0]) / 2; });
+  const Scalar infinity = std::numeric_limits<Scalar>::infinity(), step = late + 5,
+               rounding = std::nextafter(step, infinity) - step;
+  for (const int behind : {1, 2, 3, 4})
+    for (const bool turned : {false, true}) {
+      const Scalar dt = turned ? -0.125 : 0.125, start = turned ? late + 10 : late,
+                   wanted = step + Scalar(turned ? -behind : behind) * rounding;
+      CAPTURE(late, behind, turned);
+      GaussLegendre stepper(h, {.stages = 4});
+      PhasePoint<Scalar, 1> z(std::cos(Scalar(start - late)), -std::sin(Scalar(start - late)));
+      Scalar off = infinity;
+      auto at = at_times(h, {wanted}, [&](Scalar t, const auto& x) {
+        off = std::hypot(x.q()[0] - std::cos(t - late), x.p()[0] + std::sin(t - late));
+      });
+      integrate(stepper, z, {.dt = dt, .steps = 80, .t0 = start}, at);
+      CHECK(off <= rounding + 64 * std::numeric_limits<Scalar>::epsilon());
+    }
+}
+}  // namespace
+
+TEST_CASE("A time behind a step by a few roundings is met to one of them", "[observers]") {
+  meets_times_to_rounding<double>(0);
+  meets_times_to_rounding<double>(1e12);
+  meets_times_to_rounding<float>(1000);
+  meets_times_to_rounding<float>(16384);
+  meets_times_to_rounding<float>(4e5F);
+  meets_times_to_rounding<float>(1e7F);  // eight steps from one number to the next
+  // The last one, where a run of such steps ends before it by rounding.
+  const auto h = henon_heiles<float>();
+  GaussLegendre stepper(h, {.stages = 4});
+  PhasePoint<float, 2> z({0, -0.25F}, {0.42F, 0});
+  int calls = 0;
+  auto at = at_times(h, {1e7F + 11}, [&](float, const auto& x) {
+    ++calls;
+    CHECK(x.vector() == z.vector());
+  });
+  integrate(stepper, z, {.dt = 0.125F, .steps = 80, .t0 = 1e7F}, at);
+  CHECK(calls == 0);
+  at.finish();
+  at.finish();
+  CHECK(calls == 1);
+}
+
+namespace {
 /// A ball q₁ over the floor, beside an oscillator q₂.
 template <class Scalar>
 auto ball_and_oscillator() {

@@ -118,7 +118,7 @@ class DenseOutput {
     after(i, t - time(i), z);
   }
 
-  /// z becomes the interpolated state at the time x, from 0 to interval(i), after state i.
+  /// z becomes the interpolated state at the time x, from 0 to interval(i) or next to it, after state i.
   void after(std::size_t i, const Scalar& x, State& z) {
     const Places at(*this, i);
     const Scalar spread = interpolate(at, i, x, z);
@@ -457,7 +457,11 @@ class AtTimes {
   /// Serves the last times, where fewer than nodes - 1 steps were taken from the start or the last event.
   void finish() {
     intervals_.finish([this](std::size_t i) { look(i, {}); });
-    if (intervals_.dense.size() != 1) return;  // a run of no step
+    if (const std::size_t states = intervals_.dense.size(); states != 1) {
+      if (states > 1) look(states - 2, {}, true);
+      return;
+    }
+    // A run of no step.
     between_ = intervals_.dense.state(0);
     if (orbit_ != intervals_.orbits()) begin_orbit(0);
     while (next_ < times_.size() && !(beyond(times_[next_], clock(0)) || beyond(clock(0), times_[next_])))
@@ -530,7 +534,9 @@ class AtTimes {
                        std::max(rounding_.size(a), rounding_.size(b));
   }
 
-  bool look(std::size_t i, const IntegrationReport& run) {
+  /// Serves the times of an interval. One that lies behind it by rounding waits for the next, or for
+  /// finish(), which sees the `last` one, unless it is served as well from here.
+  bool look(std::size_t i, const IntegrationReport& run, bool last = false) {
     if (orbit_ != intervals_.orbits()) begin_orbit(i);
     const Scalar from = clock(i), to = clock(i + 1);
     rounding_.see(to);
@@ -540,6 +546,7 @@ class AtTimes {
     while (next_ < times_.size()) {
       const Scalar t = times_[next_];
       if (forward ? beyond(t, to) : beyond(to, t)) break;
+      if ((forward ? t > to : t < to) && !last && outside(i, t - to) == Scalar(0)) break;
       if (forward ? beyond(from, t) : beyond(t, from))
         throw std::invalid_argument(
             "at_times: t = " + detail::in_words(t, 9) +
@@ -562,13 +569,19 @@ class AtTimes {
       return detail::notify_between(observer_, t, std::as_const(between_), run);
   }
 
+  /// The time x before or behind the interval after state i, where it is so small a part of that that the
+  /// interpolation holds there, else 0.
+  Scalar outside(std::size_t i, const Scalar& x) const {
+    using std::abs;
+    return !own_time && 64 * abs(x) <= abs(intervals_.dense.interval(i)) ? x : Scalar(0);
+  }
+
   /// How long after state i the clock shows t.
   Scalar where(std::size_t i, const Scalar& t, const Scalar& from, const Scalar& to) {
     const Scalar interval = intervals_.dense.interval(i);
     const bool forward = interval > Scalar(0);
-    // Times are rounded: the interval bounds it.
-    if (forward ? !(t > from) : !(t < from)) return Scalar(0);
-    if (forward ? !(t < to) : !(t > to)) return interval;
+    if (forward ? !(t > from) : !(t < from)) return outside(i, t - from);
+    if (forward ? !(t < to) : !(t > to)) return interval + outside(i, t - to);
     if constexpr (own_time) {
       const auto late = [&](const Scalar& x) {
         intervals_.dense.sought_after(i, x, between_);
@@ -576,7 +589,7 @@ class AtTimes {
       };
       return detail::bracketed_root(late, Scalar(0), Scalar(from - t), interval, Scalar(to - t));
     } else {
-      const Scalar x = t - from;
+      const Scalar x = t - from;  // of rounded times: the interval bounds it
       return (x > interval) == forward ? interval : x;
     }
   }
@@ -603,7 +616,8 @@ class AtTimes {
 ///
 /// Where a step is long the states between are far worse than those at the steps: interpolation_error()
 /// tells. If it is too large, shorten the steps, or end a run at each time by t_end. A time is met to its own
-/// rounding, in which the state moves, too: 1e-4 at t = 1e12, and half a unit in float at 1e7.
+/// rounding, in which the state moves, too: 1e-4 at t = 1e12, and a unit in float at 1e7; twice that where
+/// the run begins behind or ends before it by rounding.
 template <class H, class Observer>
 AtTimes<H, Observer> at_times(
     H hamiltonian, std::vector<std::type_identity_t<typename detail::HamiltonianDoor<H>::Scalar>> times,

@@ -518,6 +518,29 @@ TEST_CASE("the beginning of a long run is seen as closely as the rest", "[long]"
   CHECK(off / cost.unit < 2 * target);
 }
 
+TEST_CASE("what is advised as a run of the whole was compared to the end") {
+  // With few calls the race ends less than a step before T, where the observable is the largest.
+  const auto h = from_energy<3>([](const auto& q, const auto& p) {
+    return (q[0] * q[0] + p[0] * p[0] + 1.19 * (q[1] * q[1] + p[1] * p[1]) +
+            1.464 * (q[2] * q[2] + p[2] * p[2])) /
+           2;
+  });
+  const PhasePoint<double, 3> start({-0.4, -0.8, 0.68}, {-0.93, -0.42, -0.81});
+  const auto f = [](const auto& q, const auto&) { return std::exp(6.3 * (q[0] + q[1] + q[2])); };
+  const double T = 29.47, target = 0.065;
+  for (const double calls : {39500.0, 40500.0, 41500.0, 43500.0, 1e7}) {
+    const auto cost = cost_of_accuracy(
+        h, start, T, {.observable = f, .targets = {target}, .max_gradients = calls, .whole = true});
+    const auto advice = cost.cheapest(target);
+    CAPTURE(calls);
+    if (advice)
+      CHECK(advice->tried == T);
+    else
+      CHECK(cost.reach(target) == Reach::budget);
+    CHECK((advice || calls < 1e7));
+  }
+}
+
 TEST_CASE("what was given up for a tight target is no advice for a loose one") {
   // Past a centre once, and late: large steps show nothing until they come there.
   const auto h = from_energy<2>([](const auto& q, const auto& p) {

@@ -147,7 +147,11 @@ class Forecast {
   double loosest() const { return *std::max_element(table_.targets.begin(), table_.targets.end()); }
   double tightest() const { return *std::min_element(table_.targets.begin(), table_.targets.end()); }
 
-  bool is_whole(const Probe& probe) const { return !(probe.length < table_.time * (1 - 1e-12)); }
+  /// Whether the trial was a run of the whole, compared to its end: its last step may go beyond the samples.
+  bool is_whole(const Probe& probe) const {
+    const double compared = samples().empty() ? probe.length : std::min(probe.length, probe.seen_to());
+    return !(compared < table_.time * (1 - 1e-12));
+  }
   /// What rounding makes of the observable and no run sees, as all round to the same; 0 of the energy.
   double least_error() const { return by_rounding_ / table_.unit; }
   /// How well the reference knows the observable until there, in the unit of errors.

@@ -454,7 +454,8 @@ class AtTimes {
     return go_on;
   }
 
-  /// Serves the last times, where fewer than nodes - 1 steps were taken from the start or the last event.
+  /// Serves the last times: where fewer than nodes - 1 steps were taken from the start or the last event, or
+  /// that lie behind the end by rounding.
   void finish() {
     intervals_.finish([this](std::size_t i) { look(i, {}); });
     if (const std::size_t states = intervals_.dense.size(); states != 1) {
@@ -608,11 +609,11 @@ class AtTimes {
 /// rise or fall with the run, by interpolation between the steps (see DenseOutput). With a TimeTransformed
 /// they are physical times, with an Autonomous those of the run, from the time in its first state on; z is
 /// then the phase point without time. Call finish() at the end: the last ones wait for it where fewer than
-/// nodes - 1 steps were taken from the start, or from the last event that changed the state. A named observer
-/// is referred to, a temporary is kept. Throws std::invalid_argument for times that are not finite, not
-/// sorted, there twice, or lie before the start. What the observer throws is passed on when the other times
-/// of the step were handed to it; a gradient that throws within the interpolation costs the observer that
-/// time.
+/// nodes - 1 steps were taken from the start, or from the last event that changed the state, and so do those
+/// behind the end by a rounding that is more than 1/64 of a step, or of a physical time. A named observer is
+/// referred to, a temporary is kept. Throws std::invalid_argument for times that are not finite, not sorted,
+/// there twice, or lie before the start. What the observer throws is passed on when the other times of the
+/// step were handed to it; a gradient that throws within the interpolation costs the observer that time.
 ///
 /// Where a step is long the states between are far worse than those at the steps: interpolation_error()
 /// tells. If it is too large, shorten the steps, or end a run at each time by t_end. A time is met to its own

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <cstddef>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -143,39 +142,35 @@ inline Measurement<3> wiggle(const Choice& c) {
   return measurement;
 }
 
-/// How much of a wave whose phase turns by `angle` in a step the step takes for constant: the mean over the
-/// places where a charge in uniform motion feels the field, with their weights, for methods that have
-/// companions.
-inline double taken_for_constant(const Method& method, double angle) {
-  std::complex<double> by_a = 0, by_b = 0;
-  const auto at = [&](double place) { return std::polar(1.0, angle * place); };
+/// Where in a step, of 1, a charge in uniform motion feels the field, and with what weight. Of methods that
+/// have companions.
+inline std::vector<std::pair<double, double>> felt_at(const Method& method) {
+  std::vector<std::pair<double, double>> places;
   if (method.name == "gauss") {
     const GaussTableau<double> gauss(method.stages);
-    for (int i = 0; i < method.stages; ++i) by_a += gauss.b[i] * at(gauss.c[i]);
-    return std::abs(by_a);
+    for (int i = 0; i < method.stages; ++i) places.emplace_back(gauss.c[i], gauss.b[i]);
+    return places;
   }
-  const auto scheme = schemes::by_name<double>(method.scheme_name());
-  double a = 0, b = 0;  // where the copies of the phase space are
-  for (std::size_t i = 0; i < scheme.a.size(); ++i) {
-    by_a += scheme.a[i] * at(b);
-    a += scheme.a[i];
-    if (i == scheme.b.size()) break;
-    by_b += scheme.b[i] * at(a);
-    b += scheme.b[i];
-  }
-  return std::abs(by_a + by_b) / 2;
+  double a = 0, b = 0;  // where the copies of the phase space are, whose mean is taken
+  semiexplicit::detail::sweep(
+      schemes::by_name<double>(method.scheme_name()), 1.0,
+      [&](double t) { places.emplace_back(b, t / 2), a += t; },
+      [&](double t) { places.emplace_back(a, t / 2), b += t; });
+  return places;
 }
 
 /// A bound on what steps `longest` long miss of ∫B dz through the ends of a solenoid, as a length of the
 /// field B₀ within it, for a charge at ρ. By Poisson's sum that is made by the waves of B whose phase turns
 /// by 2πm in a step; the transform of an end is B₀ R K₁(kR), to ρ² as in SolenoidField.
 inline double missed_of_ends(const Method& method, double longest, double radius, double rho) {
+  const auto places = felt_at(method);
   double missed = 0;
   for (int m = 1; m <= 100; ++m) {
-    const double angle = 2 * std::numbers::pi * m, k = angle / longest;
+    const double turn = 2 * std::numbers::pi * m, k = turn / longest;
     if (!(k * radius < 40)) break;
-    missed +=
-        taken_for_constant(method, angle) * std::cyl_bessel_k(1.0, k * radius) * (1 + k * rho * k * rho / 8);
+    std::complex<double> taken = 0;  // for constant, of such a wave
+    for (const auto& [place, weight] : places) taken += weight * std::polar(1.0, turn * place);
+    missed += std::abs(taken) * std::cyl_bessel_k(1.0, k * radius) * (1 + k * rho * k * rho / 8);
   }
   return 4 * radius * missed;
 }
@@ -200,11 +195,11 @@ inline Measurement<3> rotation(const Choice& c) {
       return {not_measured("turn of the plane", coarse)};
     const double from_axis = way.first.head<2>().norm();
     // Long steps and half as long ones may miss the same of the field's ends.
-    double missed = std::abs(c["charge"] * c["b0"]) / (2 * momentum_of(c)) *
-                    missed_of_ends(method, way.longest, c["radius"], from_axis);
+    const double turn_a_length = std::abs(c["charge"] * c["b0"]) / (2 * momentum_of(c));
+    double missed = turn_a_length * missed_of_ends(method, way.longest, c["radius"], from_axis);
     std::string off =
         too_large("the distance from the axis, in radii of the solenoid,", from_axis / c["radius"], 1);
-    const double slope = std::abs(c["charge"] * c["b0"]) * from_axis / (2 * momentum_of(c));
+    const double slope = turn_a_length * from_axis;
     if (off.empty()) off = too_large("the slope eBρ/(2p)", slope, 0.1);
     // Else half turns could be counted so that it holds.
     if (off.empty())

@@ -458,11 +458,9 @@ class AtTimes {
   /// that lie behind the end by rounding.
   void finish() {
     intervals_.finish([this](std::size_t i) { look(i, {}); });
-    if (const std::size_t states = intervals_.dense.size(); states != 1) {
-      if (states > 1) look(states - 2, {}, true);
-      return;
-    }
-    // A run of no step.
+    const std::size_t states = intervals_.dense.size();
+    if (states > 1) look(states - 2, {}, true);
+    if (states != 1) return;  // a run of no step
     between_ = intervals_.dense.state(0);
     if (orbit_ != intervals_.orbits()) begin_orbit(0);
     while (next_ < times_.size() && !(beyond(times_[next_], clock(0)) || beyond(clock(0), times_[next_])))

@@ -116,9 +116,10 @@ SEMIEXPLICIT_COLD CostOptionsOf<Scalar, Dof> options_for(const CostOptionsOf<Sca
 /// because neighbouring orbits part exponentially, is refused with the rate, and one below the rounding that
 /// adds up with the reason. What lies beyond the trials of a long run, and no coarse run shows, goes unseen:
 /// close encounters in chaos, slow instabilities, resonances of the step with the motion. Raise min_gradients
-/// there until `tried` is T. An observable other than an invariant is compared at 40 to 80 times along what
-/// was tried, and where that is much of T up to four times in a step of the coarse run, or some 500 times:
-/// a flash between two of them goes unseen, too.
+/// there until `tried` is T. An observable other than an invariant is compared at some 80 times along what
+/// was tried, and where that is much of T up to four times in a step of the coarse run, or some 500 times.
+/// Where steps of the tight runs are longer than 1/640 of it also between these, wherever a line does not do:
+/// a flash between two of these places goes unseen, too.
 ///
 /// H needs an energy(q, p), which the gradient is compared with first. That of a TimeTransformed is K, near
 /// zero: for the energy of its H give that as the observable. z0 is not changed. Throws

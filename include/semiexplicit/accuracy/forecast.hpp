@@ -118,6 +118,11 @@ class Forecast {
     return !problem_.options.whole && candidate.is_symplectic() && varies_ <= most &&
            scout_.speeds_up() <= much_faster && !scout_.errs_behind(table_.tried);
   }
+  /// Whether the trial was a run of the whole, compared to its end: its last step may go beyond the samples.
+  bool is_whole(const Probe& probe) const {
+    const double compared = samples().empty() ? probe.length : std::min(probe.length, probe.seen_to());
+    return !(compared < table_.time * (1 - 1e-12));
+  }
   /// Whether what a trial saw holds to T, as far as a neighbouring orbit and its own error tell. What jumps
   /// behind it, beyond any power of the time, jumps with every method and step in its own way.
   bool lasts(const Candidate& candidate, const Probe& probe) const {
@@ -147,11 +152,6 @@ class Forecast {
   double loosest() const { return *std::max_element(table_.targets.begin(), table_.targets.end()); }
   double tightest() const { return *std::min_element(table_.targets.begin(), table_.targets.end()); }
 
-  /// Whether the trial was a run of the whole, compared to its end: its last step may go beyond the samples.
-  bool is_whole(const Probe& probe) const {
-    const double compared = samples().empty() ? probe.length : std::min(probe.length, probe.seen_to());
-    return !(compared < table_.time * (1 - 1e-12));
-  }
   /// What rounding makes of the observable and no run sees, as all round to the same; 0 of the energy.
   double least_error() const { return by_rounding_ / table_.unit; }
   /// How well the reference knows the observable until there, in the unit of errors.

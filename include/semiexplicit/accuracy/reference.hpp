@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <exception>
 #include <limits>
 #include <optional>
 #include <tuple>
@@ -21,6 +22,8 @@ namespace semiexplicit::detail {
 template <class Any>
 class Reference {
  public:
+  using Scalar = typename Any::Scalar;
+  using State = typename Any::State;
   using Value = typename Problem<Any>::Value;
   using Time = typename Problem<Any>::Time;
 
@@ -38,33 +41,7 @@ class Reference {
   /// both runs are apart by no more than `enough` in the unit of targets, or smaller ones no longer help.
   /// False: the calls ended, no step goes on, or the observable is not finite.
   SEMIEXPLICIT_COLD bool go(double length, double enough) {
-    if (time_ > 0) return go_on(length);
-    constexpr double never = std::numeric_limits<double>::infinity();
-    double before = never, least = never;
-    bool agreed = false;
-    const Runs start(runs());
-    for (int no_better = 0; no_better < 3;) {
-      if (!follow(length)) return false;
-      const double rounding = 1e4 * Problem<Any>::epsilon * scale();
-      const bool agrees =
-          agree(start, length, std::min(enough * (problem_.options.absolute ? 1 : size_), rounding));
-      const double now = apart(length);
-      // Shorter steps do not bring so much by themselves.
-      const bool too_soon = std::isfinite(before) && now < 1e-6 * before;
-      if (agrees && (agreed || !too_soon)) break;
-      agreed = agrees;
-      const double small = std::max(1e-6 * size_, rounding);
-      no_better = now > 0.3 * least && now < small ? no_better + 1 : 0;
-      before = now, least = std::min(least, now);
-      if (share_ < 1e-3) {
-        others_agree(start, length, 10 * now);  // or what they are apart by counts
-        break;
-      }
-      share_ /= 1.5;
-      restart();
-    }
-    if (time_ == 0) return follow(length);
-    return true;
+    return (time_ > 0 ? go_on(length) : begin(length, enough)) && look_within_steps();
   }
 
   double rate() const { return rate_; }  ///< gradient calls a unit of time
@@ -116,7 +93,6 @@ class Reference {
     for (int attempt = 0; attempt < 20; ++attempt, h /= 2) {
       bool cut = false, works = measure_after(h, problem_.z0, value, cut);
       const auto distance = [&](const auto& near) {
-        using Scalar = typename Any::Scalar;
         works = works && measure_after(h, near, moved, cut);
         return works ? Scalar(norm(moved - value)) : Scalar(0);
       };
@@ -141,15 +117,25 @@ class Reference {
 
   SEMIEXPLICIT_COLD void restart() {
     coarse_ = fine_ = problem_.z0;
+    long_steps_.clear();
     time_ = carry_ = 0;
     size_ = static_cast<double>(norm(problem_.first));
     samples_.clear();
   }
 
+  /// A step that is longer than samples are to be apart.
+  struct LongStep {
+    State coarse, fine, fine_at_end;  ///< the states of both runs where it began, and of one where it ended
+    Time t, dt;
+    int parts;
+  };
+
   /// Where the pair of runs is, and what it has seen.
-  using Runs = std::tuple<typename Any::State, typename Any::State, Time, Time, double, double, double,
-                          std::vector<Sample<Any>>>;
-  auto runs() { return std::tie(coarse_, fine_, time_, carry_, size_, rate_, spacing_, samples_); }
+  using Runs = std::tuple<State, State, Time, Time, double, double, double, std::vector<Sample<Any>>,
+                          std::vector<LongStep>>;
+  auto runs() {
+    return std::tie(coarse_, fine_, time_, carry_, size_, rate_, spacing_, samples_, long_steps_);
+  }
 
   /// Whether both runs are apart by no more than that. Where a force jumps next to a time at which both begin
   /// a step they are so, and both are wrong, at one jump of a hundred: where two more are cheap beside the
@@ -171,7 +157,6 @@ class Reference {
   }
 
   SEMIEXPLICIT_COLD bool hardly_moves() {
-    using Scalar = typename Any::Scalar;
     const auto& z0 = problem_.z0.vector();
     const auto last_velocity = problem_.velocity_at(fine_);  // from rest nothing moves at first
     const Scalar few = Scalar(1e4) * Eigen::NumTraits<Scalar>::epsilon();
@@ -182,7 +167,7 @@ class Reference {
     return false;
   }
   /// The observable a step behind z. False: it fails.
-  SEMIEXPLICIT_COLD bool measure_after(double h, typename Any::State z, Value& value, bool& cut) {
+  SEMIEXPLICIT_COLD bool measure_after(Time h, State z, Value& value, bool& cut) {
     Walker<Any> walker(problem_, method);
     Probe probe;
     const bool works = walker.step(z, h, probe);
@@ -190,6 +175,36 @@ class Reference {
     if (!works) return false;
     problem_.measure(z, value);
     return all_finite(value);
+  }
+
+  /// The first stretch.
+  SEMIEXPLICIT_COLD bool begin(double length, double enough) {
+    constexpr double never = std::numeric_limits<double>::infinity();
+    double before = never, least = never;
+    bool agreed = false;
+    const Runs start(runs());
+    for (int no_better = 0; no_better < 3;) {
+      if (!follow(length)) return false;
+      const double rounding = 1e4 * Problem<Any>::epsilon * scale();
+      const bool agrees =
+          agree(start, length, std::min(enough * (problem_.options.absolute ? 1 : size_), rounding));
+      const double now = apart(length);
+      // Shorter steps do not bring so much by themselves.
+      const bool too_soon = std::isfinite(before) && now < 1e-6 * before;
+      if (agrees && (agreed || !too_soon)) break;
+      agreed = agrees;
+      const double small = std::max(1e-6 * size_, rounding);
+      no_better = now > 0.3 * least && now < small ? no_better + 1 : 0;
+      before = now, least = std::min(least, now);
+      if (share_ < 1e-3) {
+        others_agree(start, length, 10 * now);  // or what they are apart by counts
+        break;
+      }
+      share_ /= 1.5;
+      restart();
+    }
+    if (time_ == 0) return follow(length);
+    return true;
   }
 
   /// Behind the first stretch. Where the runs part by far more than rounding would, in places that are
@@ -206,6 +221,70 @@ class Reference {
     halving_failed_ = apart(length) > 0.3 * parted;
     return true;
   }
+
+  /// Takes samples within these, where lines from one to the next are not what the observable of interpolated
+  /// states does. False: the calls ended.
+  SEMIEXPLICIT_COLD bool look_within_steps() {
+    double range = 0;
+    for (const auto& sample : samples_) range = std::max(range, size_of(sample.value - problem_.first));
+    for (const LongStep& step : std::exchange(long_steps_, {})) {
+      if (problem_.left() < 2) return false;
+      const std::vector<Value> seen = interpolate(step);
+      for (const auto& value : seen)
+        if (all_finite(value)) range = std::max(range, size_of(value - problem_.first));
+      std::vector<std::pair<std::size_t, std::size_t>> lines{{0, static_cast<std::size_t>(step.parts)}};
+      while (!lines.empty()) {
+        const auto [from, to] = lines.back();
+        lines.pop_back();
+        std::size_t furthest = 0;
+        double most = straight * range;
+        for (std::size_t i = from + 1; i < to; ++i) {
+          const auto part = Scalar(i - from) / Scalar(to - from);
+          const double off = size_of(seen[i] - seen[from] - part * (seen[to] - seen[from]));
+          if (off > most) most = off, furthest = i;
+        }
+        if (furthest == 0) continue;
+        if (!sample_within(step, step.dt * Time(furthest) / Time(step.parts))) return false;
+        lines.emplace_back(from, furthest), lines.emplace_back(furthest, to);
+      }
+    }
+    std::stable_sort(samples_.begin(), samples_.end(),
+                     [](const auto& a, const auto& b) { return a.t < b.t; });
+    return true;
+  }
+  /// The observable of states between the ends of a step by cubic Hermite interpolation, at equal distances;
+  /// NaN where they have left its domain.
+  SEMIEXPLICIT_COLD std::vector<Value> interpolate(const LongStep& step) {
+    const auto& begin = step.fine.vector();
+    const auto& end = step.fine_at_end.vector();
+    const State before = problem_.velocity_at(step.fine), behind = problem_.velocity_at(step.fine_at_end);
+    std::vector<Value> result;
+    State between = step.fine;
+    for (int i = 0; i <= step.parts; ++i) {
+      const Scalar s = Scalar(i) / Scalar(step.parts), h = Scalar(step.dt);
+      between.vector() =
+          begin + s * (end - begin) +
+          s * (1 - s) * ((1 - 2 * s) * (begin - end) + h * ((1 - s) * before.vector() - s * behind.vector()));
+      auto& value = result.emplace_back();
+      try {
+        problem_.measure(between, value);
+      } catch (const std::exception&) {
+        value = Value::Constant(problem_.first.size(), std::numeric_limits<Scalar>::quiet_NaN());
+      }
+    }
+    return result;
+  }
+  /// Takes a sample so far behind the beginning of a step, by a shorter one of both runs, unless that fails.
+  /// False: the calls ended.
+  SEMIEXPLICIT_COLD bool sample_within(const LongStep& step, Time dt) {
+    Value coarse, fine;
+    bool cut = false;
+    if (!measure_after(dt, step.fine, fine, cut) || !measure_after(dt, step.coarse, coarse, cut)) return !cut;
+    size_ = std::max(size_, size_of(fine));
+    samples_.push_back({step.t + dt, fine, size_of(coarse - fine), 0, true, false});
+    return true;
+  }
+  static double size_of(const auto& value) { return static_cast<double>(norm(value.eval())); }
 
   /// How many steps of the coarse run, of so many in that stretch, no sample is further apart than. A trial
   /// over much of T may be advice by itself: its samples are as close as the motion asks for, as far as
@@ -233,7 +312,7 @@ class Reference {
     const auto keep = static_cast<std::size_t>(from > 0 ? std::max(1.0, std::round(spacing / spacing_)) : 1);
     std::size_t seen = 0;
     std::erase_if(samples_,
-                  [&](const auto& sample) { return !sample.flash && !sample.opening && ++seen % keep != 0; });
+                  [&](const auto& sample) { return !sample.stays && !sample.opening && ++seen % keep != 0; });
     spacing_ = spacing;
     const auto flashes = scout_.flashes(from, length);
     // A part of the flash that goes on at t, or begins or ended right there; infinite where there is none.
@@ -258,12 +337,18 @@ class Reference {
       double most = std::min({part, most_steps * local, (length - from) / least_count});
       // Its first steps are too short to tell the scout how hard the motion is there.
       if (from == 0 && !varies_) most = std::min(most, std::max(first_step_, time() / 2));
+      const State coarse_before = coarse_, fine_before = fine_;
+      const Time began = time_;
       if (!step(length, local, most)) return false;
       problem_.measure(fine_, fine);
       if (!all_finite(fine)) {
         problem_.table.observable_end = time();
         return false;
       }
+      const auto parts = static_cast<int>(std::round((time() - before) / (length - from) * looks));
+      if (parts > 1 &&
+          static_cast<double>(long_steps_.size() + 1) * static_cast<double>(fine_.dof()) < most_numbers)
+        long_steps_.push_back({coarse_before, fine_before, fine_, began, time_ - began, parts});
       const bool flash = std::isfinite(part),
                  opens = from == 0 && time_ >= 1.5 * (samples_.empty() ? 0 : samples_.back().t);
       const bool is_planned = time_ >= std::min(planned, length);
@@ -314,14 +399,17 @@ class Reference {
   static constexpr double most_count = 500, most_numbers = 4e6;  ///< of those of all samples
   static constexpr double flash_count = 16;                      ///< the same of a flash
   static constexpr double far_easier = 20, much_easier = 4;
+  static constexpr double looks = 640;      ///< between samples, of a stretch
+  static constexpr double straight = 0.05;  ///< of the range of values
 
   Problem<Any>& problem_;
   const Scout<Any>& scout_;
   Pacer<Any> pacer_;
   double first_step_;  ///< by the motion at z0
   Walker<Any> by_two_, by_three_;
-  typename Any::State coarse_{}, fine_{};
+  State coarse_{}, fine_{};
   std::vector<Sample<Any>> samples_{};
+  std::vector<LongStep> long_steps_{};
   Time time_ = 0, carry_ = 0;  ///< and what rounding has left out of it
   double rate_ = 0, size_ = 0;
   double spacing_ = 0;                ///< of samples, in time

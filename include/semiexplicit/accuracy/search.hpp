@@ -127,7 +127,9 @@ class Search {
   SEMIEXPLICIT_COLD double first_length() const {
     if (!(scout_.time() > 0)) return 0;
     const double calls = first_share * table_.budget / (first_trials * static_cast<double>(goals_.size()));
-    return scout_.first_trial(std::clamp(calls / (scout_.rate() * scout_.mean_step()), 10.0, 60.0));
+    const double length =
+        scout_.first_trial(std::clamp(calls / (scout_.rate() * scout_.mean_step()), 10.0, 60.0));
+    return length > nearly_all * table_.time && scout_.time() >= table_.time ? table_.time : length;
   }
   /// What is worth seeing next; 0: nothing, or the calls do not suffice. All of T is worth a smaller race.
   SEMIEXPLICIT_COLD double next_length() {
@@ -140,7 +142,7 @@ class Search {
     const auto affordable = [&](std::size_t racers, double calls) {
       return (calls + of_reference * table_.tried) / (trials_a_racer * racing_rate(racers) + of_reference);
     };
-    const bool whole = table_.tried * stretch >= table_.time && scout_.time() >= table_.time;
+    const bool whole = table_.tried * stretch >= nearly_all * table_.time && scout_.time() >= table_.time;
     // The tightest stay behind where the calls do not suffice for all.
     for (; racing_ > 0; --racing_) {
       for (std::size_t racers = whole ? most_racers : 0; racers > 0; --racers) {
@@ -528,7 +530,7 @@ class Search {
                   .seconds = nan,
                   .limit = LimitedBy::failure,
                   .status = seen.status,
-                  .tried = seen.seen_to(),
+                  .tried = forecast_.is_whole(seen) ? table_.time : seen.seen_to(),
                   .harder = forecast_.harder_behind(seen.seen_to())};
       if (seen.works() && !forecast_.lasts(candidate, seen)) row.lasts = false;
       if (row.works()) {
@@ -612,6 +614,7 @@ class Search {
   static constexpr double whole_runs = 3;        ///< budgets in all, where advice is run to the end
   static constexpr double beside_share = 2.6;    ///< of the budget, for a neighbouring orbit
   static constexpr double stretch = 8;           ///< from one race to the next
+  static constexpr double nearly_all = 0.8;      ///< of T: all of it is tried instead
   static constexpr double trials_a_racer = 2.5;  ///< usually
   static constexpr double least_scales = 8;      ///< that a trial has to last
   static constexpr double much_dearer = 20, much_varied = 12;

@@ -123,7 +123,7 @@ struct Sample {
   typename Problem<Any>::Value value;
   double apart;  ///< how far the two runs of the reference differ there
   double terms;  ///< about the size of what it is a sum of
-  bool flash;    ///< one of those times at which errors are far larger than usual
+  bool stays;    ///< however far the run goes: errors are far larger than usual, or no step comes near
   bool opening;  ///< one more at the start, where no step has told how far apart they may be
 };
 

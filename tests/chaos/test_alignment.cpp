@@ -5,6 +5,7 @@
 
 #include <semiexplicit/chaos.hpp>
 #include <semiexplicit/checkpoint.hpp>
+#include <semiexplicit/derivatives.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
 #include "folder.hpp"
@@ -48,6 +49,33 @@ TEST_CASE("Alignment indices are the volumes of the vectors themselves", "[align
   const double together = (v.col(0) - v.col(1)).norm(), apart = (v.col(0) + v.col(1)).norm();
   CHECK(gali.smaller() == Approx(std::min(together, apart)).epsilon(1e-4));
   CHECK(gali.index(2) < 0.1);
+}
+
+TEST_CASE("As many vectors as there are begin orthonormal, also in float", "[alignment][lyapunov]") {
+  // Equal oscillators turn them: no exponent, and volumes that stay.
+  const auto check = [](auto h) {
+    using Scalar = typename decltype(h)::Scalar;
+    constexpr int d = decltype(h)::Dof;
+    const Scalar rounding = 20 * Eigen::NumTraits<Scalar>::epsilon();
+    Semiexplicit step(h, schemes::low_defect6_s13<Scalar>());
+    LyapunovExponents exponents(step);
+    AlignmentIndex gali(step, 2 * d);
+    const auto v = exponents.vectors();
+    CHECK((v.transpose() * v - v.Identity(2 * d, 2 * d)).cwiseAbs().maxCoeff() < rounding);
+    PhasePoint<Scalar, d> z;
+    z.vector().setLinSpaced(Scalar(-0.3), Scalar(0.7));
+    integrate(step, z, {.dt = Scalar(0.1), .steps = 100}, exponents, gali);
+    CHECK(std::abs(exponents.exponents().minCoeff()) < 10 * rounding);
+    CHECK(std::abs(gali.index(2 * d) - 1) < 100 * rounding);
+  };
+  const auto oscillators = [](const auto& q, const auto& p) {
+    return (q.squaredNorm() + p.squaredNorm()) / 2;
+  };
+  check(from_energy<2, float>(oscillators));
+  check(from_energy<5, float>(oscillators));
+  check(from_energy<7, float>(oscillators));
+  check(from_energy<12, float>(oscillators));
+  check(from_energy<12>(oscillators));
 }
 
 TEST_CASE("Alignment indices say what they cannot do", "[alignment]") {

@@ -259,6 +259,45 @@ TEST_CASE("Differences in float give up no half of a column for digits of the ot
   CHECK(worst < 2e-5);
 }
 
+/// Two pendula, weakly coupled; lengths count in that unit.
+struct Pendula {
+  using Scalar = float;
+  static constexpr int Dof = 2;
+  float unit = 1, coupling = 0;
+  void gradient(In<float, 2> q, In<float, 2> p, Out<float, 2> dHdq, Out<float, 2> dHdp) const {
+    dHdq[0] = unit * std::sin(q[0] / unit) + coupling * q[1];
+    dHdq[1] = 2 * unit * std::sin(q[1] / unit) + coupling * q[0];
+    dHdp = p;
+  }
+};
+struct PendulaWithHessian : Pendula {
+  void hessian(In<float, 2> q, In<float, 2>, Eigen::Ref<Eigen::Matrix4f> result) const {
+    result.setIdentity();
+    result(0, 0) = std::cos(q[0] / unit), result(1, 1) = 2 * std::cos(q[1] / unit);
+    result(0, 1) = result(1, 0) = coupling;
+  }
+};
+
+TEST_CASE("Differences in float do not step over a system in small units", "[chaos]") {
+  const auto scheme = schemes::low_defect6_s13<float>();
+  for (const float unit : {1.0F, 1e-3F, 1e-4F, 1e-5F, 1e-6F, 1e-7F, 1e6F}) {
+    float worst = 0;
+    for (int k = 0; k < 400; ++k) {
+      const float n = static_cast<float>(k);
+      const Pendula pendula{unit, 0.5F + 0.5F * std::sin(n)};
+      const PhasePoint<float, 2> z({unit * std::sin(1.7F * n), unit * std::cos(2.3F * n)},
+                                   {unit * std::sin(3.1F * n + 1), unit * std::cos(1.1F * n)});
+      TangentMap<Pendula> by_gradient(pendula, scheme);
+      TangentMap<PendulaWithHessian> exact(PendulaWithHessian{pendula}, scheme);
+      REQUIRE(by_gradient.at(z, 0.1F) == Status::success);
+      REQUIRE(exact.at(z, 0.1F) == Status::success);
+      worst = std::max(worst, (by_gradient.matrix() - exact.matrix()).norm() / exact.matrix().norm());
+    }
+    CAPTURE(unit);
+    CHECK(worst < 3e-4F);
+  }
+}
+
 TEST_CASE("A tangent map by differences is right at rest, in any units", "[chaos]") {
   for (const double q : {1e-2, -3e-3, 2e-2})
     for (const double dt : {1e-14, 1e-12})

@@ -3,6 +3,7 @@
 #include <concepts>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <utility>
 
 #include <semiexplicit/core/hamiltonian.hpp>
@@ -39,6 +40,22 @@ auto as_duals(const Column& values, Eigen::Index first, const Make& make) {
   return Eigen::Matrix<Number, Column::RowsAtCompileTime, 1>::NullaryExpr(
       values.size(),
       [data = values.data(), first, make](Eigen::Index i) { return make(data[i], first + i); });
+}
+
+/// Whether the energy can be called with columns of numbers of that type, and gives one.
+template <class Number, class Energy, class Q, class P>
+consteval bool is_energy_of_columns() {
+  constexpr bool takes_columns = std::invocable<const Energy&, Q, P>;
+  static_assert(
+      takes_columns,
+      "from_energy: the energy does not take columns of any numbers, or changes itself: write it as "
+      "`[](const auto& q, const auto& p) { return ...; }`, with t in front where it depends on the "
+      "time, and not mutable");
+  if constexpr (takes_columns)
+    static_assert(std::convertible_to<std::invoke_result_t<const Energy&, Q, P>, Number>,
+                  "from_energy: the energy gives no number of those it takes: return one, as `return (p[0] * "
+                  "p[0] + q[0] * q[0]) / 2;`");
+  return takes_columns;
 }
 
 }  // namespace detail
@@ -150,6 +167,8 @@ class EnergyHamiltonian {
       const auto make = [begin](const Scalar& value, Eigen::Index i) {
         return detail::variable<Scalar, width>(value, i - begin);
       };
+      using Column = decltype(detail::as_duals(q, 0, make));
+      static_assert(detail::is_energy_of_columns<Number, F, Column, Column>());
       const Number h = f(detail::as_duals(q, 0, make), detail::as_duals(p, dof_, make));
       for (Eigen::Index i = begin, k = 0; k < width && i < 2 * dof_; ++i, ++k)
         (i < dof_ ? dHdq[i] : dHdp[i - dof_]) = h.derivative[k];
@@ -189,8 +208,10 @@ class EnergyHamiltonian {
       const auto once = [&](bool direct) {
         tape.start(2 * dof_, to_q, to_p, direct ? &memory.weights : nullptr);
         tape.values = memory.values;
-        const detail::Traced<T> h =
-            f(EnergyColumn<T, Dof, 0>(&tape, q, dof_), EnergyColumn<T, Dof, 1>(&tape, p, dof_));
+        using Q = EnergyColumn<T, Dof, 0>;
+        using P = EnergyColumn<T, Dof, 1>;
+        static_assert(detail::is_energy_of_columns<detail::Traced<T>, F, Q, P>());
+        const detail::Traced<T> h = f(Q(&tape, q, dof_), P(&tape, p, dof_));
         if (memory.values || !tape.values_used) return tape.sweep(h, memory.weights);
         memory.values = true;
         return false;

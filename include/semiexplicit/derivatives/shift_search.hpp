@@ -215,7 +215,7 @@ class Lengths {
 };
 
 /// Looks for the shift of a central difference of the gradient: of shifts over several orders of magnitude,
-/// the one whose difference agrees best with its two neighbours'. Memory: seven vectors of length 2d.
+/// the one whose difference agrees best with its two neighbours'. Memory: nine vectors of length 2d.
 template <class H>
 class ShiftSearch {
  public:
@@ -225,7 +225,8 @@ class ShiftSearch {
   static constexpr int most_shifts = 48;
 
   explicit ShiftSearch(Eigen::Index dof) : above_(dof), below_(dof) {
-    for (Vec* one : {&here_, &middle_, &smaller_, &units_, &largest_}) *one = above_.vector();
+    for (Vec* one : {&here_, &middle_, &smaller_, &units_, &largest_, &off_at_, &agreed_})
+      *one = above_.vector();
     units_.setOnes();
   }
 
@@ -257,8 +258,11 @@ class ShiftSearch {
     using std::log;
     using std::pow;
     const Scalar ratio = pow(to / from, Scalar(1) / Scalar(std::max(count - 1, 1)));
+    const Scalar usual = usual_part(length);
     HalfBy by_shift[2][most_shifts];
     Scalar shift = from;
+    int beyond[2] = {0, 0};
+    off_at_.setZero(), agreed_.setZero();
     for (int k = 0; k < count; ++k, shift *= ratio) {
       try {
         difference(shift, smaller_);
@@ -266,11 +270,14 @@ class ShiftSearch {
         smaller_.setConstant(std::numeric_limits<Scalar>::quiet_NaN());
       }
       if (k > 0)
-        for (int half = 0; half < 2; ++half) by_shift[half][k] = compare(half, shift);
+        for (int half = 0; half < 2; ++half) {
+          by_shift[half][k] = compare(half, shift);
+          if (shift > usual / 64) beyond[half] = std::max(beyond[half], last_gap(half, k));
+        }
       middle_ = smaller_;
     }
-    const Scalar usual = usual_part(length);
-    for (HalfBy(&half)[most_shifts] : by_shift) forget_beyond_gap(half, count, from, ratio, usual / 64);
+    for (int half = 0; half < 2; ++half)
+      for (int k = 1; k <= beyond[half]; ++k) by_shift[half][k] = {};
     Scalar apart[most_shifts], least(0);
     score(by_shift, count, length, apart);
     for (int k = 1; k < count - 1; ++k) {
@@ -353,24 +360,20 @@ class ShiftSearch {
     return {size, apart / size};
   }
 
-  /// Where differences agree over small shifts, disagree over larger ones and agree once more over larger
-  /// ones still, these have stepped over something, as a narrow wall, and see what is around it. They begin
-  /// to disagree with the square of the shift, 64 times as much from one to the next. Where it comes at once,
-  /// or below `least`, the gradient is rounded, to floats say, and it is the small ones that see nothing.
-  static void forget_beyond_gap(HalfBy (&half)[most_shifts], int count, const Scalar& from,
-                                const Scalar& ratio, const Scalar& least) {
-    using std::pow;
-    const Scalar third = usual_part(Scalar(1));
-    Scalar best(1);
-    for (int k = count - 2; k >= 1; --k) {
-      const Scalar here = std::max(half[k].apart, half[k + 1].apart);
-      best = std::min(best, here);
-      const Scalar times = here / std::max(best, Scalar(third * third));
-      if (!(best < Scalar(1e-3) && times > 100)) continue;
-      if (times > Scalar(1e4) || from * pow(ratio, Scalar(k)) < least) return;
-      for (int larger = 1; larger <= k; ++larger) half[larger] = {};
-      return;
+  /// The last shift, of those so far, at which an entry of a column was another than by three smaller ones,
+  /// which agree: that has stepped over something, as a narrow wall, and larger ones see what is around it.
+  int last_gap(int half, int k) {
+    using std::abs;
+    const Eigen::Index d = middle_.size() / 2;
+    int last = 0;
+    for (Eigen::Index j = half * d; j < (half + 1) * d; ++j) {
+      const Scalar off = abs(middle_[j] - smaller_[j]),
+                   size = std::max<Scalar>(abs(middle_[j]), abs(smaller_[j]));
+      agreed_[j] = size > Scalar(0) && off < Scalar(1e-2) * size ? agreed_[j] + 1 : Scalar(0);
+      if (!(off < Scalar(0.3) * size)) off_at_[j] = Scalar(k);
+      if (agreed_[j] == Scalar(2)) last = std::max(last, static_cast<int>(off_at_[j]));
     }
+    return last;
   }
 
   /// How far the columns by each shift and by the next larger one are from each other: the logarithm of the
@@ -401,7 +404,7 @@ class ShiftSearch {
   }
 
   State above_, below_;
-  Vec here_, middle_, smaller_, units_, largest_;
+  Vec here_, middle_, smaller_, units_, largest_, off_at_, agreed_;
   bool saw_ = false;
 };
 

@@ -538,6 +538,31 @@ TEST_CASE("what is advised as a run of the whole was compared to the end") {
   }
 }
 
+TEST_CASE("a step to the end of what was constant at first is no run of the whole") {
+  // A pendulum that turns over, and passes there once: before, nothing is to be seen.
+  const auto h = from_energy<1>([](const auto& q, const auto& p) { return p[0] * p[0] / 2 - cos(q[0]); });
+  const PhasePoint<double, 1> start(0, 3);
+  for (const double place : {2e3, 2e4}) {
+    const auto passed = [place](const auto& q, const auto&) { return (1 + std::tanh(q[0] - place)) / 2; };
+    const double T = 0.5 * place, target = 1e-3;
+    for (const bool whole : {false, true}) {
+      const auto cost = cost_of_accuracy(h, start, T,
+                                         {.observable = passed,
+                                          .targets = {target},
+                                          .min_gradients = 1e5,
+                                          .max_gradients = 1e6,
+                                          .whole = whole});
+      CAPTURE(place, whole);
+      for (const CostRow& row : cost.rows) CHECK((row.tried < T || row.setting.dt < T / 100));
+      if (const auto advice = cost.cheapest(target)) {
+        auto z = start;
+        cost.run(z, *advice);
+        CHECK(std::abs(passed(z.q(), z.p()) - 1) < target);
+      }
+    }
+  }
+}
+
 TEST_CASE("a bump that is narrower than the reference's steps is compared") {
   const auto h = from_energy<2>([](const auto& q, const auto& p) {
     return (p[0] * p[0] * (1 + 0.2 * q[0] * q[0]) + q[0] * q[0] + 1.3 * (p[1] * p[1] + q[1] * q[1])) / 2 +

@@ -298,6 +298,34 @@ TEST_CASE("Differences in float do not step over a system in small units", "[cha
   }
 }
 
+/// A dimple of that width in the middle of a bowl.
+struct Dimple {
+  using Scalar = double;
+  static constexpr int Dof = 2;
+  static constexpr double depth = 0.15;
+  double width = 1;
+  double deep(In<double, 2> q) const { return 2 * depth * std::exp(-q.squaredNorm() / (width * width)); }
+  void gradient(In<double, 2> q, In<double, 2> p, Out<double, 2> dHdq, Out<double, 2> dHdp) const {
+    dHdq = (1 - deep(q)) * q;
+    dHdp = p;
+  }
+};
+
+TEST_CASE("Differences do not step over what an entry has a part of, on an axis", "[chaos]") {
+  // Across the axis the entry is 1 - deep: larger shifts see 1.
+  for (const double width : {1.0, 1e-2, 1e-3, 1e-6}) {
+    const Dimple dimple{width};
+    const double dt = 1e-4;
+    TangentMap<Dimple> map(dimple, schemes::strang<double>());
+    for (const double x : {0.1, 0.5, 0.9}) {
+      const PhasePoint<double, 2> z({x * width, 0}, {0.3 * width, 0});
+      REQUIRE(map.at(z, dt) == Status::success);
+      CAPTURE(width, x);
+      CHECK(-map.matrix()(3, 1) / dt == Approx(1 - dimple.deep(z.q())).epsilon(1e-3));
+    }
+  }
+}
+
 TEST_CASE("A tangent map by differences is right at rest, in any units", "[chaos]") {
   for (const double q : {1e-2, -3e-3, 2e-2})
     for (const double dt : {1e-14, 1e-12})

@@ -118,9 +118,11 @@ class Forecast {
     return !problem_.options.whole && candidate.is_symplectic() && varies_ <= most &&
            scout_.speeds_up() <= much_faster && !scout_.errs_behind(table_.tried);
   }
-  /// Whether the trial was a run of the whole, compared to its end: its last step may go beyond the samples.
+  /// Whether the trial was a run of the whole, compared to its end: its last step may go beyond what is known
+  /// of the observable, unless that is the energy.
   bool is_whole(const Probe& probe) const {
-    const double compared = samples().empty() ? probe.length : std::min(probe.length, probe.seen_to());
+    const double compared =
+        problem_.options.observable.is_energy() ? probe.length : std::min(probe.length, probe.seen_to());
     return !(compared < table_.time * (1 - 1e-12));
   }
   /// Whether what a trial saw holds to T, as far as a neighbouring orbit and its own error tell. What jumps

@@ -222,8 +222,8 @@ class Reference {
     return true;
   }
 
-  /// Takes samples within these, where lines from one to the next are not what the observable of interpolated
-  /// states does. False: the calls ended.
+  /// Takes samples within the long steps, where lines from one to the next are not what the observable of
+  /// interpolated states does. False: the calls ended.
   SEMIEXPLICIT_COLD bool look_within_steps() {
     double range = 0;
     for (const auto& sample : samples_) range = std::max(range, size_of(sample.value - problem_.first));

@@ -276,8 +276,10 @@ class ShiftSearch {
         }
       middle_ = smaller_;
     }
-    for (int half = 0; half < 2; ++half)
+    for (int half = 0; half < 2; ++half) {
       for (int k = 1; k <= beyond[half]; ++k) by_shift[half][k] = {};
+      forget_beyond_gap(by_shift[half], count, from, ratio, usual / 64);
+    }
     Scalar apart[most_shifts], least(0);
     score(by_shift, count, length, apart);
     for (int k = 1; k < count - 1; ++k) {
@@ -374,6 +376,26 @@ class ShiftSearch {
       if (agreed_[j] == Scalar(2)) last = std::max(last, static_cast<int>(off_at_[j]));
     }
     return last;
+  }
+
+  /// Where differences agree over small shifts, disagree over larger ones and agree once more over larger
+  /// ones still, these have stepped over something, as a narrow wall, and see what is around it. They begin
+  /// to disagree with the square of the shift, 64 times as much from one to the next. Where it comes at once,
+  /// or below `least`, the gradient is rounded, to floats say, and it is the small ones that see nothing.
+  static void forget_beyond_gap(HalfBy (&half)[most_shifts], int count, const Scalar& from,
+                                const Scalar& ratio, const Scalar& least) {
+    using std::pow;
+    const Scalar third = usual_part(Scalar(1));
+    Scalar best(1);
+    for (int k = count - 2; k >= 1; --k) {
+      const Scalar here = std::max(half[k].apart, half[k + 1].apart);
+      best = std::min(best, here);
+      const Scalar times = here / std::max(best, Scalar(third * third));
+      if (!(best < Scalar(1e-3) && times > 100)) continue;
+      if (times > Scalar(1e4) || from * pow(ratio, Scalar(k)) < least) return;
+      for (int larger = 1; larger <= k; ++larger) half[larger] = {};
+      return;
+    }
   }
 
   /// How far the columns by each shift and by the next larger one are from each other: the logarithm of the

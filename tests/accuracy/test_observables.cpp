@@ -48,6 +48,22 @@ struct DoublePendulum {
   }
 };
 
+/// The largest error of f(z) in an advised run, by a tight one, and the largest f.
+template <class H, class F>
+std::pair<double, double> compared(const CostOfAccuracy<H>& cost, const CostRow& advice, const H& h,
+                                   const PhasePoint<double, H::Dof>& z0, double tight, const F& f) {
+  const Setting reference{.method = Setting::Method::gauss, .stages = 8, .dt = tight};
+  auto z = z0, exact = z0;
+  double error = 0, size = 0, at = 0;
+  cost.run(z, advice, [&](double t, const auto& now) {
+    if (t > at) run(h, exact, t - at, reference);
+    at = t;
+    error = std::max(error, Eigen::VectorXd(f(now) - f(exact)).norm());
+    size = std::max(size, Eigen::VectorXd(f(exact)).norm());
+  });
+  return {error, size};
+}
+
 /// Runs the advice for a target, and compares it with a tight run.
 template <class H, class F>
 void check_advice(const H& h, const PhasePoint<double, H::Dof>& z0, double T, double target, double tight,
@@ -58,15 +74,7 @@ void check_advice(const H& h, const PhasePoint<double, H::Dof>& z0, double T, do
   REQUIRE(advice);
   CHECK_FALSE(cost.invariant);
   CHECK(cost.reference_error < target);
-  const Setting reference{.method = Setting::Method::gauss, .stages = 8, .dt = tight};
-  auto z = z0, exact = z0;
-  double error = 0, size = 0, at = 0;
-  cost.run(z, *advice, [&](double t, const auto& now) {
-    if (t > at) run(h, exact, t - at, reference);
-    at = t;
-    error = std::max(error, Eigen::VectorXd(f(now) - f(exact)).norm());
-    size = std::max(size, Eigen::VectorXd(f(exact)).norm());
-  });
+  const auto [error, size] = compared(cost, *advice, h, z0, tight, f);
   CHECK(error / size <= 3 * target);
   // Half the accuracy for nothing: the advice is not much better than asked for, either.
   // Nor is it much better than asked for; a steep order makes much of a step.
@@ -581,13 +589,8 @@ TEST_CASE("a bump that is narrower than the reference's steps is compared") {
         h, start, T, {.observable = f, .targets = {target}, .max_gradients = 2e5, .whole = true});
     const auto advice = cost.cheapest(target);
     REQUIRE(advice);
-    auto z = start, exact = start;
-    double at = 0, off = 0;
-    cost.run(z, *advice, [&](double t, const auto& now) {
-      if (t > at) run(h, exact, t - at, tight);
-      at = t;
-      off = std::max(off, std::abs(f(now.q(), now.p()) - f(exact.q(), exact.p())));
-    });
+    const auto [off, size] = compared(cost, *advice, h, start, 0.1,
+                                      [&](const auto& z) { return Vector<double, 1>(f(z.q(), z.p())); });
     CAPTURE(k);
     CHECK(off / 2 < target);  // of 2 at the peak
   }

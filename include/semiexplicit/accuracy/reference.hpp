@@ -13,6 +13,7 @@
 #include <semiexplicit/accuracy/scout.hpp>
 #include <semiexplicit/core/cold.hpp>
 #include <semiexplicit/core/two_sum.hpp>
+#include <semiexplicit/observers/dense_output.hpp>
 
 namespace semiexplicit::detail {
 
@@ -59,8 +60,8 @@ class Reference {
 
   /// The largest ‖f‖ until t.
   double size_until(double t) const {
-    return largest_until(t, static_cast<double>(norm(problem_.first)),
-                         [](const auto& sample) { return static_cast<double>(norm(sample.value)); });
+    return largest_until(t, size_of(problem_.first),
+                         [](const auto& sample) { return size_of(sample.value); });
   }
 
   /// The power of the time with which the terms of the observable grow in the end.
@@ -77,7 +78,7 @@ class Reference {
     double known = 50 * Problem<Any>::epsilon * scale();
     for (const auto& sample : samples_) {
       known = std::max(known, 10 * sample.apart);
-      if (!(static_cast<double>(norm(sample.value - problem_.first)) <= known)) return false;
+      if (!(size_of(sample.value - problem_.first) <= known)) return false;
     }
     return true;
   }
@@ -119,7 +120,7 @@ class Reference {
     coarse_ = fine_ = problem_.z0;
     long_steps_.clear();
     time_ = carry_ = 0;
-    size_ = static_cast<double>(norm(problem_.first));
+    size_ = size_of(problem_.first);
     samples_.clear();
   }
 
@@ -225,8 +226,8 @@ class Reference {
   /// Takes samples within the long steps, where lines from one to the next are not what the observable of
   /// interpolated states does. False: the calls ended.
   SEMIEXPLICIT_COLD bool look_within_steps() {
-    double range = 0;
-    for (const auto& sample : samples_) range = std::max(range, size_of(sample.value - problem_.first));
+    double range = largest_until(
+        time(), 0, [this](const auto& sample) { return size_of(sample.value - problem_.first); });
     for (const LongStep& step : std::exchange(long_steps_, {})) {
       if (problem_.left() < 2) return false;
       const std::vector<Value> seen = interpolate(step);
@@ -252,19 +253,17 @@ class Reference {
                      [](const auto& a, const auto& b) { return a.t < b.t; });
     return true;
   }
-  /// The observable of states between the ends of a step by cubic Hermite interpolation, at equal distances;
-  /// NaN where they have left its domain.
+  /// The observable of states between the ends of a step by interpolation, at equal distances; NaN where they
+  /// have left its domain.
   SEMIEXPLICIT_COLD std::vector<Value> interpolate(const LongStep& step) {
-    const auto& begin = step.fine.vector();
-    const auto& end = step.fine_at_end.vector();
-    const State before = problem_.velocity_at(step.fine), behind = problem_.velocity_at(step.fine_at_end);
+    DenseOutput<Any> dense(problem_.hamiltonian, 2);
+    const auto dt = static_cast<Scalar>(step.dt);
+    dense(Scalar(0), step.fine), dense(dt, step.fine_at_end);
+    problem_.spend(2);
     std::vector<Value> result;
     State between = step.fine;
     for (int i = 0; i <= step.parts; ++i) {
-      const Scalar s = Scalar(i) / Scalar(step.parts), h = Scalar(step.dt);
-      between.vector() =
-          begin + s * (end - begin) +
-          s * (1 - s) * ((1 - 2 * s) * (begin - end) + h * ((1 - s) * before.vector() - s * behind.vector()));
+      dense.sought_after(0, Scalar(i) / Scalar(step.parts) * dt, between);
       auto& value = result.emplace_back();
       try {
         problem_.measure(between, value);
@@ -280,11 +279,16 @@ class Reference {
     Value coarse, fine;
     bool cut = false;
     if (!measure_after(dt, step.fine, fine, cut) || !measure_after(dt, step.coarse, coarse, cut)) return !cut;
-    size_ = std::max(size_, size_of(fine));
-    samples_.push_back({step.t + dt, fine, size_of(coarse - fine), 0, true, false});
+    add_sample(step.t + dt, coarse, fine, 0, true, false);
     return true;
   }
-  static double size_of(const auto& value) { return static_cast<double>(norm(value.eval())); }
+
+  SEMIEXPLICIT_COLD void add_sample(const Time& t, const Value& coarse, const Value& fine, double terms,
+                                    bool stays, bool opens) {
+    samples_.push_back({t, fine, size_of(coarse - fine), terms, stays, opens});
+    size_ = std::max(size_, size_of(fine));
+  }
+  static double size_of(const auto& value) { return static_cast<double>(norm(value)); }
 
   /// How many steps of the coarse run, of so many in that stretch, no sample is further apart than. A trial
   /// over much of T may be advice by itself: its samples are as close as the motion asks for, as far as
@@ -357,8 +361,7 @@ class Reference {
       if (!flash && !opens) steps = 0;
       problem_.measure(coarse_, coarse);
       const double terms = is_planned || flash ? problem_.terms_at(fine_) : 0;
-      samples_.push_back({time_, fine, static_cast<double>(norm(coarse - fine)), terms, flash, opens});
-      size_ = std::max(size_, static_cast<double>(norm(fine)));
+      add_sample(time_, coarse, fine, terms, flash, opens);
     }
     rate_ = (problem_.table.spent_gradients - begin) / (length - from);
     return true;

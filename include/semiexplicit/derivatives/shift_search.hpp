@@ -261,7 +261,7 @@ class ShiftSearch {
     const Scalar usual = usual_part(length);
     HalfBy by_shift[2][most_shifts];
     Scalar shift = from;
-    int beyond[2] = {0, 0};
+    int gap[2] = {0, 0};
     off_at_.setZero(), agreed_.setZero();
     for (int k = 0; k < count; ++k, shift *= ratio) {
       try {
@@ -272,13 +272,13 @@ class ShiftSearch {
       if (k > 0)
         for (int half = 0; half < 2; ++half) {
           by_shift[half][k] = compare(half, shift);
-          if (shift > usual / 64) beyond[half] = std::max(beyond[half], last_gap(half, k));
+          if (shift > usual / 64) gap[half] = std::max(gap[half], last_gap_of_entries(half, k));
         }
       middle_ = smaller_;
     }
     for (int half = 0; half < 2; ++half) {
-      for (int k = 1; k <= beyond[half]; ++k) by_shift[half][k] = {};
-      forget_beyond_gap(by_shift[half], count, from, ratio, usual / 64);
+      const int last = std::max(gap[half], last_gap(by_shift[half], count, from, ratio, usual / 64));
+      for (int k = 1; k <= last; ++k) by_shift[half][k] = {};
     }
     Scalar apart[most_shifts], least(0);
     score(by_shift, count, length, apart);
@@ -363,8 +363,8 @@ class ShiftSearch {
   }
 
   /// The last shift, of those so far, at which an entry of a column was another than by three smaller ones,
-  /// which agree: that has stepped over something, as a narrow wall, and larger ones see what is around it.
-  int last_gap(int half, int k) {
+  /// which agree: that and larger ones have stepped over something; see last_gap(). 0: there is none.
+  int last_gap_of_entries(int half, int k) {
     using std::abs;
     const Eigen::Index d = middle_.size() / 2;
     int last = 0;
@@ -381,9 +381,10 @@ class ShiftSearch {
   /// Where differences agree over small shifts, disagree over larger ones and agree once more over larger
   /// ones still, these have stepped over something, as a narrow wall, and see what is around it. They begin
   /// to disagree with the square of the shift, 64 times as much from one to the next. Where it comes at once,
-  /// or below `least`, the gradient is rounded, to floats say, and it is the small ones that see nothing.
-  static void forget_beyond_gap(HalfBy (&half)[most_shifts], int count, const Scalar& from,
-                                const Scalar& ratio, const Scalar& least) {
+  /// or below `least`, the gradient is rounded, to floats say, and it is the small ones that see nothing. The
+  /// last of those larger ones; 0: there is none.
+  static int last_gap(const HalfBy (&half)[most_shifts], int count, const Scalar& from, const Scalar& ratio,
+                      const Scalar& least) {
     using std::pow;
     const Scalar third = usual_part(Scalar(1));
     Scalar best(1);
@@ -392,10 +393,9 @@ class ShiftSearch {
       best = std::min(best, here);
       const Scalar times = here / std::max(best, Scalar(third * third));
       if (!(best < Scalar(1e-3) && times > 100)) continue;
-      if (times > Scalar(1e4) || from * pow(ratio, Scalar(k)) < least) return;
-      for (int larger = 1; larger <= k; ++larger) half[larger] = {};
-      return;
+      return times > Scalar(1e4) || from * pow(ratio, Scalar(k)) < least ? 0 : k;
     }
+    return 0;
   }
 
   /// How far the columns by each shift and by the next larger one are from each other: the logarithm of the

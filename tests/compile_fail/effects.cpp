@@ -6,6 +6,9 @@
 // case gradient_by_value: takes by value what it adds to, so that it adds nothing: write `auto& dHdq`
 // case force_by_value: takes by value what it adds to, so that it adds nothing: write `auto& dHdq`
 // case any_by_value: takes by value what it adds to, so that it adds nothing: write `auto& dHdq`
+// case template_by_value: takes by value what it adds to, so that it adds nothing: write `auto& dHdq`
+// case mixed_by_value: takes by value what it adds to, so that it adds nothing: write `auto& dHdq`
+// case template_force_by_value: takes by value what it adds to, so that it adds nothing: write `auto& dHdq`
 // case disagree: must agree on the degrees of freedom
 #include <semiexplicit/scene/any_effect.hpp>
 #include <semiexplicit/scene/scene.hpp>
@@ -23,6 +26,10 @@ struct Mine {
   double energy(const auto& q) const { return q[0]; }
 #if defined(gradient_by_value) || defined(any_by_value)
   void add_gradient(const Eigen::Vector2d&, Eigen::Vector2d dHdq) const { dHdq[0] += 1; }
+#elif defined(template_by_value)
+  void add_gradient(const auto&, auto dHdq) const { dHdq[0] += 1; }
+#elif defined(mixed_by_value)
+  void add_gradient(const auto&, Eigen::Vector2d dHdq) const { dHdq[0] += 1; }
 #elif !defined(without_gradient)
   void add_gradient(const auto&, auto& dHdq) const { dHdq[0] += 1; }
 #endif
@@ -33,6 +40,8 @@ struct Wind {
   static constexpr const char* name = "wind";
 #ifdef force_by_value
   void add_force(In<double, 2>, In<double, 2>, Eigen::Vector2d force) const { force[0] += 1; }
+#elif defined(template_force_by_value)
+  void add_force(const auto&, const auto&, auto force) const { force[0] += 1; }
 #elif !defined(without_force)
   void add_force(const auto&, const auto&, auto& force) const { force[0] += 1; }
 #endif

@@ -5,6 +5,7 @@
 // case nothing_named: exactly<...>() names the effects that have an exact flow together
 // case without_increments: this ExactFlow has no `Status increments
 // case increments_by_value: take dq or dp by value, so that nothing moves: write `auto& dq, auto& dp`
+// case template_by_value: take dq or dp by value, so that nothing moves: write `auto& dq, auto& dp`
 #include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
@@ -18,6 +19,8 @@ struct semiexplicit::ExactFlow<Oblateness<double, 2>> {
 #ifdef increments_by_value
   using Column = Eigen::Vector2d;
   Status increments(double, const Column&, const Column&, Column, Column) const { return Status::success; }
+#elif defined(template_by_value)
+  Status increments(double, const auto&, const auto&, auto, auto) const { return Status::success; }
 #elif !defined(without_increments)
   Status increments(const double&, const auto&, const auto&, auto&, auto&) const { return Status::success; }
 #endif

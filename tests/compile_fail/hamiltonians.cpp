@@ -11,11 +11,15 @@
 // case gradient_by_value: takes dHdq or dHdp by value, so what it writes is lost: take both as
 // case gradient_by_temporary: takes dHdq or dHdp by value, so what it writes is lost: take both as
 // case static_gradient_by_value: takes dHdq or dHdp by value, so what it writes is lost: take both as
+// case mixed_gradient_by_value: takes dHdq or dHdp by value, so what it writes is lost: take both as
+// case template_gradient_by_value: takes dHdq or dHdp by value, so what it writes is lost: take both as
 // case gradient_of_other_size: takes columns of another size or of other numbers than its Dof and Scalar: write
 // case gradient_of_floats: takes columns of another size or of other numbers than its Dof and Scalar: write
 // case time_dependent: depends on the time: give the stepper Autonomous(H)
 // case hessian_by_value: takes an output by value, so what it writes is lost: take it as
 // case driven_by_value: takes dHdq or dHdp by value, so what it writes is lost: take both as
+// case template_hessian_by_value: takes an output by value, so what it writes is lost: take it as
+// case driven_template_by_value: takes dHdq or dHdp by value, so what it writes is lost: take both as
 // case driven_of_vectors: cannot be called with the time: write `void gradient(const Scalar& t, In<Scalar
 // case driven_not_const: cannot be called with the time: write `void gradient(const Scalar& t, In<Scalar
 // case driven_without_time: does not depend on the time: give the stepper H itself
@@ -67,6 +71,13 @@ struct Mine {
   }
 #elif defined(static_gradient_by_value)
   static void gradient(Column q, Column p, Half dHdq, Eigen::Vector2d dHdp) { dHdq = p, dHdp = q; }
+#elif defined(mixed_gradient_by_value)
+  void gradient(const auto& q, const auto& p, auto& dHdq, Eigen::Vector2d dHdp) const { dHdq = p, dHdp = q; }
+#elif defined(template_gradient_by_value)
+  template <class T>
+  void gradient(T q, T p, Eigen::Matrix<double, 2, 1> dHdq, Half dHdp) const {
+    dHdq = p, dHdp = q;
+  }
 #elif defined(gradient_of_other_size)
   void gradient(In<double, 3> q, In<double, 3> p, Out<double, 3> dHdq, Out<double, 3> dHdp) const {
     dHdq = p, dHdp = q;
@@ -84,6 +95,8 @@ struct Mine {
   void hessian_times(Column, Column, Column dq, Column dp, Eigen::Vector2d hq, Eigen::Vector2d hp) const {
     hq = dp, hp = dq;
   }
+#elif defined(template_hessian_by_value)
+  void hessian(const auto&, const auto&, auto matrix) const { matrix.setIdentity(); }
 #endif
 };
 
@@ -92,6 +105,10 @@ struct Driven {
   static constexpr int Dof = 2;
 #if defined(driven_by_value)
   void gradient(double t, Column q, Column p, Eigen::Vector2d dHdq, Eigen::Vector2d dHdp) const {
+    dHdq = t * p, dHdp = q;
+  }
+#elif defined(driven_template_by_value)
+  void gradient(double t, const auto& q, const auto& p, Eigen::Vector2d dHdq, auto& dHdp) const {
     dHdq = t * p, dHdp = q;
   }
 #elif defined(driven_of_vectors)

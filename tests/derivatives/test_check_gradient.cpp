@@ -495,6 +495,48 @@ TEST_CASE("Positions are judged beside positions, and momenta beside momenta, in
   CHECK(check.judged());
 }
 
+/// A spring in scaled coordinates, k (q/unit - rest)²/2.
+template <class T>
+struct ScaledSpring {
+  using Scalar = T;
+  static constexpr int Dof = 1;
+  T unit, rest, k;
+  T energy(In<T, 1> q, In<T, 1> p) const {
+    const T x = q[0] / unit - rest;
+    return p[0] * p[0] / 2 + k * x * x / 2;
+  }
+  void gradient(In<T, 1> q, In<T, 1> p, Out<T, 1> dHdq, Out<T, 1> dHdp) const {
+    dHdq[0] = k * (q[0] / unit - rest) / unit;
+    dHdp[0] = p[0];
+  }
+};
+template <class T>
+int refused_at_rest() {
+  int refused = 0;
+  for (int n = 1; n <= 2000; ++n) {
+    const T x = T(n);
+    const ScaledSpring<T> spring{5 + 4 * std::sin(x), 20 * std::sin(2 * x), 1 + std::cos(3 * x) / 2};
+    if (!check_gradient(spring, PhasePoint<T, 1>(spring.rest * spring.unit, std::sin(5 * x))).ok()) ++refused;
+  }
+  return refused;
+}
+
+TEST_CASE("A right gradient at the rest of a spring in scaled coordinates is not called wrong",
+          "[check_gradient]") {
+  // The rounding of q makes it 0, where the energy says one rounding, and the other way round.
+  CHECK(refused_at_rest<double>() == 0);
+  CHECK(refused_at_rest<float>() == 0);
+  CHECK(refused_at_rest<long double>() == 0);
+  const ScaledSpring<double> spring{3, 7, 2};
+  struct Off : ScaledSpring<double> {  // by some hundred roundings of the force at q
+    void gradient(In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
+      ScaledSpring::gradient(q, p, dHdq, dHdp);
+      dHdq[0] += 1e-12;
+    }
+  };
+  CHECK_FALSE(check_gradient(Off{spring}, PhasePoint<double, 1>(21.0, 0.3)).ok());
+}
+
 TEST_CASE("A half that is zero is not judged by the size of the other one alone", "[check_gradient]") {
   // A car over a rough road: beside its energy the road is but rounding.
   const auto h = make_hamiltonian<double, 1>(

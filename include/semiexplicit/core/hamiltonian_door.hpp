@@ -1,6 +1,7 @@
 #pragma once
 
 #include <type_traits>
+#include <utility>
 
 #include <semiexplicit/core/hamiltonian.hpp>
 #include <semiexplicit/core/parameters.hpp>
@@ -75,7 +76,17 @@ concept NamesDof = requires(H& h) {
 /// tells.
 template <class H>
 consteval bool gradient_writes() {
-  constexpr bool copies = writes_into_copies<GradientParameters<H>, 2>();
+  using At = const InColumn<H>&;
+  const auto of_point =
+      [](const auto& h,
+         auto& out) -> decltype(void(h.gradient(std::declval<At>(), std::declval<At>(), out, out))) {};
+  const auto of_time =
+      [](const auto& h,
+         auto& out) -> decltype(void(h.gradient(std::declval<const typename H::Scalar&>(), std::declval<At>(),
+                                                std::declval<At>(), out, out))) {};
+  constexpr bool copies = writes_into_copies<GradientParameters<H>, 2>() ||
+                          loses_output<decltype(of_point), H, OutColumn<H>>() ||
+                          loses_output<decltype(of_time), H, OutColumn<H>>();
   static_assert(!copies,
                 "the gradient of this Hamiltonian takes dHdq or dHdp by value, so what it writes is lost: "
                 "take both as Out<Scalar, Dof>");
@@ -84,16 +95,22 @@ consteval bool gradient_writes() {
 /// Whether one of the members that a Hamiltonian may have takes an output by value.
 template <class H>
 constexpr bool optional_member_writes_into_copies() {
-  bool copies = false;
-  if constexpr (requires { &H::hessian; })
-    copies = copies || writes_into_copies<Parameters<decltype(&H::hessian)>, 1>();
-  if constexpr (requires { &H::hessian_times; })
-    copies = copies || writes_into_copies<Parameters<decltype(&H::hessian_times)>, 2>();
-  if constexpr (requires { &H::position_gradient; })
-    copies = copies || writes_into_copies<Parameters<decltype(&H::position_gradient)>, 1>();
-  if constexpr (requires { &H::momentum_gradient; })
-    copies = copies || writes_into_copies<Parameters<decltype(&H::momentum_gradient)>, 1>();
-  return copies;
+  using At = const InColumn<H>&;
+  using Hessian = Eigen::Matrix<typename H::Scalar, twice(H::Dof), twice(H::Dof)>;
+  const auto hessian = [](const auto& h, auto& out) -> decltype(void(h.hessian(std::declval<At>(),
+                                                                               std::declval<At>(), out))) {};
+  const auto product =
+      [](const auto& h,
+         auto& out) -> decltype(void(h.hessian_times(std::declval<At>(), std::declval<At>(),
+                                                     std::declval<At>(), std::declval<At>(), out, out))) {};
+  const auto position = [](const auto& h,
+                           auto& out) -> decltype(void(h.position_gradient(std::declval<At>(), out))) {};
+  const auto momentum = [](const auto& h,
+                           auto& out) -> decltype(void(h.momentum_gradient(std::declval<At>(), out))) {};
+  return loses_output<decltype(hessian), H, Hessian>() ||
+         loses_output<decltype(product), H, OutColumn<H>>() ||
+         loses_output<decltype(position), H, OutColumn<H>>() ||
+         loses_output<decltype(momentum), H, OutColumn<H>>();
 }
 
 /// Compiles for a Hamiltonian, and what it gives is true. For anything else the compiler says what is

@@ -62,4 +62,33 @@ constexpr bool writes_into_copies() {
   (std::make_index_sequence<outputs>());
 }
 
+/// A column that is there, but of which no other can be made by copying its type.
+template <class Column>
+struct Uncopied : Column {
+  using Column::Column;
+  using Column::operator=;
+  Uncopied(const Uncopied&) = delete;
+};
+/// A column that is there, but of which no matrix can be made: this conversion is nearer than Eigen's.
+template <class Column>
+struct NoMatrix : Eigen::Map<Column> {
+  using Eigen::Map<Column>::Map;
+  using Eigen::Map<Column>::operator=;
+  operator Column() = delete;
+};
+/// Whether a member that may be a template, called with an output, takes it by value. `Call` is given the
+/// object and hands an output on to the member, `Given`; a Map or a Ref that is copied still writes to where
+/// it is.
+template <class Call, class Object, class Given>
+constexpr bool loses_output() {
+  using Column = typename Given::PlainObject;
+  const auto takes = []<class Out>(std::type_identity<Out>) {
+    return std::is_invocable_v<Call, const Object&, Out&>;
+  };
+  const bool copied = std::is_same_v<Given, Column> && takes(std::type_identity<Given>()) &&
+                      !takes(std::type_identity<Uncopied<Given>>());
+  return copied ||
+         (takes(std::type_identity<Eigen::Map<Column>>()) && !takes(std::type_identity<NoMatrix<Column>>()));
+}
+
 }  // namespace semiexplicit::detail

@@ -322,7 +322,12 @@ SEMIEXPLICIT_COLD Slope<Scalar> judging_slope(const ScalarFunction<Scalar>& f, c
         f, x, std::min<Scalar>(1000000 * std::max(own, widest), (std::numeric_limits<Scalar>::max)()));
   const Scalar noise = isfinite(grid) ? std::max<Scalar>(rounding, grid / 4) : rounding;
   const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon(), tiny = sqrt(epsilon);
-  const auto agrees = [&](const Slope<Scalar>& slope) { return slope.admits(given, slack); };
+  Scalar place(0);  // what the rounding of x makes of a right slope, where it is looked at
+  const auto agrees = [&](const Slope<Scalar>& slope) { return slope.admits(given, slack + place); };
+  const auto with_place = [&](Slope<Scalar> slope) {
+    slope.uncertainty += place;
+    return slope;
+  };
   const auto confirmed = [&](Slope<Scalar> slope) {
     if (!slope.judges || agrees(slope)) return slope;
     for (const double part : {0.71, 0.59, 0.83}) {
@@ -361,6 +366,11 @@ SEMIEXPLICIT_COLD Slope<Scalar> judging_slope(const ScalarFunction<Scalar>& f, c
   Slope<Scalar> best = extrapolated_slope<Scalar>(f, x, h, noise);
   best.judges = judges(best, h, true);
   if (best.judges && agrees(best)) return best;
+  // Where terms cancel at x, the slope is that of an x that is off by some roundings: at the rest of a spring
+  // in scaled coordinates it is 0 by one of them, and not by another.
+  place = 32 * epsilon * moves_nearby(h);
+  if (!isfinite(place)) place = Scalar(0);
+  if (best.judges && agrees(best)) return with_place(best);
   // From the steps h of `best` on to smaller ones.
   const auto refine = [&](Scalar step) {
     for (step /= 8192; step > Scalar(0) && step >= 1048576 * epsilon * own; step /= 8192) {
@@ -375,7 +385,7 @@ SEMIEXPLICIT_COLD Slope<Scalar> judging_slope(const ScalarFunction<Scalar>& f, c
     }
   };
   if (moves * h > 16384 * std::max<Scalar>(noise, epsilon * abs(here))) refine(h);
-  if (best.judges) return confirmed(best);
+  if (best.judges) return with_place(confirmed(best));
   Scalar last = own;
   for (const Scalar& wanted : {Scalar(1000 * own), widest}) {
     const Scalar reach = std::min(wanted, std::max(own, widest));
@@ -395,12 +405,12 @@ SEMIEXPLICIT_COLD Slope<Scalar> judging_slope(const ScalarFunction<Scalar>& f, c
       }
     }
     best = confirmed(best);
-    if (best.judges) return best;
+    if (best.judges) return with_place(best);
   }
   // f does not depend on x.
   if (!varies) best.uncertainty = std::max<Scalar>(best.uncertainty, 1000 * noise / own);
   best.judges = !varies && isfinite(best.uncertainty) && (given == Scalar(0) || !agrees(best));
-  return best;
+  return with_place(best);
 }
 
 /// The gradient of H at z, and what it does with its outputs, from calls that find different numbers in them.

@@ -12,7 +12,7 @@ namespace semiexplicit::detail {
 
 /// ∇²H at z, a symmetric 2d × 2d matrix: by H.hessian where there is one, else by central differences of the
 /// gradient. NaN or Inf where the gradient is; what a gradient throws goes through, but for std::domain_error
-/// while a shift is looked for: that shift is too large. Memory: twelve vectors of length 2d.
+/// while a shift is looked for: that shift is too large. Memory: sixteen vectors of length 2d.
 ///
 /// The shift of each coordinate is found from the gradient itself: of shifts over all orders of magnitude,
 /// the one whose difference agrees best with its two neighbours'. It is kept from call to call, looked at
@@ -101,13 +101,15 @@ class SecondDerivatives {
     // Farther than about half the length along which the gradient varies, by its shift; momenta may have
     // begun at zero.
     const Scalar to_length = Scalar(0.4) / ShiftSearch<H>::usual_part(Scalar(1));
-    bool far = count_ == 0;
+    bool grown = count_ == 0;
     for (const Eigen::Index half : {Eigen::Index{0}, d})
-      far = far || largest(z, half) > 16 * largest(last_, half);
+      grown = grown || largest(z, half) > 16 * largest(last_, half);
+    bool far = grown;
     for (Eigen::Index i = 0; i < z.size(); ++i) far = far || !(abs(z[i] - last_[i]) <= to_length * shift_[i]);
     // Where nothing depends on a coordinate, as at the top of a drive, it is looked for again soon.
     const bool soon = (count_ & (count_ - 1)) == 0 && !blind_.isZero(0);
     const bool again = count_ % look_again == 0;
+    if (grown) blind_.setOnes();  // shifts found when it was small tell nothing
     if (far || soon || again) look(h, z, far, soon, again);
     last_ = z;
     count_ = count_ % (std::int64_t{1} << 40) + 1;  // not where the gradient has thrown
@@ -129,11 +131,11 @@ class SecondDerivatives {
         at_.vector() = z;  // where the gradient has thrown it was moved
         difference(h, z, i, shift, column);
       };
-      const Scalar length = lengths_.own(i, z), own = abs(z[i]);
-      const Scalar unit = lengths_.guessed(i, d) ? Scalar(1) : std::max<Scalar>(lengths_.of(i, d), 1);
-      const Scalar found = anew ? search_.best_of_all(length, own, unit, by)
-                                : search_.best_near(length, own, unit, shift_[i], by);
-      const bool has_before = count_ > 0 && blind_[i] == Scalar(0);
+      const Scalar length = lengths_.own(i, z), farthest = lengths_.of(i, d), own = abs(z[i]);
+      const Scalar unit = lengths_.guessed(i, d) ? Scalar(1) : std::max<Scalar>(farthest, 1);
+      const Scalar found = anew ? search_.best_of_all(length, farthest, own, unit, by)
+                                : search_.best_near(length, farthest, own, unit, shift_[i], by);
+      const bool has_before = blind_[i] == Scalar(0);
       shift_[i] = has_before ? search_.bounded(found, shift_[i], length) : found;
       blind_[i] = Scalar(search_.saw() ? 0 : 1);
     }

@@ -215,7 +215,7 @@ class Lengths {
 };
 
 /// Looks for the shift of a central difference of the gradient: of shifts over several orders of magnitude,
-/// the one whose difference agrees best with its two neighbours'. Memory: nine vectors of length 2d.
+/// the one whose difference agrees best with its two neighbours'. Memory: eleven vectors of length 2d.
 template <class H>
 class ShiftSearch {
  public:
@@ -223,11 +223,13 @@ class ShiftSearch {
   using State = PhasePoint<Scalar, H::Dof>;
   using Vec = typename State::Storage;
   static constexpr int most_shifts = 48;
+  static constexpr int by_own = 0, by_half = 1, countings = 2;  ///< what entries count in, see count_in()
 
   explicit ShiftSearch(Eigen::Index dof) : above_(dof), below_(dof) {
-    for (Vec* one : {&here_, &middle_, &smaller_, &units_, &largest_, &off_at_, &agreed_})
+    for (Vec* one : {&here_, &middle_, &smaller_, &units_[by_own], &units_[by_half], &largest_, &seen_,
+                     &off_at_, &agreed_})
       *one = above_.vector();
-    units_.setOnes();
+    for (Vec& units : units_) units.setOnes();
   }
 
   /// What a difference writes its two gradients to.
@@ -236,12 +238,15 @@ class ShiftSearch {
   /// The gradient where the differences are taken: to be written before a search.
   Vec& here() { return here_; }
   /// To be called at the point z of a search: a half of a column is a sum of entries times what the
-  /// coordinates are counted in, in one unit where these are in others. That is how large each was at most.
+  /// coordinates are counted in. That is how large each was at most, where they are in different units, and
+  /// the length of its half, where one is small by chance: which of them it is nothing tells, and a shift has
+  /// to be right by both.
   void count_in(const Lengths<H>& lengths, const Vec& z) {
     using std::abs;
     for (Eigen::Index i = 0; i < z.size(); ++i) {
       if (lengths.has_own(i, z)) largest_[i] = std::max<Scalar>(largest_[i], abs(z[i]));
-      units_[i] = largest_[i] > Scalar(0) ? largest_[i] : lengths.of(i, z.size() / 2);
+      units_[by_half][i] = lengths.of(i, z.size() / 2);
+      units_[by_own][i] = largest_[i] > Scalar(0) ? largest_[i] : units_[by_half][i];
     }
   }
   /// What that remembers; see CheckpointMemory.
@@ -249,39 +254,44 @@ class ShiftSearch {
 
   /// Of `count` shifts in geometric order from the larger one to the smaller one, that whose differences
   /// agree best with those of its two neighbours; of those that agree nearly as well, as where the gradient
-  /// is linear or even, that nearest to the usual part of `length`. difference(shift, column) writes above(),
-  /// below() and their difference by the shift; NaN and std::domain_error say that the shift is too large.
+  /// is linear or even, that nearest to the usual part of `length`; `farthest` is the length by the half
+  /// alone. difference(shift, column) writes above(), below() and their difference by the shift; NaN and
+  /// std::domain_error say that the shift is too large.
   template <class Difference>
-  Scalar best(const Scalar& length, const Scalar& from, const Scalar& to, int count,
+  Scalar best(const Scalar& length, const Scalar& farthest, const Scalar& from, const Scalar& to, int count,
               const Difference& difference) {
     using std::abs;
     using std::log;
     using std::pow;
     const Scalar ratio = pow(to / from, Scalar(1) / Scalar(std::max(count - 1, 1)));
     const Scalar usual = usual_part(length);
-    HalfBy by_shift[2][most_shifts];
+    HalfBy by_shift[countings][2][most_shifts];
     Scalar shift = from;
     int gap[2] = {0, 0};
-    off_at_.setZero(), agreed_.setZero();
+    seen_.setZero(), off_at_.setZero(), agreed_.setZero();
     for (int k = 0; k < count; ++k, shift *= ratio) {
       try {
         difference(shift, smaller_);
       } catch (const std::domain_error&) {
         smaller_.setConstant(std::numeric_limits<Scalar>::quiet_NaN());
       }
+      for (Eigen::Index j = 0; j < smaller_.size(); ++j)
+        seen_[j] = std::max<Scalar>(seen_[j], abs(smaller_[j]));  // NaN sees nothing
       if (k > 0)
         for (int half = 0; half < 2; ++half) {
-          by_shift[half][k] = compare(half, shift);
+          for (int counting = 0; counting < countings; ++counting)
+            by_shift[counting][half][k] = compare(units_[counting], half, shift);
           if (shift > usual / 64) gap[half] = std::max(gap[half], last_gap_of_entries(half, k));
         }
       middle_ = smaller_;
     }
     for (int half = 0; half < 2; ++half) {
-      const int last = std::max(gap[half], last_gap(by_shift[half], count, from, ratio, usual / 64));
-      for (int k = 1; k <= last; ++k) by_shift[half][k] = {};
+      const int last = std::max(gap[half], last_gap(by_shift[by_own][half], count, from, ratio, usual / 64));
+      for (auto& counting : by_shift)
+        for (int k = 1; k <= last; ++k) counting[half][k] = {};
     }
     Scalar apart[most_shifts], least(0);
-    score(by_shift, count, length, apart);
+    score(by_shift, count, {length, farthest}, apart);
     for (int k = 1; k < count - 1; ++k) {
       apart[k] = std::max(apart[k], apart[k + 1]);  // with both neighbours
       least = std::min(least, apart[k]);
@@ -291,7 +301,7 @@ class ShiftSearch {
     for (int k = 1; k < count - 1; ++k) {
       shift *= ratio;
       if (!(apart[k] <= least + log(Scalar(2)))) continue;
-      const Scalar distance = abs(log(shift / usual));
+      const Scalar distance = abs(log(shift / usual_part(farthest)));
       if (nearest < Scalar(0) || distance < nearest) nearest = distance, result = shift;
     }
     return result;
@@ -300,7 +310,7 @@ class ShiftSearch {
   /// The same over all shifts that may be right: from the length, or the `unit` of the shift, to the rounding
   /// of what is moved, `own`, or nothing.
   template <class Difference>
-  Scalar best_of_all(const Scalar& length, const Scalar& own, const Scalar& unit,
+  Scalar best_of_all(const Scalar& length, const Scalar& farthest, const Scalar& own, const Scalar& unit,
                      const Difference& difference) {
     using std::ceil;
     using std::log;
@@ -312,16 +322,17 @@ class ShiftSearch {
     const int shifts = count >= Scalar(most_shifts) ? most_shifts
                        : count > Scalar(3)          ? static_cast<int>(count)
                                                     : 3;
-    return best(length, from, least, shifts, difference);
+    return best(length, farthest, from, least, shifts, difference);
   }
 
   /// A shift that was right a while ago, looked at again.
   template <class Difference>
-  Scalar best_near(const Scalar& length, const Scalar& own, const Scalar& unit, const Scalar& shift,
-                   const Difference& difference) {
+  Scalar best_near(const Scalar& length, const Scalar& farthest, const Scalar& own, const Scalar& unit,
+                   const Scalar& shift, const Difference& difference) {
     const Scalar from = 512 * shift, to = shift / 512;
-    const Scalar found = best(length, from, to, 7, difference);
-    return found > from / 16 || found < to * 16 ? best_of_all(length, own, unit, difference) : found;
+    const Scalar found = best(length, farthest, from, to, 7, difference);
+    return found > from / 16 || found < to * 16 ? best_of_all(length, farthest, own, unit, difference)
+                                                : found;
   }
 
   /// No more than eight times what was right a while ago, or than the usual part of the length: where a
@@ -347,7 +358,7 @@ class ShiftSearch {
     Scalar size = Scalar(0), apart = Scalar(1);
   };
   /// In sums of entries, as a coupling far weaker than the forces would ask for shifts too large for these.
-  HalfBy compare(int half, const Scalar& shift) const {
+  HalfBy compare(const Vec& units, int half, const Scalar& shift) const {
     using std::abs;
     using std::isfinite;
     const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon();
@@ -355,8 +366,9 @@ class ShiftSearch {
     Scalar apart(0), size(0);
     for (Eigen::Index j = half * d; j < (half + 1) * d; ++j) {
       const Scalar value = std::max<Scalar>(abs(above_.vector()[j]), abs(below_.vector()[j]));
-      apart += units_[j] * (abs(middle_[j] - smaller_[j]) + epsilon * value / shift);
-      size += units_[j] * std::max<Scalar>(abs(middle_[j]), abs(smaller_[j]));
+      const Scalar rounding = seen_[j] == Scalar(0) ? Scalar(0) : Scalar(epsilon * value / shift);
+      apart += units[j] * (abs(middle_[j] - smaller_[j]) + rounding);
+      size += units[j] * std::max<Scalar>(abs(middle_[j]), abs(smaller_[j]));
     }
     if (!isfinite(size) || !isfinite(apart) || size == Scalar(0)) return {};
     return {size, apart / size};
@@ -400,9 +412,10 @@ class ShiftSearch {
 
   /// How far the columns by each shift and by the next larger one are from each other: the logarithm of the
   /// mean over both halves (the mean of logarithms would give up one half for digits of the other). A half
-  /// counts by how much it moves its half of the gradient over `length`, at most all of it, as it is where it
-  /// is seen best: by shifts that are too large it may have vanished, and then it disagrees. At most 0.
-  void score(const HalfBy (&by_shift)[2][most_shifts], int count, const Scalar& length, Scalar* apart) {
+  /// counts by how much it moves its half of the gradient over the length, at most all of it, as it is where
+  /// it is seen best: by shifts that are too large it may have vanished, and then it disagrees. At most 0.
+  void score(const HalfBy (&by_shift)[countings][2][most_shifts], int count,
+             const Scalar (&lengths)[countings], Scalar* apart) {
     using std::log;
     // What is better than ε^{2/3} does not count: a half that is constant would ask for shifts too large for
     // the other.
@@ -410,23 +423,26 @@ class ShiftSearch {
     const Eigen::Index d = here_.size() / 2;
     std::fill(apart, apart + count, Scalar(0));
     Scalar weights(0);
-    for (int half = 0; half < 2; ++half) {
-      Scalar seen(0);
-      for (int k = 1; k < count; ++k)
-        if (by_shift[half][k].apart < Scalar(0.5)) seen = std::max(seen, by_shift[half][k].size);
-      if (!(seen > Scalar(0))) continue;
-      const Scalar force = here_.segment(half * d, d).cwiseAbs().dot(units_.segment(half * d, d));
-      const Scalar weight = force < length * seen ? Scalar(1) : Scalar(length * seen / force);
-      for (int k = 1; k < count; ++k)
-        apart[k] += weight * std::clamp<Scalar>(by_shift[half][k].apart, least, Scalar(1));
-      weights += weight;
-    }
+    for (int counting = 0; counting < countings; ++counting)
+      for (int half = 0; half < 2; ++half) {
+        const HalfBy* by = by_shift[counting][half];
+        Scalar seen(0);
+        for (int k = 1; k < count; ++k)
+          if (by[k].apart < Scalar(0.5)) seen = std::max(seen, by[k].size);
+        if (!(seen > Scalar(0))) continue;
+        const Scalar force = here_.segment(half * d, d).cwiseAbs().dot(units_[counting].segment(half * d, d));
+        const Scalar moved = lengths[counting] * seen,
+                     weight = force < moved ? Scalar(1) : Scalar(moved / force);
+        for (int k = 1; k < count; ++k)
+          apart[k] += weight * std::clamp<Scalar>(by[k].apart, least, Scalar(1));
+        weights += weight;
+      }
     saw_ = weights > Scalar(0);
     for (int k = 1; k < count && saw_; ++k) apart[k] = log(Scalar(apart[k] / weights));
   }
 
   State above_, below_;
-  Vec here_, middle_, smaller_, units_, largest_, off_at_, agreed_;
+  Vec here_, middle_, smaller_, units_[countings], largest_, seen_, off_at_, agreed_;
   bool saw_ = false;
 };
 

@@ -2,6 +2,7 @@
 
 #include <concepts>
 #include <string>
+#include <utility>
 
 #include <semiexplicit/core/hamiltonian.hpp>
 #include <semiexplicit/core/parameters.hpp>
@@ -172,13 +173,19 @@ concept HasName = requires(const E& effect) {
 /// Whether what an effect adds goes into a copy.
 template <class E>
 constexpr bool adds_to_copies() {
-  if constexpr (ActsAs<E, OnMotion>) {
-    if constexpr (requires { &E::add_force; })
-      return writes_into_copies<Parameters<decltype(&E::add_force)>, 1>();
-  } else if constexpr (requires { &E::add_gradient; }) {
-    return writes_into_copies < Parameters<decltype(&E::add_gradient)>, ActsAs<E, OnBoth> ? 2 : 1 > ();
-  }
-  return false;
+  using At = const EffectIn<E>&;
+  using Column = Vector<EffectScalar<E>, E::Acts::Dof>;
+  const auto force = [](const auto& h, auto& out) -> decltype(void(h.add_force(std::declval<At>(),
+                                                                               std::declval<At>(), out))) {};
+  const auto both = [](const auto& h, auto& out) -> decltype(void(h.add_gradient(
+                                                     std::declval<At>(), std::declval<At>(), out, out))) {};
+  const auto one = [](const auto& h, auto& out) -> decltype(void(h.add_gradient(std::declval<At>(), out))) {};
+  if constexpr (ActsAs<E, OnMotion>)
+    return loses_output<decltype(force), E, Column>();
+  else if constexpr (ActsAs<E, OnBoth>)
+    return loses_output<decltype(both), E, Column>();
+  else
+    return loses_output<decltype(one), E, Column>();
 }
 
 /// Compiles for an effect; for what is none the compiler says what is missing, and only that.

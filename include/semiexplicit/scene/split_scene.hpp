@@ -60,10 +60,13 @@ consteval bool can_be_exact(std::type_identity<Scene<Effects...>>) {
             HasIncrements<Flow, Scalar, Dof>,
             "this ExactFlow has no `Status increments(const Scalar& t, const auto& q, const auto& p, "
             "auto& dq, auto& dp) const`; see scene/exact_flow.hpp");
-        if constexpr (requires { &Flow::increments; })
-          static_assert(!writes_into_copies<Parameters<decltype(&Flow::increments)>, 2>(),
-                        "the increments of this ExactFlow take dq or dp by value, so that nothing moves: "
-                        "write `auto& dq, auto& dp`, or Vector<Scalar, Dof>&");
+        using Column = Vector<Scalar, Dof>;
+        const auto increments = [](const auto& h, auto& out)
+            -> decltype(void(h.increments(std::declval<const Scalar&>(), std::declval<const Column&>(),
+                                          std::declval<const Column&>(), out, out))) {};
+        static_assert(!loses_output<decltype(increments), Flow, Column>(),
+                      "the increments of this ExactFlow take dq or dp by value, so that nothing moves: "
+                      "write `auto& dq, auto& dp`, or Vector<Scalar, Dof>&");
         return HasIncrements<Flow, Scalar, Dof>;
       }
     }

@@ -35,8 +35,8 @@ concept HasMomentumRest = requires(const H& h, const InColumn<H>& p, OutColumn<H
 };
 template <class H>
 concept HasCoupledRest = requires(const H& h) {
-  requires std::is_lvalue_reference_v<decltype(h.coupled_rest())>;
-  requires Hamiltonian<std::remove_cvref_t<decltype(h.coupled_rest())>>;
+  requires std::is_lvalue_reference_v<decltype(std::declval<const H&>().coupled_rest())>;
+  requires Hamiltonian<std::remove_cvref_t<decltype(std::declval<const H&>().coupled_rest())>>;
 };
 
 // A part that takes other arguments than those of its concept, or wants an H that is not const, would be
@@ -56,14 +56,17 @@ concept NamesCoupledRest = requires {
 /// Whether the flow or a gradient of the rest takes an output by value.
 template <class H>
 constexpr bool part_writes_into_copies() {
-  bool copies = false;
-  if constexpr (requires { &H::flow; })
-    copies = copies || writes_into_copies<Parameters<decltype(&H::flow)>, 2>();
-  if constexpr (NamesPositionRest<H>)
-    copies = copies || writes_into_copies<Parameters<decltype(&H::rest_position_gradient)>, 1>();
-  if constexpr (NamesMomentumRest<H>)
-    copies = copies || writes_into_copies<Parameters<decltype(&H::rest_momentum_gradient)>, 1>();
-  return copies;
+  using Column = Vector<typename H::Scalar, H::Dof>;
+  using At = const Column&;
+  const auto flow = [](const auto& h, auto& out) -> decltype(void(h.flow(
+                                                     std::declval<const typename H::Scalar&>(),
+                                                     std::declval<At>(), std::declval<At>(), out, out))) {};
+  const auto position = [](const auto& h,
+                           auto& out) -> decltype(void(h.rest_position_gradient(std::declval<At>(), out))) {};
+  const auto momentum = [](const auto& h,
+                           auto& out) -> decltype(void(h.rest_momentum_gradient(std::declval<At>(), out))) {};
+  return loses_output<decltype(flow), H, Column>() || loses_output<decltype(position), H, OutColumn<H>>() ||
+         loses_output<decltype(momentum), H, OutColumn<H>>();
 }
 template <class H>
 concept HasPreparedFlow = requires(const H& h, const typename H::Scalar& t) {

@@ -115,11 +115,12 @@ SEMIEXPLICIT_COLD CostOptionsOf<Scalar, Dof> options_for(const CostOptionsOf<Sca
 /// grow as those of steps of two lengths, or as a neighbouring orbit goes off. A target that no run can meet,
 /// because neighbouring orbits part exponentially, is refused with the rate, and one below the rounding that
 /// adds up with the reason. What lies beyond the trials of a long run, and no coarse run shows, goes unseen:
-/// close encounters in chaos, slow instabilities, resonances of the step with the motion. Raise min_gradients
-/// there until `tried` is T. An observable other than an invariant is compared at some 80 times along what
-/// was tried, and where that is much of T up to four times in a step of the coarse run, or some 500 times.
-/// Where steps of the tight runs are longer than 1/640 of it also between these, wherever a line does not do:
-/// a flash between two of these places goes unseen, too.
+/// close encounters in chaos, slow instabilities, resonances of the step with the motion, and that an
+/// observable which was constant until there is none behind: it has no error then. Raise min_gradients and
+/// max_gradients there until `tried` is T. An observable other than an invariant is compared at some 80 times
+/// along what was tried, and where that is much of T up to four times in a step of the coarse run, or some
+/// 500 times. Where steps of the tight runs are longer than 1/640 of it also between these, wherever a line
+/// does not do: a flash between two of these places goes unseen, too.
 ///
 /// H needs an energy(q, p), which the gradient is compared with first. That of a TimeTransformed is K, near
 /// zero: for the energy of its H give that as the observable. z0 is not changed. Throws

@@ -284,7 +284,9 @@ SEMIEXPLICIT_COLD inline std::ostream& operator<<(std::ostream& out, const CostT
       << in_words(cost.time_scale, 3);
   if (cost.tried < cost.time)
     out << "; behind what was tried errors are extrapolated as they were seen to grow";
-  out << (cost.invariant ? ". An invariant: errors are those from its first value.\n"
+  const std::string constant =
+      cost.tried < cost.time ? ". Constant until there, and taken for an invariant to T" : ". An invariant";
+  out << (cost.invariant ? constant + ": errors are those from its first value.\n"
                          : ". Errors are those from a run that is known to " +
                                figure(cost.reference_error, 1, 0, true) + " over T.\n");
   return out << spent;

@@ -359,6 +359,93 @@ TEST_CASE("Differences are right where one site of a chain moves and the others 
   }
 }
 
+/// An isotropic well with a narrow bump or dimple in its middle.
+template <class T>
+struct Bump {
+  using Scalar = T;
+  static constexpr int Dof = 2;
+  T width = 1, height = 0;
+  T bump(In<T, 2> q) const { return height * std::exp(-q.squaredNorm() / (width * width)); }
+  void gradient(In<T, 2> q, In<T, 2> p, Out<T, 2> dHdq, Out<T, 2> dHdp) const {
+    dHdq = (1 - 2 * bump(q) / (width * width)) * q;
+    dHdp = p;
+  }
+};
+struct BumpWithHessian : Bump<float> {
+  void hessian(In<float, 2> q, In<float, 2>, Eigen::Ref<Eigen::Matrix4f> result) const {
+    const float w2 = width * width, e = bump(q);
+    result.setIdentity();
+    result.diagonal().head<2>().array() -= 2 * e / w2;
+    result.topLeftCorner<2, 2>() += 4 * e / (w2 * w2) * q * q.transpose();
+  }
+};
+
+TEST_CASE("Shifts that were found on a plain are not kept within a bump, in float", "[chaos]") {
+  const auto scheme = schemes::low_defect4_s7<float>();
+  double worst = 0;
+  for (int k = 1; k <= 40; ++k) {
+    const float n = static_cast<float>(k);
+    const Bump<float> bump{0.3F + 0.2F * std::sin(n), 0.1F * std::cos(2 * n)};
+    PhasePoint<float, 2> z({std::sin(3 * n), std::cos(5 * n)}, {std::sin(7 * n), std::sin(11 * n)});
+    Semiexplicit stepper(bump, scheme);
+    TangentMap by_gradient(stepper);
+    TangentMap exact(BumpWithHessian{bump}, scheme);
+    for (int i = 0; i < 200; ++i) {
+      REQUIRE(by_gradient.at(z, 0.1F) == Status::success);
+      REQUIRE(exact.at(z, 0.1F) == Status::success);
+      worst = std::max<double>(worst, (by_gradient.matrix() - exact.matrix()).norm() / exact.matrix().norm());
+      stepper.step(z, 0.1F);
+    }
+  }
+  CHECK(worst < 5e-4);
+}
+
+/// |p|²/2 + (px y - py x)/3 + k |q|⁴/4 in a frame that turns.
+struct Turning {
+  using Scalar = double;
+  static constexpr int Dof = 2;
+  double k = 0;
+  void gradient(In<double, 2> q, In<double, 2> p, Out<double, 2> dHdq, Out<double, 2> dHdp) const {
+    dHdq = Eigen::Vector2d(-p[1], p[0]) / 3 + k * q.squaredNorm() * q;
+    dHdp = p + Eigen::Vector2d(q[1], -q[0]) / 3;
+  }
+  void hessian(In<double, 2> q, In<double, 2>, Eigen::Ref<Eigen::Matrix4d> result) const {
+    result.setIdentity();
+    result.topLeftCorner<2, 2>() =
+        k * (q.squaredNorm() * Eigen::Matrix2d::Identity() + 2 * q * q.transpose());
+    result(0, 3) = result(3, 0) = -1.0 / 3, result(1, 2) = result(2, 1) = 1.0 / 3;
+  }
+};
+struct TurningByGradient {
+  using Scalar = double;
+  static constexpr int Dof = 2;
+  Turning turning;
+  void gradient(In<double, 2> q, In<double, 2> p, Out<double, 2> dHdq, Out<double, 2> dHdp) const {
+    turning.gradient(q, p, dHdq, dHdp);
+  }
+};
+
+TEST_CASE(
+    "Differences are right where momenta are rounding in a frame that turns, and at rest in a quartic well",
+    "[chaos]") {
+  const auto scheme = schemes::low_defect4_s7<double>();
+  const auto off = [&](double k, const PhasePoint<double, 2>& z, double dt) {
+    TangentMap<TurningByGradient> by_gradient({{k}}, scheme);
+    TangentMap<Turning> exact({k}, scheme);
+    REQUIRE(by_gradient.at(z, dt) == Status::success);
+    REQUIRE(exact.at(z, dt) == Status::success);
+    return (by_gradient.matrix() - exact.matrix()).norm() / exact.matrix().norm();
+  };
+  for (const double p : {0.0, 1e-6, 1e-10, 1e-14, 1e-18, -5.5e-17}) {
+    CAPTURE(p);
+    CHECK(off(0, {{0.8, 0.6}, {p, -p / 3}}, 0.1) < 1e-10);
+  }
+  for (const double p : {1e-3, 1.0, 1e2, 1e4}) {  // from the middle, where no second derivative is
+    CAPTURE(p);
+    CHECK(off(1, {{0, 0}, {p, p / 2}}, 0.02 / std::sqrt(p)) < 1e-7);
+  }
+}
+
 /// A dimple of that width in the middle of a bowl.
 struct Dimple {
   using Scalar = double;

@@ -27,6 +27,8 @@
 // case time_derivative_not_const: time_derivative of this Hamiltonian cannot be called: write `Scalar time_derivative(const
 // case driven_of_other_size: takes columns of another size or of other numbers than its Dof and Scalar: write
 // case lambda_by_value: takes dHdq or dHdp by value, so what it writes is lost: take both as
+// case mixed_lambda_by_value: takes dHdq or dHdp by value, so what it writes is lost: take both as
+// case longer_by_value: takes dHdq or dHdp by value, so what it writes is lost: take both as
 #include <semiexplicit/schemes/named.hpp>
 #include <semiexplicit/steppers/semiexplicit.hpp>
 #include <semiexplicit/time/autonomous.hpp>
@@ -73,6 +75,10 @@ struct Mine {
   static void gradient(Column q, Column p, Half dHdq, Eigen::Vector2d dHdp) { dHdq = p, dHdp = q; }
 #elif defined(mixed_gradient_by_value)
   void gradient(const auto& q, const auto& p, auto& dHdq, Eigen::Vector2d dHdp) const { dHdq = p, dHdp = q; }
+#elif defined(longer_by_value)
+  void gradient(const auto& q, const auto& p, Eigen::VectorXd dHdq, Eigen::VectorXd dHdp) const {
+    dHdq = p, dHdp = q;
+  }
 #elif defined(template_gradient_by_value)
   template <class T>
   void gradient(T q, T p, Eigen::Matrix<double, 2, 1> dHdq, Half dHdp) const {
@@ -142,6 +148,10 @@ int main() {
   auto mine = make_hamiltonian<double, 2>(
       [](const auto& q, const auto& p) { return q.dot(p); },
       [](const auto& q, const auto& p, Eigen::Vector2d dHdq, Eigen::Vector2d dHdp) { dHdq = p, dHdp = q; });
+#elif defined(mixed_lambda_by_value)
+  auto mine = make_hamiltonian<double, 2>(
+      [](const auto& q, const auto& p) { return q.dot(p); },
+      [](const auto& q, const auto& p, auto& dHdq, Eigen::Vector2d dHdp) { dHdq = p, dHdp = q; });
 #else
   Mine mine;
 #endif

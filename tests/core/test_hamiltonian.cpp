@@ -1,6 +1,7 @@
 #include "catch.hpp"
 
 #include <cmath>
+#include <concepts>
 
 #include <semiexplicit/semiexplicit.hpp>
 #include <semiexplicit/systems.hpp>
@@ -146,6 +147,73 @@ TEST_CASE("A Hamiltonian is made of two lambdas", "[hamiltonian]") {
   for (int n = 0; n < 10; ++n) REQUIRE(long_stepper.step(long_z, 0.01).ok());
   CHECK(std::abs(long_z.q()[0] - z.q()[0]) <= 1e-13);
   CHECK(long_z.q()[1] == 0);
+}
+
+/// An oscillator whose gradient takes its arguments in one of the ways that write where they are.
+template <int form>
+struct Oscillator {
+  using Scalar = double;
+  static constexpr int Dof = 2;
+};
+template <class V>
+concept Column = std::derived_from<V, Eigen::MatrixBase<V>>;
+template <>
+struct Oscillator<0> : Oscillator<-1> {
+  void gradient(const Column auto& q, const Column auto& p, Column auto& dHdq, Column auto& dHdp) const {
+    dHdq = q, dHdp = p;
+  }
+};
+template <>
+struct Oscillator<1> : Oscillator<-1> {
+  template <class Q, class G>
+  void gradient(const Eigen::MatrixBase<Q>& q, const Eigen::MatrixBase<Q>& p, Eigen::MatrixBase<G>& dHdq,
+                Eigen::MatrixBase<G>& dHdp) const {
+    dHdq = q, dHdp = p;
+  }
+};
+template <>
+struct Oscillator<2> : Oscillator<-1> {
+  auto gradient(const auto& q, const auto& p, auto&& dHdq, auto&& dHdp) const { dHdq = q, dHdp = p; }
+};
+template <>
+struct Oscillator<3> : Oscillator<-1> {
+  void gradient(auto q, auto p, auto dHdq, auto dHdp) const { dHdq = q, dHdp = p; }
+};
+template <>
+struct Oscillator<4> : Oscillator<-1> {
+  void gradient(const auto& q, const auto& p, Eigen::Ref<Eigen::VectorXd> dHdq, Out<double, 2> dHdp) const {
+    dHdq = q, dHdp = p;
+  }
+};
+template <>
+struct Oscillator<5> : Oscillator<-1> {
+  using Map = Eigen::Map<Eigen::Vector2d>;
+  void gradient(const auto& q, const auto& p, Map& dHdq, Map dHdp) const { dHdq = q, dHdp = p; }
+};
+
+template <>
+struct Oscillator<6> : Oscillator<-1> {  // reads what it has written
+  auto gradient(const auto& q, const auto& p, auto& dHdq, auto& dHdp) const {
+    dHdq = q;
+    const Eigen::Vector2d force = dHdq;
+    dHdp = p + 0 * force;
+  }
+};
+template <class V>
+concept Mapped = std::same_as<V, Eigen::Map<Eigen::Vector2d>>;
+template <>
+struct Oscillator<7> : Oscillator<-1> {
+  void gradient(const auto& q, const auto& p, Mapped auto& dHdq, Mapped auto& dHdp) const {
+    dHdq = q, dHdp = p;
+  }
+};
+
+TEMPLATE_TEST_CASE_SIG("A gradient may take its outputs in any way that writes where they are",
+                       "[hamiltonian]", ((int form), form), 0, 1, 2, 3, 4, 5, 6, 7) {
+  PhasePoint<double, 2> z({1, 0}, {0, 0});
+  Semiexplicit stepper(Oscillator<form>{}, schemes::yoshida6());
+  REQUIRE(integrate(stepper, z, {.dt = 0.1, .steps = 10}).ok());
+  CHECK(z.q()[0] == Approx(std::cos(1)).epsilon(1e-6));
 }
 
 TEST_CASE("A stepper copies the Hamiltonian and gives it back", "[hamiltonian]") {

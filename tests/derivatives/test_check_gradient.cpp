@@ -537,6 +537,32 @@ TEST_CASE("A right gradient at the rest of a spring in scaled coordinates is not
   CHECK_FALSE(check_gradient(Off{spring}, PhasePoint<double, 1>(21.0, 0.3)).ok());
 }
 
+/// Beside a coordinate of size one another that is zero and counts in 1e-7, with a wrong sign.
+struct WrongSign {
+  using Scalar = double;
+  static constexpr int Dof = 2;
+  double unit = 1e-7;
+  double energy(In<double, 2> q, In<double, 2> p) const {
+    const double x = q[1] / unit;
+    return p.squaredNorm() / 2 + q[0] * q[0] / 2 + x * q[0] + x * x * x * x / 4;
+  }
+  void gradient(const auto& q, const auto& p, auto& dHdq, auto& dHdp) const {
+    const double x = q[1] / unit;
+    dHdq[0] = q[0] + x;
+    dHdq[1] = -(q[0] + x * x * x) / unit;
+    dHdp = p;
+  }
+};
+
+TEST_CASE("An entry is not judged to be right by differences that are more uncertain than it is large",
+          "[check_gradient]") {
+  for (const double unit : {1.0, 1e-3, 1e-5, 1e-6, 1e-7, 1e-9}) {
+    const auto check = check_gradient(WrongSign{unit}, PhasePoint<double, 2>({1, 0}, {0.3, 0.2}));
+    CAPTURE(unit);
+    CHECK((check.entries[1].wrong || !check.entries[1].judged));
+  }
+}
+
 TEST_CASE("A half that is zero is not judged by the size of the other one alone", "[check_gradient]") {
   // A car over a rough road: beside its energy the road is but rounding.
   const auto h = make_hamiltonian<double, 1>(

@@ -72,6 +72,27 @@ concept NamesDof = requires(H& h) {
   h.Dof;
 };
 
+/// Whether all four are deduced, so that none is by value but what still writes to where it is. It is not
+/// tried with other types then: the body of a function whose return type is deduced would have to compile
+/// with them.
+template <class H>
+constexpr bool deduces_all = requires {
+  &H::template gradient<InColumn<H>, InColumn<H>, OutColumn<H>, OutColumn<H>>;
+};
+template <class Scalar, int Dof, class Energy, class Gradient>
+constexpr bool deduces_all<LambdaHamiltonian<Scalar, Dof, Energy, Gradient>> = requires {
+  &Gradient::template operator()<In<Scalar, Dof>, In<Scalar, Dof>, Out<Scalar, Dof>, Out<Scalar, Dof>>;
+};
+/// The gradient of a Hamiltonian made of two lambdas; of another H nothing.
+template <class H>
+struct GradientLambda {
+  using Type = int;
+};
+template <class Scalar, int Dof, class Energy, class Gradient>
+struct GradientLambda<LambdaHamiltonian<Scalar, Dof, Energy, Gradient>> {
+  using Type = Gradient;
+};
+
 /// Compiles where the gradient, with the time or without, writes into what it is given, as far as its type
 /// tells.
 template <class H>
@@ -84,9 +105,17 @@ consteval bool gradient_writes() {
       [](const auto& h,
          auto& out) -> decltype(void(h.gradient(std::declval<const typename H::Scalar&>(), std::declval<At>(),
                                                 std::declval<At>(), out, out))) {};
-  constexpr bool copies = writes_into_copies<GradientParameters<H>, 2>() ||
-                          loses_output<decltype(of_point), H, OutColumn<H>>() ||
-                          loses_output<decltype(of_time), H, OutColumn<H>>();
+  const auto by_lambda =
+      [](const auto& g, auto& out) -> decltype(void(g(std::declval<At>(), std::declval<At>(), out, out))) {};
+  constexpr bool copies = [&] {
+    if constexpr (deduces_all<H>)
+      return false;
+    else
+      return writes_into_copies<GradientParameters<H>, 2>() ||
+             loses_output<decltype(of_point), H, OutColumn<H>>() ||
+             loses_output<decltype(of_time), H, OutColumn<H>>() ||
+             loses_output<decltype(by_lambda), typename GradientLambda<H>::Type, OutColumn<H>>();
+  }();
   static_assert(!copies,
                 "the gradient of this Hamiltonian takes dHdq or dHdp by value, so what it writes is lost: "
                 "take both as Out<Scalar, Dof>");

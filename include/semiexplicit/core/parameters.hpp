@@ -62,19 +62,28 @@ constexpr bool writes_into_copies() {
   (std::make_index_sequence<outputs>());
 }
 
-/// A column that is there, but of which no other can be made by copying its type.
+/// A column of somebody's own type, which is an Eigen column.
 template <class Column>
-struct Uncopied : Column {
+struct Derived : Column {
   using Column::Column;
   using Column::operator=;
+};
+/// The same, but of which no other can be made by copying its type.
+template <class Column>
+struct Uncopied : Derived<Column> {
+  using Derived<Column>::Derived;
+  using Derived<Column>::operator=;
   Uncopied(const Uncopied&) = delete;
 };
-/// A column that is there, but of which no matrix can be made: this conversion is nearer than Eigen's.
+/// The same, in somebody else's memory, but of which no matrix can be made: this conversion is nearer than
+/// Eigen's.
 template <class Column>
-struct NoMatrix : Eigen::Map<Column> {
-  using Eigen::Map<Column>::Map;
-  using Eigen::Map<Column>::operator=;
-  operator Column() = delete;
+struct NoMatrix : Derived<Eigen::Map<Column>> {
+  using Derived<Eigen::Map<Column>>::Derived;
+  using Derived<Eigen::Map<Column>>::operator=;
+  template <class Matrix>
+  requires std::is_base_of_v<Eigen::PlainObjectBase<Matrix>, Matrix>
+  operator Matrix() = delete;
 };
 /// Whether a member that may be a template, called with an output, takes it by value. `Call` is given the
 /// object and hands an output on to the member, `Given`; a Map or a Ref that is copied still writes to where
@@ -85,10 +94,10 @@ constexpr bool loses_output() {
   const auto takes = []<class Out>(std::type_identity<Out>) {
     return std::is_invocable_v<Call, const Object&, Out&>;
   };
-  const bool copied = std::is_same_v<Given, Column> && takes(std::type_identity<Given>()) &&
-                      !takes(std::type_identity<Uncopied<Given>>());
-  return copied ||
-         (takes(std::type_identity<Eigen::Map<Column>>()) && !takes(std::type_identity<NoMatrix<Column>>()));
+  const bool copied = std::is_same_v<Given, Column> && takes(std::type_identity<Derived<Column>>()) &&
+                      !takes(std::type_identity<Uncopied<Column>>());
+  return copied || (takes(std::type_identity<Derived<Eigen::Map<Column>>>()) &&
+                    !takes(std::type_identity<NoMatrix<Column>>()));
 }
 
 }  // namespace semiexplicit::detail

@@ -325,7 +325,7 @@ SEMIEXPLICIT_COLD Slope<Scalar> judging_slope(const ScalarFunction<Scalar>& f, c
   Scalar place(0);  // what the rounding of x makes of a right slope, where it is looked at
   const auto agrees = [&](const Slope<Scalar>& slope) { return slope.admits(given, slack + place); };
   const auto with_place = [&](Slope<Scalar> slope) {
-    slope.uncertainty += place;
+    if (slope.judges && !slope.admits(given, slack)) slope.uncertainty += place;
     return slope;
   };
   const auto confirmed = [&](Slope<Scalar> slope) {
@@ -359,7 +359,10 @@ SEMIEXPLICIT_COLD Slope<Scalar> judging_slope(const ScalarFunction<Scalar>& f, c
     if (slope.uncertainty <= abs(slope.value) / (agrees(slope) ? 2000 : 100)) return true;
     if (!near) return false;
     const Scalar moved = moves_nearby(step);
-    return slope.uncertainty <= tiny * moved && (!agrees(slope) || abs(given) <= 8 * epsilon * moved + slack);
+    const bool is_rounding = abs(given) <= std::max<Scalar>(slack, 1024 * noise / own);
+    return slope.uncertainty <= tiny * moved &&
+           (!agrees(slope) ||
+            (abs(given) <= 8 * epsilon * moved + slack && (is_rounding || slope.uncertainty <= abs(given))));
   };
   Scalar h = own / 9, moves = variation(h);
   bool varies = moves != Scalar(0) || isfinite(grid);
@@ -368,7 +371,7 @@ SEMIEXPLICIT_COLD Slope<Scalar> judging_slope(const ScalarFunction<Scalar>& f, c
   if (best.judges && agrees(best)) return best;
   // Where terms cancel at x, the slope is that of an x that is off by some roundings: at the rest of a spring
   // in scaled coordinates it is 0 by one of them, and not by another.
-  place = 32 * epsilon * moves_nearby(h);
+  if (x != Scalar(0)) place = 32 * epsilon * moves_nearby(h);
   if (!isfinite(place)) place = Scalar(0);
   if (best.judges && agrees(best)) return with_place(best);
   // From the steps h of `best` on to smaller ones.
@@ -426,7 +429,7 @@ SEMIEXPLICIT_COLD std::vector<GradientOutput> written_gradient(
   const auto into = [&](const Scalar& filling) {
     auto out = z;
     out.vector().setConstant(filling);
-    hamiltonian.gradient(z.q(), z.p(), out.q(), out.p());
+    gradient_at(hamiltonian, z.vector().data(), out.vector().data(), z.dof());
     return out;
   };
   given = into(Scalar(0));
@@ -507,7 +510,7 @@ SEMIEXPLICIT_COLD void compare_packs(const H& hamiltonian, const PhasePoint<type
         at[i][lane] = x, packs[i][lane] = Scalar(1);
     }
     try {
-      hamiltonian.gradient(point.q(), point.p(), given.q(), given.p());
+      gradient_at(hamiltonian, point.vector().data(), given.vector().data(), z.dof());
       if (!all_finite(given.vector())) continue;
       hamiltonian.gradient(at.data(), at.data() + d, packs.data(), packs.data() + d);
     } catch (const std::logic_error&) {  // out of the domain
@@ -659,7 +662,9 @@ SEMIEXPLICIT_COLD GradientCheck<typename detail::EnergyDoor<H>::Scalar> check_gr
     // The size of the other half says nothing of this one: what 1 tells has to agree.
     if (at_zero && !by_energy && slope.judges) {
       const auto other = slope_within(Scalar(1), Scalar(1));
-      slope.judges = other.judges && abs(other.value - slope.value) <= other.uncertainty + slope.uncertainty;
+      slope.judges = other.judges &&
+                     abs(other.value - slope.value) <= other.uncertainty + slope.uncertainty &&
+                     (given.vector()[i] == Scalar(0) || slope.uncertainty <= abs(given.vector()[i]));
     }
     // Beside energies elsewhere an oscillation may be too small to tell its size; the given slope may.
     const Scalar entry_size = abs(given.vector()[i]), implied = rounding / epsilon / entry_size;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 #include <semiexplicit/core/extended_phase_space.hpp>
 #include <semiexplicit/core/hamiltonian.hpp>
@@ -12,15 +13,15 @@ namespace semiexplicit::detail {
 
 /// ∇²H at z, a symmetric 2d × 2d matrix: by H.hessian where there is one, else by central differences of the
 /// gradient. NaN or Inf where the gradient is; what a gradient throws goes through, but for std::domain_error
-/// while a shift is looked for: that shift is too large. Memory: sixteen vectors of length 2d.
+/// while a shift is looked for: that shift is too large. Memory: seventeen vectors of length 2d.
 ///
 /// The shift of each coordinate is found from the gradient itself: of shifts over all orders of magnitude,
 /// the one whose difference agrees best with its two neighbours'. It is kept from call to call, looked at
-/// again, one coordinate every 16 calls, and found anew where z has gone far since. An entry is off by about
-/// (ε max(1, |x|/l))^{2/3} of its size (1e-10 to 1e-9 in double), where l is the length along which the
-/// gradient varies: an angle of 6e6 is known to 1e-9 only, and its derivatives to 1e-6. Of entries of a
-/// column that differ by orders of magnitude, as of weakly coupled oscillators, it is so of the largest in
-/// its half.
+/// again, one coordinate every 16 calls, and found anew where z has gone far since or its second derivative
+/// is another one. An entry is off by about (ε max(1, |x|/l))^{2/3} of its size (1e-10 to 1e-9 in double),
+/// where l is the length along which the gradient varies: an angle of 6e6 is known to 1e-9 only, and its
+/// derivatives to 1e-6. Of entries of a column that differ by orders of magnitude, as of weakly coupled
+/// oscillators, it is so of the largest in its half.
 template <class H>
 class SecondDerivatives {
  public:
@@ -30,13 +31,19 @@ class SecondDerivatives {
   using Matrix = Eigen::Matrix<Scalar, side, columns_in_place<Scalar>(side, side)>;
 
   explicit SecondDerivatives(Eigen::Index dof)
-      : at_(dof), search_(dof), shift_(at_.vector()), last_(shift_), blind_(shift_), column_(shift_) {}
+      : at_(dof),
+        search_(dof),
+        shift_(at_.vector()),
+        last_(shift_),
+        blind_(shift_),
+        diagonal_(shift_),
+        column_(shift_) {}
 
   /// Gradient calls that the last Hessian took: 4d, and more where shifts were looked for.
   Eigen::Index gradients() const { return calls_; }
   /// Gradient calls that a Hessian cannot exceed.
   static Eigen::Index max_gradients(Eigen::Index dof) {
-    return HasHessian<H> ? 0 : 4 * dof * (2 + ShiftSearch<H>::most_shifts) + Lengths<H>::most_calls;
+    return HasHessian<H> ? 0 : 4 * dof * (3 + ShiftSearch<H>::most_shifts) + Lengths<H>::most_calls;
   }
 
   /// Without `search` the shifts of the last call are kept, wherever z is.
@@ -48,9 +55,16 @@ class SecondDerivatives {
       h.hessian(InColumn<H>(z.data(), d), InColumn<H>(z.data() + d, d), hessian);
     } else {
       at_.vector() = z;
-      if (search && z.size() > 0) find_shifts(h, z);
+      bool looked = search && z.size() > 0 && find_shifts(h, z);
       for (Eigen::Index i = 0; i < z.size(); ++i) {
         difference(h, z, i, shift_[i], column_);
+        if (search && is_other(column_[i], diagonal_[i])) {
+          if (!looked) prepare(h, z, false);
+          looked = true;
+          look_at(h, z, i, true);
+          difference(h, z, i, shift_[i], column_);
+        }
+        if (diagonal_[i] != diagonal_[i]) diagonal_[i] = column_[i];
         hessian.col(i) = column_;
       }
       if constexpr (lacks_work<H>) {  // the column of the time has what the gradient leaves out of its row
@@ -71,6 +85,7 @@ class SecondDerivatives {
     visit(shift_);
     visit(last_);
     visit(blind_);
+    visit(diagonal_);
     visit(search_.largest());
     visit(count_);
   }
@@ -92,7 +107,15 @@ class SecondDerivatives {
     calls_ += 2;
   }
 
-  void find_shifts(const H& h, const Vec& z) {
+  /// Whether a second derivative is so far from what it was where its shift was found that another one may be
+  /// right, as in a narrow hill beside a smooth plain.
+  static bool is_other(const Scalar& now, const Scalar& then) {
+    using std::abs;
+    return 4 * abs(now - then) > 3 * std::max<Scalar>(abs(now), abs(then));
+  }
+
+  /// True: some were looked for.
+  bool find_shifts(const H& h, const Vec& z) {
     using std::abs;
     const Eigen::Index d = z.size() / 2;
     const auto largest = [d](const Vec& at, Eigen::Index half) {
@@ -110,42 +133,53 @@ class SecondDerivatives {
     const bool soon = (count_ & (count_ - 1)) == 0 && !blind_.isZero(0);
     const bool again = count_ % look_again == 0;
     if (grown) blind_.setOnes();  // shifts found when it was small tell nothing
-    if (far || soon || again) look(h, z, far, soon, again);
+    const bool looks = far || soon || again;
+    if (looks) prepare(h, z, far);
+    const auto next = static_cast<Eigen::Index>(count_ / look_again % z.size());
+    for (Eigen::Index i = 0; i < z.size() && looks; ++i) {
+      const bool anew = far || (soon && blind_[i] != Scalar(0));
+      if (anew || (again && i == next)) look_at(h, z, i, anew);
+    }
     last_ = z;
     count_ = count_ % (std::int64_t{1} << 40) + 1;  // not where the gradient has thrown
+    return looks;
   }
 
-  /// Finds the shifts anew, of all coordinates (far) or of those that nothing depended on (soon), and that of
-  /// the next one beside its last (again).
-  void look(const H& h, const Vec& z, bool far, bool soon, bool again) {
-    using std::abs;
-    const Eigen::Index d = z.size() / 2, next = static_cast<Eigen::Index>(count_ / look_again % z.size());
-    gradient_at(h, z.data(), search_.here().data(), d);
+  /// Before shifts are looked for at z; `ranges`: see Lengths.
+  void prepare(const H& h, const Vec& z, bool ranges) {
+    gradient_at(h, z.data(), search_.here().data(), z.size() / 2);
     ++calls_;
-    calls_ += lengths_.take(h, z, search_.here(), at_.vector(), search_.above(), far);
+    calls_ += lengths_.take(h, z, search_.here(), at_.vector(), search_.above(), ranges);
     search_.count_in(lengths_, z);
-    for (Eigen::Index i = 0; i < z.size(); ++i) {
-      const bool anew = far || (soon && blind_[i] != Scalar(0));
-      if (!anew && !(again && i == next)) continue;
-      const auto by = [&](const Scalar& shift, Vec& column) {
-        at_.vector() = z;  // where the gradient has thrown it was moved
-        difference(h, z, i, shift, column);
-      };
-      const Scalar length = lengths_.own(i, z), farthest = lengths_.of(i, d), own = abs(z[i]);
-      const Scalar unit = lengths_.guessed(i, d) ? Scalar(1) : std::max<Scalar>(farthest, 1);
-      const Scalar found = anew ? search_.best_of_all(length, farthest, own, unit, by)
-                                : search_.best_near(length, farthest, own, unit, shift_[i], by);
-      const bool has_before = blind_[i] == Scalar(0);
-      shift_[i] = has_before ? search_.bounded(found, shift_[i], length) : found;
-      blind_[i] = Scalar(search_.saw() ? 0 : 1);
-    }
+    at_.vector() = z;
+  }
+
+  /// Finds the shift of that coordinate anew, or looks beside the last one.
+  void look_at(const H& h, const Vec& z, Eigen::Index i, bool anew) {
+    using std::abs;
+    const auto by = [&](const Scalar& shift, Vec& column) {
+      at_.vector() = z;  // where the gradient has thrown it was moved
+      difference(h, z, i, shift, column);
+    };
+    const Eigen::Index d = z.size() / 2;
+    const Scalar length = lengths_.own(i, z), own = abs(z[i]);
+    const Scalar farthest = std::max<Scalar>(lengths_.of(i, d), search_.largest_of_half(i));
+    const Scalar unit = lengths_.guessed(i, d) ? Scalar(1) : std::max<Scalar>(lengths_.of(i, d), 1);
+    const Scalar found = anew ? search_.best_of_all(length, farthest, own, unit, by)
+                              : search_.best_near(length, farthest, own, unit, shift_[i], by);
+    const bool has_before = blind_[i] == Scalar(0);
+    shift_[i] = has_before ? search_.bounded(found, shift_[i], length) : found;
+    blind_[i] = Scalar(search_.saw() ? 0 : 1);
+    diagonal_[i] = std::numeric_limits<Scalar>::quiet_NaN();  // to be noted with that shift
+    at_.vector() = z;
   }
 
   State at_;
   ShiftSearch<H> search_;
   Lengths<H> lengths_{};
-  Vec shift_, last_, blind_, column_;  ///< of each coordinate; where it was; 1 where nothing depended on it
-  std::int64_t count_ = 0;             ///< of the calls
+  Vec shift_, last_, blind_;  ///< of each coordinate; where it was; 1 where nothing depended on it
+  Vec diagonal_, column_;     ///< the second derivative where its shift was found
+  std::int64_t count_ = 0;    ///< of the calls
   Eigen::Index calls_ = 0;
 };
 

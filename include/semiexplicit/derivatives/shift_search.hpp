@@ -143,9 +143,11 @@ class Lengths {
   static Scalar length_of_zeros(const H& h, const Scalar& root, Eigen::Index begin, Vec& at, Vec& there,
                                 int& calls) {
     using std::isfinite;
+    using std::log;
+    using std::pow;
     using std::sqrt;
     const Eigen::Index d = at.size() / 2, n = own_dof<H>(d);
-    Scalar length(0.5), inside(0);
+    Scalar length(0.5), inside(0), root_before(0), length_before(0);
     for (int attempt = 0; attempt < most_attempts; ++attempt) {
       spread(at, begin, n, length);
       ++calls;
@@ -161,8 +163,13 @@ class Lengths {
         continue;
       }
       inside = length;
-      // Exact where it is quadratic, and halves the orders of magnitude that it is off by where it is linear.
-      const Scalar next = root / sqrt(largest_absolute(there.segment(begin, n))) * sqrt(length);
+      // By the power of the length that two of them tell; before, as it is where it is quadratic.
+      const Scalar here = sqrt(largest_absolute(there.segment(begin, n))) * sqrt(length);
+      Scalar power =
+          root_before > Scalar(0) ? Scalar(log(length / length_before) / log(here / root_before)) : Scalar(1);
+      if (!(power > Scalar(0.125) && power < Scalar(2))) power = Scalar(1);
+      root_before = here, length_before = length;
+      const Scalar next = length * pow(root / here, power);
       if (!(next > Scalar(0)) || !isfinite(next)) return Scalar(0);
       const Scalar ratio = next / length;
       length = next;
@@ -251,6 +258,11 @@ class ShiftSearch {
   }
   /// What that remembers; see CheckpointMemory.
   Vec& largest() { return largest_; }
+  /// The largest of them in the half of that coordinate.
+  Scalar largest_of_half(Eigen::Index i) const {
+    const Eigen::Index d = largest_.size() / 2, n = own_dof<H>(d), begin = i < d ? 0 : d;
+    return i - begin < n ? largest_absolute(largest_.segment(begin, n)) : largest_[i];
+  }
 
   /// Of `count` shifts in geometric order from the larger one to the smaller one, that whose differences
   /// agree best with those of its two neighbours; of those that agree nearly as well, as where the gradient
@@ -290,19 +302,31 @@ class ShiftSearch {
       for (auto& counting : by_shift)
         for (int k = 1; k <= last; ++k) counting[half][k] = {};
     }
-    Scalar apart[most_shifts], least(0);
-    score(by_shift, count, {length, farthest}, apart);
-    for (int k = 1; k < count - 1; ++k) {
-      apart[k] = std::max(apart[k], apart[k + 1]);  // with both neighbours
-      least = std::min(least, apart[k]);
-    }
+    Scalar apart[most_shifts], alike[most_shifts];
+    score(by_shift, count, {length, farthest}, apart, alike);
+    for (int k = 1; k < count - 1; ++k)  // with both neighbours
+      apart[k] = std::max(apart[k], apart[k + 1]), alike[k] = std::max(alike[k], alike[k + 1]);
+    // Within the length where that will do: far out a polynomial may be all there is, of which no shift is
+    // too large.
+    const Scalar enough = log(32 * usual_part(usual_part(Scalar(1))));
+    int largest_near = 1;
+    while (largest_near < count - 1 && from * pow(ratio, Scalar(largest_near)) > farthest) ++largest_near;
+    int begin = 1;
+    for (int k = largest_near; k < count - 1 && begin == 1; ++k)
+      if (std::max(apart[k], alike[k]) <= enough + log(Scalar(8))) begin = largest_near;
+    const auto nearly_least = [&](const Scalar* measure, const auto& counts) {
+      Scalar least(0);
+      for (int k = begin; k < count - 1; ++k)
+        if (counts(k)) least = std::min(least, measure[k]);
+      return std::max<Scalar>(enough, least + log(Scalar(2)));
+    };
+    const Scalar most = nearly_least(apart, [](int) { return true; }),
+                 most_alike = nearly_least(alike, [&](int k) { return apart[k] <= most; });
     Scalar result = from * pow(ratio, Scalar(count / 2)), nearest(-1);
-    shift = from;
-    for (int k = 1; k < count - 1; ++k) {
-      shift *= ratio;
-      if (!(apart[k] <= least + log(Scalar(2)))) continue;
-      const Scalar distance = abs(log(shift / usual_part(farthest)));
-      if (nearest < Scalar(0) || distance < nearest) nearest = distance, result = shift;
+    for (int k = begin; k < count - 1; ++k) {
+      if (!(apart[k] <= most && alike[k] <= most_alike)) continue;
+      const Scalar found = from * pow(ratio, Scalar(k)), distance = abs(log(found / usual_part(farthest)));
+      if (nearest < Scalar(0) || distance < nearest) nearest = distance, result = found;
     }
     return result;
   }
@@ -414,15 +438,18 @@ class ShiftSearch {
   /// mean over both halves (the mean of logarithms would give up one half for digits of the other). A half
   /// counts by how much it moves its half of the gradient over the length, at most all of it, as it is where
   /// it is seen best: by shifts that are too large it may have vanished, and then it disagrees. At most 0.
+  /// `alike` is the same where all count in full: it decides among shifts that will do.
   void score(const HalfBy (&by_shift)[countings][2][most_shifts], int count,
-             const Scalar (&lengths)[countings], Scalar* apart) {
+             const Scalar (&lengths)[countings], Scalar* apart, Scalar* alike) {
     using std::log;
     // What is better than ε^{2/3} does not count: a half that is constant would ask for shifts too large for
     // the other.
     const Scalar least = usual_part(usual_part(Scalar(1)));
     const Eigen::Index d = here_.size() / 2;
     std::fill(apart, apart + count, Scalar(0));
+    std::fill(alike, alike + count, Scalar(0));
     Scalar weights(0);
+    int halves = 0;
     for (int counting = 0; counting < countings; ++counting)
       for (int half = 0; half < 2; ++half) {
         const HalfBy* by = by_shift[counting][half];
@@ -433,12 +460,15 @@ class ShiftSearch {
         const Scalar force = here_.segment(half * d, d).cwiseAbs().dot(units_[counting].segment(half * d, d));
         const Scalar moved = lengths[counting] * seen,
                      weight = force < moved ? Scalar(1) : Scalar(moved / force);
-        for (int k = 1; k < count; ++k)
-          apart[k] += weight * std::clamp<Scalar>(by[k].apart, least, Scalar(1));
-        weights += weight;
+        for (int k = 1; k < count; ++k) {
+          const Scalar here = std::clamp<Scalar>(by[k].apart, least, Scalar(1));
+          apart[k] += weight * here, alike[k] += here;
+        }
+        weights += weight, ++halves;
       }
     saw_ = weights > Scalar(0);
-    for (int k = 1; k < count && saw_; ++k) apart[k] = log(Scalar(apart[k] / weights));
+    for (int k = 1; k < count && saw_; ++k)
+      apart[k] = log(Scalar(apart[k] / weights)), alike[k] = log(Scalar(alike[k] / Scalar(halves)));
   }
 
   State above_, below_;

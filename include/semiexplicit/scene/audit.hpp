@@ -177,7 +177,7 @@ class Auditor {
       own.vector().setZero();
       Out<Scalar, Dof> by_q = own.q(), by_p = own.p();
       effect.add_gradient(z.q(), z.p(), by_q, by_p);
-      scene_.gradient(z.q(), z.p(), whole.q(), whole.p());
+      detail::gradient_at(scene_, z.vector().data(), whole.vector().data(), z.dof());
       const double size = detail::part_of_gradient(own, whole);
       row.size_max = larger(row.size_max, size);
       row.size_mean += size / static_cast<double>(orbit.size());

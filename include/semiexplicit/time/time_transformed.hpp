@@ -110,7 +110,7 @@ class TimeTransformed
     if constexpr (driven)
       hamiltonian_.gradient(q, p, dKdq, dKdp);
     else
-      hamiltonian_.gradient(Space::head(q), Space::head(p), Space::head(dKdq), Space::head(dKdp));
+      detail::gradient_at(hamiltonian_, q.data(), p.data(), dKdq.data(), dKdp.data(), d);
     auto&& dg = work();
     const Scalar g = pace(Space::head(q), Space::head(p), dg), above = surplus(q, p);
     for (Eigen::Index i = 0; i < d; ++i) dKdq[i] = g * dKdq[i] + above * dg.vector()[i];

@@ -265,10 +265,9 @@ class ShiftSearch {
   }
 
   /// Of `count` shifts in geometric order from the larger one to the smaller one, that whose differences
-  /// agree best with those of its two neighbours; of those that agree nearly as well, as where the gradient
-  /// is linear or even, that nearest to the usual part of `length`; `farthest` is the length by the half
-  /// alone. difference(shift, column) writes above(), below() and their difference by the shift; NaN and
-  /// std::domain_error say that the shift is too large.
+  /// agree best with those of its two neighbours; see choose(). `length` is that of what is moved, `farthest`
+  /// that of its half. difference(shift, column) writes above(), below() and their difference by the shift;
+  /// NaN and std::domain_error say that the shift is too large.
   template <class Difference>
   Scalar best(const Scalar& length, const Scalar& farthest, const Scalar& from, const Scalar& to, int count,
               const Difference& difference) {
@@ -306,29 +305,7 @@ class ShiftSearch {
     score(by_shift, count, {length, farthest}, apart, alike);
     for (int k = 1; k < count - 1; ++k)  // with both neighbours
       apart[k] = std::max(apart[k], apart[k + 1]), alike[k] = std::max(alike[k], alike[k + 1]);
-    // Within the length where that will do: far out a polynomial may be all there is, of which no shift is
-    // too large.
-    const Scalar enough = log(32 * usual_part(usual_part(Scalar(1))));
-    int largest_near = 1;
-    while (largest_near < count - 1 && from * pow(ratio, Scalar(largest_near)) > farthest) ++largest_near;
-    int begin = 1;
-    for (int k = largest_near; k < count - 1 && begin == 1; ++k)
-      if (std::max(apart[k], alike[k]) <= enough + log(Scalar(8))) begin = largest_near;
-    const auto nearly_least = [&](const Scalar* measure, const auto& counts) {
-      Scalar least(0);
-      for (int k = begin; k < count - 1; ++k)
-        if (counts(k)) least = std::min(least, measure[k]);
-      return std::max<Scalar>(enough, least + log(Scalar(2)));
-    };
-    const Scalar most = nearly_least(apart, [](int) { return true; }),
-                 most_alike = nearly_least(alike, [&](int k) { return apart[k] <= most; });
-    Scalar result = from * pow(ratio, Scalar(count / 2)), nearest(-1);
-    for (int k = begin; k < count - 1; ++k) {
-      if (!(apart[k] <= most && alike[k] <= most_alike)) continue;
-      const Scalar found = from * pow(ratio, Scalar(k)), distance = abs(log(found / usual_part(farthest)));
-      if (nearest < Scalar(0) || distance < nearest) nearest = distance, result = found;
-    }
-    return result;
+    return from * pow(ratio, Scalar(choose(apart, alike, count, log(from / farthest), log(ratio))));
   }
 
   /// The same over all shifts that may be right: from the length, or the `unit` of the shift, to the rounding
@@ -376,6 +353,39 @@ class ShiftSearch {
   bool saw() const { return saw_; }
 
  private:
+  /// The number of a shift that agrees with its neighbours as well as is enough, or nearly best where none
+  /// does so: of these one that all halves agree with, whatever they count; of these, as where the gradient
+  /// is linear or even, that nearest to the usual part of the length. Shifts within the length come first
+  /// where they will do: far out a polynomial may be all there is, of which no shift is too large. `from` and
+  /// `ratio` are logarithms of the first shift by that length, and of a shift by the next larger one.
+  static int choose(const Scalar* apart, const Scalar* alike, int count, const Scalar& from,
+                    const Scalar& ratio) {
+    using std::abs;
+    using std::log;
+    const Scalar enough = log(32 * usual_part(usual_part(Scalar(1)))), usual = log(usual_part(Scalar(1)));
+    const auto by_length = [&](int k) { return Scalar(from + Scalar(k) * ratio); };
+    int near = 1, begin = 1;
+    while (near < count - 1 && by_length(near) > Scalar(0)) ++near;
+    for (int k = near; k < count - 1 && begin == 1; ++k)
+      if (std::max(apart[k], alike[k]) <= enough + log(Scalar(8))) begin = near;
+    const auto nearly_least = [&](const Scalar* measure, const auto& counts) {
+      Scalar least(0);
+      for (int k = begin; k < count - 1; ++k)
+        if (counts(k)) least = std::min(least, measure[k]);
+      return std::max<Scalar>(enough, least + log(Scalar(2)));
+    };
+    const Scalar most = nearly_least(apart, [](int) { return true; }),
+                 most_alike = nearly_least(alike, [&](int k) { return apart[k] <= most; });
+    int result = count / 2;
+    Scalar nearest(-1);
+    for (int k = begin; k < count - 1; ++k) {
+      const Scalar distance = abs(by_length(k) - usual);
+      if (!(apart[k] <= most && alike[k] <= most_alike)) continue;
+      if (nearest < Scalar(0) || distance < nearest) nearest = distance, result = k;
+    }
+    return result;
+  }
+
   /// Half a column by a shift and by the next larger one: the size of the larger, and how far they are from
   /// each other relative to it, no less than what the rounding of the gradient may make of it.
   struct HalfBy {

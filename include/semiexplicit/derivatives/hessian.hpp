@@ -30,8 +30,11 @@ class SecondDerivatives {
   static constexpr int side = twice(H::Dof);
   using Matrix = Eigen::Matrix<Scalar, side, columns_in_place<Scalar>(side, side)>;
 
-  explicit SecondDerivatives(Eigen::Index dof)
-      : at_(dof),
+  /// `exact`: the shift of a coordinate is looked for again where its second derivative has become another
+  /// one. An iteration that only converges by them does not need it.
+  explicit SecondDerivatives(Eigen::Index dof, bool exact = true)
+      : exact_(exact),
+        at_(dof),
         search_(dof),
         shift_(at_.vector()),
         last_(shift_),
@@ -58,7 +61,7 @@ class SecondDerivatives {
       bool looked = search && z.size() > 0 && find_shifts(h, z);
       for (Eigen::Index i = 0; i < z.size(); ++i) {
         difference(h, z, i, shift_[i], column_);
-        if (search && is_other(column_[i], diagonal_[i])) {
+        if (search && exact_ && is_other(column_[i], diagonal_[i])) {
           if (!looked) prepare(h, z, false);
           looked = true;
           look_at(h, z, i, true);
@@ -174,6 +177,7 @@ class SecondDerivatives {
     at_.vector() = z;
   }
 
+  bool exact_;
   State at_;
   ShiftSearch<H> search_;
   Lengths<H> lengths_{};

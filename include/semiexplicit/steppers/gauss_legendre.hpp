@@ -195,7 +195,7 @@ class GaussLegendre : public detail::GaussShell<GaussLegendre<H>, H> {
   /// What Newton's method needs: the Hessian of a stage, and the matrix and right-hand side of all.
   struct Newton {
     Newton(Eigen::Index dof, Eigen::Index stages)
-        : second(dof),
+        : second(dof, false),
           hessian(2 * dof, 2 * dof),
           residual(2 * dof * stages),
           correction(residual),

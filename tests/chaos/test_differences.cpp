@@ -446,6 +446,42 @@ TEST_CASE(
   }
 }
 
+/// A chain of atoms between walls, displaced by q from where they are at rest; each on a spring of its own.
+struct Bonds {
+  static auto energy(double unit) {
+    return [unit](const auto& q, const auto& p) {
+      auto sum = p[0] * p[0] / 2 + q[0] * q[0] / (2 * unit * unit);
+      for (int i = 1; i < 4; ++i) sum += p[i] * p[i] / 2 + q[i] * q[i] / (2 * unit * unit);
+      for (int i = 0; i < 3; ++i) {
+        const auto r = 1 + (q[i + 1] - q[i]) / unit, inverse = 1 / (r * r * r * r * r * r);
+        sum += inverse * inverse - 2 * inverse;
+      }
+      return sum;
+    };
+  }
+};
+
+TEST_CASE("Differences are right for a chain of atoms at rest, whose second derivatives are believed",
+          "[chaos]") {
+  for (const double unit : {1.0, 1e-3, 1e-6, 1e5}) {
+    const auto chain = from_energy<4>(Bonds::energy(unit));
+    const auto by_gradient = make_hamiltonian<double, 4>(
+        [=](const auto& q, const auto& p) { return chain.energy(q, p); },
+        [=](const auto& q, const auto& p, auto& dHdq, auto& dHdp) { chain.gradient(q, p, dHdq, dHdp); });
+    const PhasePoint<double, 4> rest;
+    Semiexplicit stepper(chain, schemes::low_defect4_s7<double>());
+    TangentMap exact(stepper);
+    TangentMap map(by_gradient, schemes::low_defect4_s7<double>());
+    REQUIRE(exact.at(rest, 0.1 * unit) == Status::success);
+    REQUIRE(map.at(rest, 0.1 * unit) == Status::success);
+    CAPTURE(unit);
+    CHECK((map.matrix() - exact.matrix()).norm() <= 1e-7 * exact.matrix().norm());
+    PhasePoint<double, 4> z;
+    LyapunovExponents exponents(stepper, 2);
+    CHECK(integrate(stepper, z, {.dt = 0.1 * unit, .steps = 3}, exponents).ok());
+  }
+}
+
 /// A dimple of that width in the middle of a bowl.
 struct Dimple {
   using Scalar = double;

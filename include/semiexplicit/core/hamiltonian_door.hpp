@@ -20,15 +20,24 @@ template <class H>
 struct GradientParameters : Parameters<void> {};
 template <NamesGradient H>
 struct GradientParameters<H> : Parameters<decltype(&H::gradient)> {};
-/// Of a Hamiltonian made of two lambdas, the second's, which may be generic in q and p.
+/// Of a lambda, what it deduces taken as O, which it can read and write.
+template <class G, class O>
+consteval auto parameters_of_lambda() {
+  if constexpr (requires { &G::operator(); })
+    return Parameters<decltype(&G::operator())>{};
+  else if constexpr (requires { &G::template operator()<O>; })
+    return Parameters<decltype(&G::template operator()<O>)>{};
+  else if constexpr (requires { &G::template operator()<O, O>; })
+    return Parameters<decltype(&G::template operator()<O, O>)>{};
+  else if constexpr (requires { &G::template operator()<O, O, O>; })
+    return Parameters<decltype(&G::template operator()<O, O, O>)>{};
+  else
+    return Parameters<void>{};
+}
+/// Of a Hamiltonian made of two lambdas, the second's.
 template <class Scalar, int Dof, class Energy, class Gradient>
-requires requires { &Gradient::template operator()<In<Scalar, Dof>, In<Scalar, Dof>>; }
 struct GradientParameters<LambdaHamiltonian<Scalar, Dof, Energy, Gradient>>
-    : Parameters<decltype(&Gradient::template operator()<In<Scalar, Dof>, In<Scalar, Dof>>)> {};
-template <class Scalar, int Dof, class Energy, class Gradient>
-requires requires { &Gradient::operator(); }
-struct GradientParameters<LambdaHamiltonian<Scalar, Dof, Energy, Gradient>>
-    : Parameters<decltype(&Gradient::operator())> {};
+    : decltype(parameters_of_lambda<Gradient, Out<Scalar, Dof>>()) {};
 
 /// A column of a number of entries that is fixed and not H::Dof, or of other numbers.
 template <class T, class H>
@@ -79,19 +88,6 @@ template <class H>
 constexpr bool deduces_all = requires {
   &H::template gradient<InColumn<H>, InColumn<H>, OutColumn<H>, OutColumn<H>>;
 };
-template <class Scalar, int Dof, class Energy, class Gradient>
-constexpr bool deduces_all<LambdaHamiltonian<Scalar, Dof, Energy, Gradient>> = requires {
-  &Gradient::template operator()<In<Scalar, Dof>, In<Scalar, Dof>, Out<Scalar, Dof>, Out<Scalar, Dof>>;
-};
-/// The gradient of a Hamiltonian made of two lambdas; of another H nothing.
-template <class H>
-struct GradientLambda {
-  using Type = int;
-};
-template <class Scalar, int Dof, class Energy, class Gradient>
-struct GradientLambda<LambdaHamiltonian<Scalar, Dof, Energy, Gradient>> {
-  using Type = Gradient;
-};
 
 /// Compiles where the gradient, with the time or without, writes into what it is given, as far as its type
 /// tells.
@@ -105,16 +101,13 @@ consteval bool gradient_writes() {
       [](const auto& h,
          auto& out) -> decltype(void(h.gradient(std::declval<const typename H::Scalar&>(), std::declval<At>(),
                                                 std::declval<At>(), out, out))) {};
-  const auto by_lambda =
-      [](const auto& g, auto& out) -> decltype(void(g(std::declval<At>(), std::declval<At>(), out, out))) {};
   constexpr bool copies = [&] {
     if constexpr (deduces_all<H>)
       return false;
     else
       return writes_into_copies<GradientParameters<H>, 2>() ||
              loses_output<decltype(of_point), H, OutColumn<H>>() ||
-             loses_output<decltype(of_time), H, OutColumn<H>>() ||
-             loses_output<decltype(by_lambda), typename GradientLambda<H>::Type, OutColumn<H>>();
+             loses_output<decltype(of_time), H, OutColumn<H>>();
   }();
   static_assert(!copies,
                 "the gradient of this Hamiltonian takes dHdq or dHdp by value, so what it writes is lost: "

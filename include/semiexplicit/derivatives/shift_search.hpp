@@ -43,7 +43,9 @@ class Lengths {
       if (!p_guessed_) root = std::max(by_p, beside(h, p_, d, at, there, calls));
       if (!q_guessed_) root = std::max(by_q, beside(h, q_, 0, at, there, calls));
       const auto guess = [&](Eigen::Index begin) {
-        if (root > Scalar(0)) return length_of_zeros(h, root, begin, at, there, calls);
+        const Scalar length =
+            root > Scalar(0) ? length_of_zeros(h, root, begin, at, there, calls) : Scalar(0);
+        if (length > Scalar(0)) return length;
         return ranges ? linear_range(h, z, gradient, begin, n, at, there, calls) : Scalar(0);
       };
       if (q_guessed_) q_ = guess(0);
@@ -183,33 +185,41 @@ class Lengths {
     for (Eigen::Index i = 0; i < count; ++i) at[begin + i] = length * Scalar(i + 1) / Scalar(count);
   }
 
-  /// How far `count` entries of z from `begin` on are to be moved until the gradient stops to follow in
-  /// proportion: the order of magnitude. 0 where it always does. Leaves `at` at z there.
+  /// How far `count` entries of z from `begin` on may be moved while the gradient follows in proportion: the
+  /// order of magnitude. Of several such ranges the last one that ends: nearer to z the rounding of what is
+  /// within the gradient leaves a part of it out, farther away is what is around all of it. 0: there is none.
+  /// Leaves `at` at z there.
   static Scalar linear_range(const H& h, const Vec& z, const Vec& gradient, Eigen::Index begin,
                              Eigen::Index count, Vec& at, Vec& there, int& calls) {
+    using std::isfinite;
     using std::sqrt;
     const Eigen::Index d = at.size() / 2, n = own_dof<H>(d);
     const Scalar visible = sqrt(Eigen::NumTraits<Scalar>::epsilon()), factor(16);
-    Scalar length = Scalar(1e-30), changes[2] = {Scalar(0), Scalar(0)};
-    bool follows = true;
-    for (int k = 0; k < most_lengths && follows; ++k, length *= factor) {
+    Scalar length = Scalar(1e-30), range(0), changes[2] = {Scalar(0), Scalar(0)};
+    int times[2] = {0, 0};
+    for (int k = 0; k < most_lengths; ++k, length *= factor) {
       spread(at, begin, count, length);
       at.segment(begin, count) += z.segment(begin, count);
       ++calls;
+      bool inside = true;
       try {
         gradient_at(h, at.data(), there.data(), d);
       } catch (const std::logic_error&) {
-        follows = false;
+        inside = false;
       }
       for (int half = 0; half < 2; ++half) {
         const Scalar before = changes[half], now = largest_absolute((there - gradient).segment(half * d, n)),
                      least = visible * largest_absolute(gradient.segment(half * d, n));
-        if (before > Scalar(0) && !(now > factor / 2 * before && now < factor * 2 * before)) follows = false;
+        const bool follows = inside && before > Scalar(0) && now > Scalar(0.95) * factor * before &&
+                             now < Scalar(1.05) * factor * before;
+        if (!follows && times[half] >= 3) range = length / factor;
+        times[half] = follows ? times[half] + 1 : 0;
         changes[half] = now > least ? now : Scalar(0);
       }
+      if (!inside || !isfinite(changes[0]) || !isfinite(changes[1])) break;
     }
     at.segment(begin, count) = z.segment(begin, count);
-    return follows ? Scalar(0) : Scalar(length / (factor * factor));
+    return range;
   }
 
   /// Of two, where 0 says nothing.

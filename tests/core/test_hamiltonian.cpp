@@ -216,6 +216,26 @@ TEMPLATE_TEST_CASE_SIG("A gradient may take its outputs in any way that writes w
   CHECK(z.q()[0] == Approx(std::cos(1)).epsilon(1e-6));
 }
 
+TEST_CASE("A lambda for the gradient may deduce any of its arguments", "[hamiltonian]") {
+  const auto energy = [](const auto& q, const auto& p) { return (q.squaredNorm() + p.squaredNorm()) / 2; };
+  const auto turned = [&](const auto& gradient) {
+    PhasePoint<double, 2> z({1, 0}, {0, 0});
+    Semiexplicit stepper(make_hamiltonian<double, 2>(energy, gradient), schemes::yoshida6());
+    REQUIRE(integrate(stepper, z, {.dt = 0.1, .steps = 10}).ok());
+    return z.q()[0];
+  };
+  const auto right = Approx(std::cos(1)).epsilon(1e-6);
+  CHECK(turned([](In<double, 2> q, In<double, 2> p, auto& dHdq, auto& dHdp) { dHdq = q, dHdp = p; }) ==
+        right);
+  CHECK(turned([](const auto& q, In<double, 2> p, Out<double, 2> dHdq, auto& dHdp) {
+          dHdq = q;
+          const Eigen::Vector2d force = dHdq;
+          dHdp = p + 0 * force;
+        }) == right);
+  CHECK(turned([](auto q, auto p, Out<double, 2> dHdq, Out<double, 2> dHdp) { dHdq = q, dHdp = p; }) ==
+        right);
+}
+
 TEST_CASE("A stepper copies the Hamiltonian and gives it back", "[hamiltonian]") {
   systems::NlsLattice<double> h(7);
   const Semiexplicit stepper(h, schemes::strang());

@@ -361,8 +361,7 @@ SEMIEXPLICIT_COLD Slope<Scalar> judging_slope(const ScalarFunction<Scalar>& f, c
     const Scalar moved = moves_nearby(step);
     const bool is_rounding = abs(given) <= std::max<Scalar>(slack, 1024 * noise / own);
     return slope.uncertainty <= tiny * moved &&
-           (!agrees(slope) ||
-            (abs(given) <= 8 * epsilon * moved + slack && (is_rounding || slope.uncertainty <= abs(given))));
+           (!agrees(slope) || (is_rounding && abs(given) <= 8 * epsilon * moved + slack));
   };
   Scalar h = own / 9, moves = variation(h);
   bool varies = moves != Scalar(0) || isfinite(grid);

@@ -109,10 +109,11 @@ int run(const M& metric, Request& request, const CLI::App& app, const std::strin
     request.cost.compare_with_energy(judged.worst_energy);
   else if (request.cost.chosen)
     std::cout << "energy error: not measured, the orbit in the middle " << describe(judged.end) << '\n';
-  if (request.cost.chosen && (summary.failed > 0 || summary.worst_energy > request.cost.accuracy))
+  if (request.cost.chosen && summary.worst_energy &&
+      (summary.failed > 0 || *summary.worst_energy > request.cost.accuracy))
     std::cout << "the step was chosen on the orbit in the middle: "
               << (summary.failed > 0 ? counted(summary.failed, "orbit") + " failed, and " : "")
-              << "the worst of all is off by " << formatted("%.1e", summary.worst_energy.value_or(INFINITY))
+              << "the worst of all is off by " << formatted("%.1e", *summary.worst_energy)
               << "; give a smaller --accuracy where that is too much\n";
   std::cout << "data: " << csv.string() << '\n';
   if (request.checkpoint.wanted()) finished.remove();

@@ -237,24 +237,32 @@ struct WithHessian : Quartic<double> {
   }
 };
 
+/// How far M of h by differences is off, at most, along a run; by that of `exact`, in double.
+template <class H, class E>
+double worst_along(const H& h, const E& exact, const char* scheme, PhasePoint<typename H::Scalar, H::Dof> z,
+                   typename H::Scalar dt, int steps) {
+  Semiexplicit stepper(h, schemes::by_name<typename H::Scalar>(scheme));
+  TangentMap by_gradient(stepper);
+  TangentMap by_hessian(exact, schemes::by_name<double>(scheme));
+  double worst = 0;
+  for (int n = 0; n < steps; ++n) {
+    const PhasePoint<double, H::Dof> same(z.q().template cast<double>(), z.p().template cast<double>());
+    REQUIRE(by_gradient.at(z, dt) == Status::success);
+    REQUIRE(by_hessian.at(same, static_cast<double>(dt)) == Status::success);
+    worst = std::max(worst, (by_gradient.matrix().template cast<double>() - by_hessian.matrix()).norm() /
+                                by_hessian.matrix().norm());
+    stepper.step(z, dt);
+  }
+  return worst;
+}
+
 TEST_CASE("Differences in float give up no half of a column for digits of the other", "[chaos]") {
   // The force is quadratic in px, so that no shift is too long for it; ∂H/∂px is not.
   double worst = 0;
   for (int k = 0; k < 60; ++k) {
-    PhasePoint<float, 2> z({0.3F * std::sin(1.7F * float(k)), 0.33F * std::cos(2.3F * float(k))},
-                           {0.02F * std::sin(3.1F * float(k) + 1), 0.57F * std::cos(1.1F * float(k))});
-    const auto scheme = schemes::low_defect4_s7<float>();
-    Semiexplicit stepper(Quartic<float>(), scheme);
-    TangentMap by_gradient(stepper);
-    TangentMap exact(WithHessian(), schemes::low_defect4_s7<double>());
-    for (int n = 0; n < 40; ++n) {
-      const PhasePoint<double, 2> same(z.q().cast<double>(), z.p().cast<double>());
-      REQUIRE(by_gradient.at(z, 0.05F) == Status::success);
-      REQUIRE(exact.at(same, static_cast<double>(0.05F)) == Status::success);
-      worst = std::max(worst,
-                       (by_gradient.matrix().cast<double>() - exact.matrix()).norm() / exact.matrix().norm());
-      stepper.step(z, 0.05F);
-    }
+    const PhasePoint<float, 2> z({0.3F * std::sin(1.7F * float(k)), 0.33F * std::cos(2.3F * float(k))},
+                                 {0.02F * std::sin(3.1F * float(k) + 1), 0.57F * std::cos(1.1F * float(k))});
+    worst = std::max(worst, worst_along(Quartic<float>(), WithHessian(), "low_defect4_s7", z, 0.05F, 40));
   }
   CHECK(worst < 2e-5);
 }
@@ -322,80 +330,56 @@ struct ChainWithHessian : Chain<double> {
   }
 };
 
-/// How far M by differences is off, at most, along a run in steps of dt from a chain of which one site moves.
-/// The sites beyond are smaller by that factor each.
+/// How far second derivatives are off, at most, along a run in steps of dt from a chain of which one site
+/// moves. The sites beyond are smaller by that factor each.
 template <class T>
-double worst_of_chain(const Scheme<T>& scheme, const Scheme<double>& same_scheme, T factor, T dt, int steps) {
+double worst_of_chain(const char* scheme, T factor, T dt, int steps) {
   PhasePoint<T, 5> z;
   for (int i = 0; i < 5; ++i) z.q()[i] = (i > 0 ? z.q()[i - 1] : T(0.9)) * (i > 0 ? factor : T(1));
-  Semiexplicit stepper(Chain<T>(), scheme);
-  TangentMap by_gradient(stepper);
-  TangentMap exact(ChainWithHessian(), same_scheme);
-  double worst = 0;
-  for (int n = 0; n < steps; ++n) {
-    const PhasePoint<double, 5> same(z.q().template cast<double>(), z.p().template cast<double>());
-    REQUIRE(by_gradient.at(z, dt) == Status::success);
-    REQUIRE(exact.at(same, static_cast<double>(dt)) == Status::success);
-    worst = std::max(worst, (by_gradient.matrix().template cast<double>() - exact.matrix()).norm() /
-                                exact.matrix().norm());
-    stepper.step(z, dt);
-  }
-  return worst / static_cast<double>(dt);  // of the Hessian
+  return worst_along(Chain<T>(), ChainWithHessian(), scheme, z, dt, steps) / static_cast<double>(dt);
 }
 
 TEST_CASE("Differences are right where one site of a chain moves and the others hardly", "[chaos]") {
   for (const double factor : {1e-1, 1e-4, 1e-8, 1e-12, 0.0}) {
     CAPTURE(factor);
-    const auto fine = schemes::low_defect6_s13<double>();
-    CHECK(worst_of_chain<double>(fine, fine, factor, 0.1, 40) < 1e-8);
-    CHECK(worst_of_chain<float>(schemes::low_defect6_s13<float>(), fine, static_cast<float>(factor), 0.1F,
-                                40) < 1e-4);
+    CHECK(worst_of_chain<double>("low_defect6_s13", factor, 0.1, 40) < 1e-8);
+    CHECK(worst_of_chain<float>("low_defect6_s13", static_cast<float>(factor), 0.1F, 40) < 1e-4);
   }
   // The first kicks from rest: sites of the sizes dt³ and dt⁶.
-  const auto plain = schemes::strang<double>();
   for (const double dt : {1e-2, 1e-3, 1e-4}) {
     CAPTURE(dt);
-    CHECK(worst_of_chain<double>(plain, plain, 0.0, dt, 3) < 1e-6);
+    CHECK(worst_of_chain<double>("strang", 0.0, dt, 3) < 1e-6);
   }
 }
 
-/// An isotropic well with a narrow bump or dimple in its middle.
+/// A dimple of that width in the middle of a bowl; a bump, where its depth is below 0.
 template <class T>
-struct Bump {
+struct Dimple {
   using Scalar = T;
   static constexpr int Dof = 2;
-  T width = 1, height = 0;
-  T bump(In<T, 2> q) const { return height * std::exp(-q.squaredNorm() / (width * width)); }
+  T width = 1, depth = T(0.15);
+  T deep(In<T, 2> q) const { return 2 * depth * std::exp(-q.squaredNorm() / (width * width)); }
   void gradient(In<T, 2> q, In<T, 2> p, Out<T, 2> dHdq, Out<T, 2> dHdp) const {
-    dHdq = (1 - 2 * bump(q) / (width * width)) * q;
+    dHdq = (1 - deep(q)) * q;
     dHdp = p;
   }
 };
-struct BumpWithHessian : Bump<float> {
-  void hessian(In<float, 2> q, In<float, 2>, Eigen::Ref<Eigen::Matrix4f> result) const {
-    const float w2 = width * width, e = bump(q);
+struct DimpleWithHessian : Dimple<double> {
+  void hessian(In<double, 2> q, In<double, 2>, Eigen::Ref<Eigen::Matrix4d> result) const {
     result.setIdentity();
-    result.diagonal().head<2>().array() -= 2 * e / w2;
-    result.topLeftCorner<2, 2>() += 4 * e / (w2 * w2) * q * q.transpose();
+    result.diagonal().head<2>().array() -= deep(q);
+    result.topLeftCorner<2, 2>() += 2 * deep(q) / (width * width) * q * q.transpose();
   }
 };
 
 TEST_CASE("Shifts that were found on a plain are not kept within a bump, in float", "[chaos]") {
-  const auto scheme = schemes::low_defect4_s7<float>();
   double worst = 0;
   for (int k = 1; k <= 40; ++k) {
-    const float n = static_cast<float>(k);
-    const Bump<float> bump{0.3F + 0.2F * std::sin(n), 0.1F * std::cos(2 * n)};
-    PhasePoint<float, 2> z({std::sin(3 * n), std::cos(5 * n)}, {std::sin(7 * n), std::sin(11 * n)});
-    Semiexplicit stepper(bump, scheme);
-    TangentMap by_gradient(stepper);
-    TangentMap exact(BumpWithHessian{bump}, scheme);
-    for (int i = 0; i < 200; ++i) {
-      REQUIRE(by_gradient.at(z, 0.1F) == Status::success);
-      REQUIRE(exact.at(z, 0.1F) == Status::success);
-      worst = std::max<double>(worst, (by_gradient.matrix() - exact.matrix()).norm() / exact.matrix().norm());
-      stepper.step(z, 0.1F);
-    }
+    const float n = static_cast<float>(k), width = 0.3F + 0.2F * std::sin(n);
+    const Dimple<float> dimple{width, 0.1F * std::cos(2 * n) / (width * width)};
+    const PhasePoint<float, 2> z({std::sin(3 * n), std::cos(5 * n)}, {std::sin(7 * n), std::sin(11 * n)});
+    worst = std::max(worst, worst_along(dimple, DimpleWithHessian{{dimple.width, dimple.depth}},
+                                        "low_defect4_s7", z, 0.1F, 200));
   }
   CHECK(worst < 5e-4);
 }
@@ -409,6 +393,8 @@ struct Turning {
     dHdq = Eigen::Vector2d(-p[1], p[0]) / 3 + k * q.squaredNorm() * q;
     dHdp = p + Eigen::Vector2d(q[1], -q[0]) / 3;
   }
+};
+struct TurningWithHessian : Turning {
   void hessian(In<double, 2> q, In<double, 2>, Eigen::Ref<Eigen::Matrix4d> result) const {
     result.setIdentity();
     result.topLeftCorner<2, 2>() =
@@ -416,25 +402,12 @@ struct Turning {
     result(0, 3) = result(3, 0) = -1.0 / 3, result(1, 2) = result(2, 1) = 1.0 / 3;
   }
 };
-struct TurningByGradient {
-  using Scalar = double;
-  static constexpr int Dof = 2;
-  Turning turning;
-  void gradient(In<double, 2> q, In<double, 2> p, Out<double, 2> dHdq, Out<double, 2> dHdp) const {
-    turning.gradient(q, p, dHdq, dHdp);
-  }
-};
 
 TEST_CASE(
     "Differences are right where momenta are rounding in a frame that turns, and at rest in a quartic well",
     "[chaos]") {
-  const auto scheme = schemes::low_defect4_s7<double>();
-  const auto off = [&](double k, const PhasePoint<double, 2>& z, double dt) {
-    TangentMap<TurningByGradient> by_gradient({{k}}, scheme);
-    TangentMap<Turning> exact({k}, scheme);
-    REQUIRE(by_gradient.at(z, dt) == Status::success);
-    REQUIRE(exact.at(z, dt) == Status::success);
-    return (by_gradient.matrix() - exact.matrix()).norm() / exact.matrix().norm();
+  const auto off = [](double k, const PhasePoint<double, 2>& z, double dt) {
+    return worst_along(Turning{k}, TurningWithHessian{{k}}, "low_defect4_s7", z, dt, 1);
   };
   for (const double p : {0.0, 1e-6, 1e-10, 1e-14, 1e-18, -5.5e-17}) {
     CAPTURE(p);
@@ -482,25 +455,12 @@ TEST_CASE("Differences are right for a chain of atoms at rest, whose second deri
   }
 }
 
-/// A dimple of that width in the middle of a bowl.
-struct Dimple {
-  using Scalar = double;
-  static constexpr int Dof = 2;
-  static constexpr double depth = 0.15;
-  double width = 1;
-  double deep(In<double, 2> q) const { return 2 * depth * std::exp(-q.squaredNorm() / (width * width)); }
-  void gradient(In<double, 2> q, In<double, 2> p, Out<double, 2> dHdq, Out<double, 2> dHdp) const {
-    dHdq = (1 - deep(q)) * q;
-    dHdp = p;
-  }
-};
-
 TEST_CASE("Differences do not step over what an entry has a part of, on an axis", "[chaos]") {
   // Across the axis the entry is 1 - deep: larger shifts see 1.
   for (const double width : {1.0, 1e-2, 1e-3, 1e-6}) {
-    const Dimple dimple{width};
+    const Dimple<double> dimple{width};
     const double dt = 1e-4;
-    TangentMap<Dimple> map(dimple, schemes::strang<double>());
+    TangentMap map(dimple, schemes::strang<double>());
     for (const double x : {0.1, 0.5, 0.9}) {
       const PhasePoint<double, 2> z({x * width, 0}, {0.3 * width, 0});
       REQUIRE(map.at(z, dt) == Status::success);

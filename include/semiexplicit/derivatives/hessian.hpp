@@ -154,7 +154,6 @@ class SecondDerivatives {
     ++calls_;
     calls_ += lengths_.take(h, z, search_.here(), at_.vector(), search_.above(), ranges);
     search_.count_in(lengths_, z);
-    at_.vector() = z;
   }
 
   /// Finds the shift of that coordinate anew, or looks beside the last one.

@@ -35,8 +35,8 @@ concept HasMomentumRest = requires(const H& h, const InColumn<H>& p, OutColumn<H
 };
 template <class H>
 concept HasCoupledRest = requires(const H& h) {
-  requires std::is_lvalue_reference_v<decltype(std::declval<const H&>().coupled_rest())>;
-  requires Hamiltonian<std::remove_cvref_t<decltype(std::declval<const H&>().coupled_rest())>>;
+  requires std::is_lvalue_reference_v<decltype(h.coupled_rest())>;
+  requires Hamiltonian<std::remove_cvref_t<decltype(h.coupled_rest())>>;
 };
 
 // A part that takes other arguments than those of its concept, or wants an H that is not const, would be

@@ -29,6 +29,9 @@ struct Figure {
   std::string beside{};  ///< what is to be known of it; of `expected` what that is
   std::optional<double> expected{};  ///< by a closed form or an estimate
   std::string missing{};             ///< why there is none; empty where there is one
+  /// Of a figure that swings, what it is a quarter of a period later: either of them may pass by the true one
+  /// with no error of its own, and has that of both.
+  std::optional<double> quarter_later{};
 };
 
 /// A figure beside what a formula gives, or alone where a reason is `off` why the formula does not hold.
@@ -155,8 +158,12 @@ class FigureErrors {
     for (const Figure& one : of_run_.figures(run))
       for (const Figure& other : others)
         if (one.name == other.name && one.missing.empty() && other.missing.empty())
-          if (const auto error = estimate.error_of(one.value, other.value))
-            run.figure_errors[one.name] = {*error, one.uncertain};
+          if (const auto error = estimate.error_of(one.value, other.value)) {
+            const auto later = one.quarter_later && other.quarter_later
+                                   ? estimate.error_of(*one.quarter_later, *other.quarter_later)
+                                   : std::nullopt;
+            run.figure_errors[one.name] = {std::hypot(*error, later.value_or(0)), one.uncertain};
+          }
   }
 
  private:

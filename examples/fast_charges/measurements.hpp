@@ -53,7 +53,7 @@ struct Way {
   Largest widest, closest;         ///< x, -x
   double highest = 0, across = 0;  ///< the largest |y|, and canonical momentum across z
   double longest = 0;              ///< the way of a step
-  Eigen::Vector3d first = Eigen::Vector3d::Zero(), last = first;
+  Eigen::Vector3d first = Eigen::Vector3d::Zero(), last = first, momentum = first;
   void see(double now, const In<double, 3>& q, const In<double, 3>& p) {
     if (!std::exchange(begun, true)) {
       first = last = q;
@@ -61,6 +61,7 @@ struct Way {
     }
     longest = std::max(longest, (q - last).norm());
     last = q;
+    momentum = p;
     t = now;
     widest.see(q[0]);
     closest.see(-q[0]);
@@ -79,8 +80,7 @@ struct Way {
     for (double* number : {&t0, &t, &highest, &across, &longest}) visit(*number);
     widest.visit_memory(visit);
     closest.visit_memory(visit);
-    visit(first);
-    visit(last);
+    for (Eigen::Vector3d* vector : {&first, &last, &momentum}) visit(*vector);
   }
 };
 /// The figures(way, method) of a charge in one field.
@@ -224,10 +224,16 @@ inline Measurement<3> focusing(const Choice& c) {
     };
     for (const int i : {0, 1}) {
       const std::string what = std::string(i == 0 ? "x" : "y") + " at the end, of that at the start";
-      list.push_back(way.first[i] == 0 ? not_measured(what, "it starts at 0")
-                                       : compared(what, way.last[i] / way.first[i], 0, "cos or cosh(√|κ| z)",
-                                                  grown(i == 0 ? kappa : -kappa),
-                                                  too_large("the slope", way.across / momentum_of(c), 0.1)));
+      if (way.first[i] == 0) {
+        list.push_back(not_measured(what, "it starts at 0"));
+        continue;
+      }
+      list.push_back(compared(what, way.last[i] / way.first[i], 0, "cos or cosh(√|κ| z)",
+                              grown(i == 0 ? kappa : -kappa),
+                              too_large("the slope", way.across / momentum_of(c), 0.1)));
+      if (kappa != 0)
+        list.back().quarter_later =
+            way.momentum[i] / (momentum_of(c) * std::sqrt(std::abs(kappa)) * way.first[i]);
     }
     return list;
   });

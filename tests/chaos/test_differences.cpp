@@ -455,6 +455,71 @@ TEST_CASE("Differences are right for a chain of atoms at rest, whose second deri
   }
 }
 
+namespace {
+
+/// A spring with a hill on either side of its middle, in a unit of length.
+struct BetweenHills {
+  using Scalar = double;
+  static constexpr int Dof = 1;
+  double unit, place, height, steep;
+  void gradient(In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
+    double force = q[0] / unit;
+    for (const double x : {q[0] / unit - place, q[0] / unit + place})
+      force -= 2 * steep * height * x * std::exp(-steep * x * x);
+    dHdq[0] = force / unit;
+    dHdp = p;
+  }
+};
+struct BetweenHillsWithHessian : BetweenHills {
+  void hessian(In<double, 1> q, In<double, 1>, Eigen::Ref<Eigen::Matrix2d> all) const {
+    double bend = 1;
+    for (const double x : {q[0] / unit - place, q[0] / unit + place})
+      bend += height * (4 * steep * steep * x * x - 2 * steep) * std::exp(-steep * x * x);
+    all << bend / unit / unit, 0, 0, 1;
+  }
+};
+
+/// An oscillator of Morse's, in a unit of length.
+struct MorseSpring {
+  using Scalar = double;
+  static constexpr int Dof = 1;
+  double unit;
+  void gradient(In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
+    const double e = std::exp(-1.4 * q[0] / unit);
+    dHdq[0] = 2.8 * (1 - e) * e * unit;
+    dHdp = p;
+  }
+};
+struct MorseWithHessian : MorseSpring {
+  void hessian(In<double, 1> q, In<double, 1>, Eigen::Ref<Eigen::Matrix2d> all) const {
+    const double e = std::exp(-1.4 * q[0] / unit);
+    all << 3.92 * (2 * e - 1) * e, 0, 0, 1;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("Differences are right in the middle between hills, where rounding hides them from short shifts",
+          "[chaos]") {
+  for (const double unit : {1.0, 1e-3, 1e-4, 1e-6})
+    for (int i = 0; i < 60; ++i) {
+      const BetweenHills hills{unit, 0.3 + 0.025 * i, 0.2 + 0.1 * (i % 5), 1.0 + i % 4};
+      CAPTURE(unit, hills.place, hills.height, hills.steep);
+      for (const double p : {0.0, 0.1})
+        CHECK(error_of_map(hills, BetweenHillsWithHessian{hills}, {0, p}, 0.05 * unit) < 1e-7);
+    }
+}
+
+TEST_CASE("Differences are right near the middle of a spring, in any unit", "[chaos]") {
+  for (const double unit : {1.0, 1e-15, 1e10, 1e12, 1e18})
+    for (const double q : {0.0, 1e-15, -1e-12, 1e-8, -1e-4}) {
+      CAPTURE(unit, q);
+      const MorseSpring spring{unit};
+      for (const double p : {0.1, 0.8})
+        CHECK(error_of_map(spring, MorseWithHessian{spring}, {q * unit, p * unit}, 0.1) < 1e-7);
+    }
+}
+
 TEST_CASE("Differences do not step over what an entry has a part of, on an axis", "[chaos]") {
   // Across the axis the entry is 1 - deep: larger shifts see 1.
   for (const double width : {1.0, 1e-2, 1e-3, 1e-6}) {

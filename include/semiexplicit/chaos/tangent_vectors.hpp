@@ -31,6 +31,9 @@ namespace semiexplicit {
 /// In float that makes a regular orbit look chaotic in the end: growth that is linear in exact arithmetic
 /// turns exponential, at a rate near √1e-5 of the orbit's own, after some hundred periods. Give second
 /// derivatives there, or double.
+/// A difference moves both halves of a vector at once: where units of positions and momenta are 1e6 and more
+/// apart (1e3 in float), the halves of a vector have to be as far apart as those of the state, or rounding
+/// hides what the smaller one does.
 /// Up to four degrees of freedom, and with d vectors and more, a matrix of differences is taken, which is
 /// symmetric.
 ///

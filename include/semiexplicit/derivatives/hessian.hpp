@@ -164,13 +164,18 @@ class SecondDerivatives {
       difference(h, z, i, shift, column);
     };
     const Eigen::Index d = z.size() / 2;
-    const Scalar length = lengths_.own(i, z), own = abs(z[i]);
-    const Scalar farthest = std::max<Scalar>(lengths_.of(i, d), search_.largest_of_half(i));
-    const Scalar unit = lengths_.guessed(i, d) ? Scalar(1) : std::max<Scalar>(lengths_.of(i, d), 1);
-    const Scalar found = anew ? search_.best_of_all(length, farthest, own, unit, by)
-                              : search_.best_near(length, farthest, own, unit, shift_[i], by);
+    const bool known = lengths_.known(i, d);
+    typename ShiftSearch<H>::Along along{
+        .length = lengths_.own(i, z),
+        .farthest = std::max<Scalar>(lengths_.of(i, d), search_.largest_of_half(i)),
+        .own = abs(z[i]),
+        .unit = lengths_.beyond(i, d),
+        .known = known};
+    // Where a half is zero the rounding of what is within the gradient hides a part of it from the shortest.
+    if (z[i] == Scalar(0) && known && lengths_.guessed(i, d)) along.own = 16 * along.length;
+    const Scalar found = anew ? search_.best_of_all(along, by) : search_.best_near(along, shift_[i], by);
     const bool has_before = blind_[i] == Scalar(0);
-    shift_[i] = has_before ? search_.bounded(found, shift_[i], length) : found;
+    shift_[i] = has_before ? search_.bounded(found, shift_[i], along.length) : found;
     blind_[i] = Scalar(search_.saw() ? 0 : 1);
     diagonal_[i] = std::numeric_limits<Scalar>::quiet_NaN();  // to be noted with that shift
     at_.vector() = z;

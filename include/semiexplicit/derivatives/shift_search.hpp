@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include <semiexplicit/core/extended_phase_space.hpp>
 #include <semiexplicit/core/hamiltonian.hpp>
@@ -21,8 +22,8 @@ class Lengths {
  public:
   using Scalar = typename H::Scalar;
   using Vec = typename PhasePoint<Scalar, H::Dof>::Storage;
-  static constexpr int most_attempts = 16, most_lengths = 50;
-  static constexpr int most_calls = 3 * most_lengths;
+  static constexpr int most_lengths = 56;
+  static constexpr int most_calls = 2 + 5 * most_lengths;  ///< beside; of each half by two ways, of the time
 
   /// `gradient` is that at z; `at` and `there` are memory to work in; `ranges`: what nothing tells is looked
   /// for by many gradients, else it is 1. Returns how many gradients it took.
@@ -36,7 +37,8 @@ class Lengths {
     q_guessed_ = !(q_ > Scalar(0));
     // Momenta are rounding only at an equilibrium. Positions of a free particle tell nothing either, but a
     // guess no more.
-    p_guessed_ = !(p_ > Scalar(0)) || by_p < sqrt(sqrt(Eigen::NumTraits<Scalar>::epsilon())) * by_q;
+    const Scalar little = sqrt(sqrt(Eigen::NumTraits<Scalar>::epsilon()));
+    p_guessed_ = !(p_ > Scalar(0)) || by_p < little * by_q;
     if (q_guessed_ || p_guessed_) {
       at = z;
       Scalar root(0);
@@ -44,7 +46,7 @@ class Lengths {
       if (!q_guessed_) root = std::max(by_q, beside(h, q_, 0, at, there, calls));
       const auto guess = [&](Eigen::Index begin) {
         const Scalar length =
-            root > Scalar(0) ? length_of_zeros(h, root, begin, at, there, calls) : Scalar(0);
+            root > Scalar(0) ? length_of_zeros(h, z, root, begin, at, there, calls) : Scalar(0);
         if (length > Scalar(0)) return length;
         return ranges ? linear_range(h, z, gradient, begin, n, at, there, calls) : Scalar(0);
       };
@@ -52,6 +54,9 @@ class Lengths {
       if (p_guessed_) p_ = guess(d);
       at = z;
     }
+    q_beyond_ = Scalar(0);
+    if (ranges && !q_guessed_ && !p_guessed_ && by_q < little * by_p)
+      at = z, q_beyond_ = length_of_zeros(h, z, by_p, 0, at, there, calls);
     if constexpr (InExtendedPhaseSpace<H>) {
       using std::abs;
       const Scalar dq = largest_absolute(gradient.segment(d, n)), dp = largest_absolute(gradient.head(n));
@@ -66,15 +71,22 @@ class Lengths {
 
   /// That of one coordinate of 2d.
   Scalar of(Eigen::Index i, Eigen::Index d) const {
-    Scalar length = i < d ? q_ : p_;
-    if constexpr (InExtendedPhaseSpace<H>)
-      if (i % d == d - 1) length = i < d ? time_ : energy_;
+    const Scalar length = or_zero(i, d);
     return length > Scalar(0) ? length : Scalar(1);
   }
+  /// Whether anything tells it.
+  bool known(Eigen::Index i, Eigen::Index d) const { return or_zero(i, d) > Scalar(0); }
 
   /// Whether the half of that coordinate is at zero, or nothing beside the other in H, and its length a
   /// guess.
   bool guessed(Eigen::Index i, Eigen::Index d) const { return i < d ? q_guessed_ : p_guessed_; }
+
+  /// How far shifts of it are worth a look: at least 1, and of positions that are near the origin by chance
+  /// as far as they change H by as much as momenta do.
+  Scalar beyond(Eigen::Index i, Eigen::Index d) const {
+    if (guessed(i, d)) return Scalar(1);
+    return std::max<Scalar>(std::max<Scalar>(of(i, d), 1), i < own_dof<H>(d) ? q_beyond_ : Scalar(0));
+  }
 
   /// Whether its own size tells more, as where the others are in other units; not where it is nothing beside
   /// them, nor of the time.
@@ -120,6 +132,15 @@ class Lengths {
   }
 
  private:
+  static constexpr int factor = 16;  ///< of each length to the one before
+
+  /// That of one coordinate; 0: nothing is known.
+  Scalar or_zero(Eigen::Index i, Eigen::Index d) const {
+    if constexpr (InExtendedPhaseSpace<H>)
+      if (i % d == d - 1) return i < d ? time_ : energy_;
+    return i < d ? q_ : p_;
+  }
+
   /// The square root of the energy of a half, whose largest entry that is, a sixteenth beside where it is: at
   /// an equilibrium there is none. 0 where that cannot be found.
   static Scalar beside(const H& h, const Scalar& largest, Eigen::Index begin, Vec& at, Vec& there,
@@ -139,87 +160,86 @@ class Lengths {
     return isfinite(root) ? root : Scalar(0);
   }
 
-  /// How far the half of `at` that begins there, all zeros or next to nothing, is to be moved so that its
-  /// share of H is about that energy, of which `root` is the square root (the energy itself may have no room
-  /// in the exponent); 0 where that cannot be found.
-  static Scalar length_of_zeros(const H& h, const Scalar& root, Eigen::Index begin, Vec& at, Vec& there,
-                                int& calls) {
-    using std::isfinite;
+  /// Moves `count` entries of z from `begin` on, by different parts of a length, over lengths of all orders
+  /// of magnitude from the smallest one on, while look(length, inside) of the gradient `there` says so; not
+  /// inside, as beyond a wall, is the last one. Leaves `at` at z.
+  template <class Look>
+  static void along_lengths(const H& h, const Vec& z, Eigen::Index begin, Eigen::Index count, Vec& at,
+                            Vec& there, int& calls, const Look& look) {
+    const Eigen::Index d = at.size() / 2;
+    Scalar length = Scalar(1e-36);
+    for (int k = 0; k < most_lengths; ++k, length *= factor) {
+      for (Eigen::Index i = 0; i < count; ++i)
+        at[begin + i] = z[begin + i] + length * Scalar(i + 1) / Scalar(count);
+      ++calls;
+      bool inside = false;
+      try {
+        gradient_at(h, at.data(), there.data(), d);
+        inside = all_finite(there);
+      } catch (const std::logic_error&) {
+      }
+      if (!look(length, inside) || !inside) break;
+    }
+    at.segment(begin, count) = z.segment(begin, count);
+  }
+
+  /// How far a half of z from `begin` on, all zeros or next to nothing, is to be moved so that its share of H
+  /// is about that energy, of which `root` is the square root (the energy itself may have no room in the
+  /// exponent): the shortest such way, or that of the largest share where none is as large. 0: it has none.
+  static Scalar length_of_zeros(const H& h, const Vec& z, const Scalar& root, Eigen::Index begin, Vec& at,
+                                Vec& there, int& calls) {
     using std::log;
     using std::pow;
     using std::sqrt;
     const Eigen::Index d = at.size() / 2, n = own_dof<H>(d);
-    Scalar length(0.5), inside(0), root_before(0), length_before(0);
-    for (int attempt = 0; attempt < most_attempts; ++attempt) {
-      spread(at, begin, n, length);
-      ++calls;
-      bool finite = false;
-      try {
-        gradient_at(h, at.data(), there.data(), d);
-        finite = all_finite(there);
-      } catch (const std::logic_error&) {
-      }
-      if (!finite && inside > Scalar(0)) break;
-      if (!finite) {  // too far for an exponential, or beyond a wall
-        length *= sqrt(Eigen::NumTraits<Scalar>::epsilon());
-        continue;
-      }
-      inside = length;
-      // By the power of the length that two of them tell; before, as it is where it is quadratic.
+    Scalar found(0), largest(0), before(0);
+    along_lengths(h, z, begin, n, at, there, calls, [&](const Scalar& length, bool inside) {
+      if (!inside) return false;
       const Scalar here = sqrt(largest_absolute(there.segment(begin, n))) * sqrt(length);
-      Scalar power =
-          root_before > Scalar(0) ? Scalar(log(length / length_before) / log(here / root_before)) : Scalar(1);
-      if (!(power > Scalar(0.125) && power < Scalar(2))) power = Scalar(1);
-      root_before = here, length_before = length;
-      const Scalar next = length * pow(root / here, power);
-      if (!(next > Scalar(0)) || !isfinite(next)) return Scalar(0);
-      const Scalar ratio = next / length;
-      length = next;
-      if (ratio < Scalar(4) && ratio > Scalar(0.25)) return length;
-    }
-    return inside;
-  }
-
-  /// Sets `count` entries of `at` from `begin` on to different parts of a length.
-  static void spread(Vec& at, Eigen::Index begin, Eigen::Index count, const Scalar& length) {
-    for (Eigen::Index i = 0; i < count; ++i) at[begin + i] = length * Scalar(i + 1) / Scalar(count);
+      const bool reached = here >= root;
+      if (reached)  // between this one and the one before, by the power of the length that they tell
+        found = before > Scalar(0)
+                    ? Scalar(length * pow(Scalar(factor), -log(here / root) / log(here / before)))
+                    : length;
+      else if (here > largest)
+        found = length, largest = here;
+      before = here;
+      return !reached;
+    });
+    return found;
   }
 
   /// How far `count` entries of z from `begin` on may be moved while the gradient follows in proportion: the
-  /// order of magnitude. Of several such ranges the last one that ends: nearer to z the rounding of what is
-  /// within the gradient leaves a part of it out, farther away is what is around all of it. 0: there is none.
-  /// Leaves `at` at z there.
+  /// order of magnitude. There may be several such ranges: nearer to z rounding leaves out a part of what is
+  /// within the gradient, about 1/ε times nearer, and it comes in all at once; farther away is what is
+  /// around. 0: there is none.
   static Scalar linear_range(const H& h, const Vec& z, const Vec& gradient, Eigen::Index begin,
                              Eigen::Index count, Vec& at, Vec& there, int& calls) {
-    using std::isfinite;
+    using std::abs;
+    using std::cbrt;
+    using std::pow;
     using std::sqrt;
     const Eigen::Index d = at.size() / 2, n = own_dof<H>(d);
-    const Scalar visible = sqrt(Eigen::NumTraits<Scalar>::epsilon()), factor(16);
-    Scalar length = Scalar(1e-30), range(0), changes[2] = {Scalar(0), Scalar(0)};
+    const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon(), near = sqrt(cbrt(epsilon)),
+                 far_apart = pow(epsilon, Scalar(-0.6));
+    Scalar range(0), changes[2] = {Scalar(0), Scalar(0)}, off[2] = {Scalar(0), Scalar(0)};
     int times[2] = {0, 0};
-    for (int k = 0; k < most_lengths; ++k, length *= factor) {
-      spread(at, begin, count, length);
-      at.segment(begin, count) += z.segment(begin, count);
-      ++calls;
-      bool inside = true;
-      try {
-        gradient_at(h, at.data(), there.data(), d);
-      } catch (const std::logic_error&) {
-        inside = false;
-      }
+    bool at_once = false;
+    along_lengths(h, z, begin, count, at, there, calls, [&](const Scalar& length, bool inside) {
       for (int half = 0; half < 2; ++half) {
         const Scalar before = changes[half], now = largest_absolute((there - gradient).segment(half * d, n)),
-                     least = visible * largest_absolute(gradient.segment(half * d, n));
-        const bool follows = inside && before > Scalar(0) && now > Scalar(0.95) * factor * before &&
-                             now < Scalar(1.05) * factor * before;
-        if (!follows && times[half] >= 3) range = length / factor;
+                     least = sqrt(epsilon) * largest_absolute(gradient.segment(half * d, n)),
+                     off_before = std::exchange(off[half], Scalar(abs(now / (factor * before) - 1)));
+        const bool follows = inside && before > Scalar(0) && off[half] < near,
+                   ends = !follows && times[half] >= 3;
+        if (ends && !(length < range * far_apart))
+          range = length / factor, at_once = off_before < 16 * epsilon;
         times[half] = follows ? times[half] + 1 : 0;
         changes[half] = now > least ? now : Scalar(0);
       }
-      if (!inside || !isfinite(changes[0]) || !isfinite(changes[1])) break;
-    }
-    at.segment(begin, count) = z.segment(begin, count);
-    return range;
+      return true;
+    });
+    return at_once ? Scalar(0) : range;
   }
 
   /// Of two, where 0 says nothing.
@@ -227,7 +247,7 @@ class Lengths {
     return a > Scalar(0) && (a < b || !(b > Scalar(0))) ? a : b;
   }
 
-  Scalar q_ = Scalar(0), p_ = Scalar(0), time_ = Scalar(0), energy_ = Scalar(0);
+  Scalar q_ = Scalar(0), p_ = Scalar(0), time_ = Scalar(0), energy_ = Scalar(0), q_beyond_ = Scalar(0);
   bool q_guessed_ = false, p_guessed_ = false;
 };
 
@@ -274,18 +294,26 @@ class ShiftSearch {
     return i - begin < n ? largest_absolute(largest_.segment(begin, n)) : largest_[i];
   }
 
+  /// What is known of a coordinate, or a direction, that a shift is looked for along.
+  struct Along {
+    Scalar length, farthest;  ///< over which the gradient varies, of what is moved and of its half
+    Scalar own;               ///< the size of what is moved, which rounds it
+    Scalar unit;              ///< shifts are looked for up to that, and to the length
+    bool known = true;        ///< else the length is 1 because nothing is known
+  };
+
   /// Of `count` shifts in geometric order from the larger one to the smaller one, that whose differences
-  /// agree best with those of its two neighbours; see choose(). `length` is that of what is moved, `farthest`
-  /// that of its half. difference(shift, column) writes above(), below() and their difference by the shift;
-  /// NaN and std::domain_error say that the shift is too large.
+  /// agree best with those of its two neighbours; see choose(). difference(shift, column) writes above(),
+  /// below() and their difference by the shift; NaN and std::domain_error say that the shift is too large.
   template <class Difference>
-  Scalar best(const Scalar& length, const Scalar& farthest, const Scalar& from, const Scalar& to, int count,
+  Scalar best(const Along& along, const Scalar& from, const Scalar& to, int count,
               const Difference& difference) {
     using std::abs;
     using std::log;
     using std::pow;
     const Scalar ratio = pow(to / from, Scalar(1) / Scalar(std::max(count - 1, 1)));
-    const Scalar usual = usual_part(length);
+    // Below it differences that agree may do so because the gradient is rounded.
+    const Scalar rounded = along.known ? Scalar(usual_part(along.length) / 64) : Scalar(0);
     HalfBy by_shift[countings][2][most_shifts];
     Scalar shift = from;
     int gap[2] = {0, 0};
@@ -302,48 +330,45 @@ class ShiftSearch {
         for (int half = 0; half < 2; ++half) {
           for (int counting = 0; counting < countings; ++counting)
             by_shift[counting][half][k] = compare(units_[counting], half, shift);
-          if (shift > usual / 64) gap[half] = std::max(gap[half], last_gap_of_entries(half, k));
+          if (shift > rounded) gap[half] = std::max(gap[half], last_gap_of_entries(half, k));
         }
       middle_ = smaller_;
     }
     for (int half = 0; half < 2; ++half) {
-      const int last = std::max(gap[half], last_gap(by_shift[by_own][half], count, from, ratio, usual / 64));
+      const int last = std::max(gap[half], last_gap(by_shift[by_own][half], count, from, ratio, rounded));
       for (auto& counting : by_shift)
         for (int k = 1; k <= last; ++k) counting[half][k] = {};
     }
     Scalar apart[most_shifts], alike[most_shifts];
-    score(by_shift, count, {length, farthest}, apart, alike);
+    score(by_shift, count, {along.length, along.farthest}, apart, alike);
     for (int k = 1; k < count - 1; ++k)  // with both neighbours
       apart[k] = std::max(apart[k], apart[k + 1]), alike[k] = std::max(alike[k], alike[k + 1]);
-    return from * pow(ratio, Scalar(choose(apart, alike, count, log(from / farthest), log(ratio))));
+    return from * pow(ratio, Scalar(choose(apart, alike, count, log(from / along.farthest), log(ratio))));
   }
 
-  /// The same over all shifts that may be right: from the length, or the `unit` of the shift, to the rounding
-  /// of what is moved, `own`, or nothing.
+  /// The same over all shifts that may be right: from the length, or the unit, to the rounding of what is
+  /// moved, or nothing.
   template <class Difference>
-  Scalar best_of_all(const Scalar& length, const Scalar& farthest, const Scalar& own, const Scalar& unit,
-                     const Difference& difference) {
+  Scalar best_of_all(const Along& along, const Difference& difference) {
     using std::ceil;
     using std::log;
     const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon();
-    const Scalar from = std::max<Scalar>(length, unit) / 2;
-    const Scalar least =
-        std::max(Scalar(16 * epsilon * own), Scalar(epsilon * std::min<Scalar>(length, unit)));
+    const Scalar from = std::max<Scalar>(along.length, along.unit) / 2;
+    const Scalar least = std::max(Scalar(16 * epsilon * along.own),
+                                  Scalar(epsilon * std::min<Scalar>(along.length, along.unit)));
     const Scalar count = ceil(log(from / least) / log(Scalar(8)));  // below 3 or NaN at the ends of the range
     const int shifts = count >= Scalar(most_shifts) ? most_shifts
                        : count > Scalar(3)          ? static_cast<int>(count)
                                                     : 3;
-    return best(length, farthest, from, least, shifts, difference);
+    return best(along, from, least, shifts, difference);
   }
 
   /// A shift that was right a while ago, looked at again.
   template <class Difference>
-  Scalar best_near(const Scalar& length, const Scalar& farthest, const Scalar& own, const Scalar& unit,
-                   const Scalar& shift, const Difference& difference) {
+  Scalar best_near(const Along& along, const Scalar& shift, const Difference& difference) {
     const Scalar from = 512 * shift, to = shift / 512;
-    const Scalar found = best(length, farthest, from, to, 7, difference);
-    return found > from / 16 || found < to * 16 ? best_of_all(length, farthest, own, unit, difference)
-                                                : found;
+    const Scalar found = best(along, from, to, 7, difference);
+    return found > from / 16 || found < to * 16 ? best_of_all(along, difference) : found;
   }
 
   /// No more than eight times what was right a while ago, or than the usual part of the length: where a

@@ -203,10 +203,10 @@ class HessianProduct {
       // No shift is too small because some coordinate is large: it may be coupled to nothing.
       const Scalar unit = 1 / largest;
       if (anew || search_now_ == Search::near) {
-        const Scalar farthest = std::max(length, lengths_.farthest_along(v));
+        const typename ShiftSearch<H>::Along along{length, std::max(length, lengths_.farthest_along(v)),
+                                                   Scalar(0), unit};
         const Scalar found =
-            anew ? search_.best_of_all(length, farthest, Scalar(0), unit, by)
-                 : search_.best_near(length, farthest, Scalar(0), unit, part_[j] * length, by);
+            anew ? search_.best_of_all(along, by) : search_.best_near(along, part_[j] * length, by);
         const Scalar before = part_[j] * found_[j] / largest;
         part_[j] = (before > Scalar(0) ? search_.bounded(found, before, length) : found) / length;
         found_[j] = length * largest;

@@ -510,6 +510,101 @@ TEST_CASE("Differences are right in the middle between hills, where rounding hid
     }
 }
 
+namespace {
+
+/// Two bonds of Morse's, counted from a minimum that is known to `off`, coupled.
+struct CoupledBonds {
+  using Scalar = double;
+  static constexpr int Dof = 2;
+  double off;
+  void gradient(In<double, 2> q, In<double, 2> p, Out<double, 2> dHdq, Out<double, 2> dHdp) const {
+    for (int i = 0; i < 2; ++i) {
+      const double u = std::exp(-q[i] - off);
+      dHdq[i] = 2 * u * (1 - u) + q[1 - i] / 2;
+    }
+    dHdp = p;
+  }
+};
+
+/// Sites in a trap upon a hill of that width, light and from rest.
+struct OnHills {
+  using Scalar = double;
+  static constexpr int Dof = 6;
+  double width;
+  void gradient(In<double, 6> q, In<double, 6> p, Out<double, 6> dHdq, Out<double, 6> dHdp) const {
+    dHdq = 1e-3 * (q.array() * (1 - 2 * (-q.array().square() / (width * width)).exp()));
+    dHdp = 1e3 * p;
+  }
+};
+
+/// A pendulum that begins at q = 0 where it is pulled.
+template <class T>
+struct Pulled {
+  using Scalar = T;
+  static constexpr int Dof = 1;
+  T unit;
+  void gradient(In<T, 1> q, In<T, 1> p, Out<T, 1> dHdq, Out<T, 1> dHdp) const {
+    dHdq[0] = std::sin(q[0] / unit - 1) / unit;
+    dHdp = p;
+  }
+};
+/// Of the map of a step of 0.2 units from rest, ∂p'/∂q in units.
+template <class T>
+double pull(double unit) {
+  TangentMap<Pulled<T>> map(Pulled<T>{T(unit)}, schemes::low_defect6_s13<T>());
+  REQUIRE(map.at(PhasePoint<T, 1>(T(0), T(0)), T(0.2 * unit)) == Status::success);
+  return double(map.matrix()(1, 0)) * unit;
+}
+
+}  // namespace
+
+TEST_CASE("Differences are right where terms of the gradient cancel, in small oscillations", "[chaos]") {
+  for (const double off : {1e-5, 1e-7, 1e-8}) {
+    CAPTURE(off);
+    const CoupledBonds bonds{off};
+    double worst = 0;
+    for (int k = 0; k < 200; ++k) {
+      detail::SecondDerivatives<CoupledBonds> second(2);
+      PhasePoint<double, 2> z({2 * off * std::sin(3 * k + 1), 2 * off * std::cos(5 * k)},
+                              {2 * off * std::sin(7 * k), 2 * off * std::cos(11 * k)});
+      Eigen::Matrix4d hessian;
+      second(bonds, z.vector(), hessian);
+      for (int i = 0; i < 2; ++i) {
+        const double u = std::exp(-z.q()[i] - off);
+        worst = std::max(worst, std::abs(hessian(i, i) - (4 * u - 2) * u));
+      }
+    }
+    CHECK(worst < 1e-7);
+  }
+}
+
+TEST_CASE("Exponents by differences along vectors are the same in any unit, from rest", "[chaos]") {
+  const auto exponent = [](double width) {
+    Semiexplicit stepper{OnHills{width}};
+    LyapunovExponents exponents(stepper, 1);
+    PhasePoint<double, 6> z;
+    REQUIRE(integrate(stepper, z, {.dt = 0.1, .steps = 300}, exponents).ok());
+    return exponents.exponents()[0];
+  };
+  const double right = exponent(1);
+  for (const double width : {1e-3, 1e-6, 1e-10}) {
+    CAPTURE(width);
+    CHECK(exponent(width) == Approx(right).epsilon(1e-6));
+  }
+}
+
+TEST_CASE("Differences are right at zero where a force acts, in any unit", "[chaos]") {
+  const double right = pull<double>(1);
+  for (const double unit : {1e-6, 1e6, 1e11, 1e14}) {
+    CAPTURE(unit);
+    CHECK(std::abs(pull<double>(unit) - right) < 1e-8);
+  }
+  for (const double unit : {1e4, 1e6, 1e9}) {
+    CAPTURE(unit);
+    CHECK(std::abs(pull<float>(unit) - right) < 1e-3);
+  }
+}
+
 TEST_CASE("Differences are right near the middle of a spring, in any unit", "[chaos]") {
   for (const double unit : {1.0, 1e-15, 1e10, 1e12, 1e18})
     for (const double q : {0.0, 1e-15, -1e-12, 1e-8, -1e-4}) {

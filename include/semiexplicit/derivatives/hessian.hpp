@@ -62,7 +62,7 @@ class SecondDerivatives {
       for (Eigen::Index i = 0; i < z.size(); ++i) {
         difference(h, z, i, shift_[i], column_);
         if (search && exact_ && is_other(column_[i], diagonal_[i])) {
-          if (!looked) prepare(h, z, false);
+          if (!looked) prepare(h, z);
           looked = true;
           look_at(h, z, i, true);
           difference(h, z, i, shift_[i], column_);
@@ -90,6 +90,7 @@ class SecondDerivatives {
     visit(blind_);
     visit(diagonal_);
     visit(search_.largest());
+    for (Scalar& length : at_zero_) visit(length);
     visit(count_);
   }
 
@@ -100,7 +101,7 @@ class SecondDerivatives {
   /// The column i of the Hessian by one shift.
   void difference(const H& h, const Vec& z, Eigen::Index i, const Scalar& shift, Vec& column) {
     const Eigen::Index d = z.size() / 2;
-    const Scalar right = z[i] + shift, left = z[i] - shift;
+    const Scalar right = z[i] + shift, left = z[i] - (right - z[i]);  // as far, but for an exponent
     at_.vector()[i] = right;
     gradient_at(h, at_.vector().data(), search_.above().data(), d);
     at_.vector()[i] = left;
@@ -137,7 +138,7 @@ class SecondDerivatives {
     const bool again = count_ % look_again == 0;
     if (grown) blind_.setOnes();  // shifts found when it was small tell nothing
     const bool looks = far || soon || again;
-    if (looks) prepare(h, z, far);
+    if (looks) prepare(h, z);
     const auto next = static_cast<Eigen::Index>(count_ / look_again % z.size());
     for (Eigen::Index i = 0; i < z.size() && looks; ++i) {
       const bool anew = far || (soon && blind_[i] != Scalar(0));
@@ -148,12 +149,16 @@ class SecondDerivatives {
     return looks;
   }
 
-  /// Before shifts are looked for at z; `ranges`: see Lengths.
-  void prepare(const H& h, const Vec& z, bool ranges) {
+  /// Before shifts are looked for at z.
+  void prepare(const H& h, const Vec& z) {
     gradient_at(h, z.data(), search_.here().data(), z.size() / 2);
     ++calls_;
-    calls_ += lengths_.take(h, z, search_.here(), at_.vector(), search_.above(), ranges);
+    calls_ += lengths_.take(h, z, search_.here(), at_.vector(), search_.above(), true);
     search_.count_in(lengths_, z);
+    const Eigen::Index d = z.size() / 2;
+    for (int half = 0; half < 2; ++half)
+      if (const Eigen::Index i = half * d; lengths_.guessed(i, d) && lengths_.known(i, d))
+        at_zero_[half] = std::max<Scalar>(at_zero_[half], lengths_.of(i, d));
   }
 
   /// Finds the shift of that coordinate anew, or looks beside the last one.
@@ -169,7 +174,7 @@ class SecondDerivatives {
         .length = lengths_.own(i, z),
         .farthest = std::max<Scalar>(lengths_.of(i, d), search_.largest_of_half(i)),
         .own = abs(z[i]),
-        .unit = lengths_.beyond(i, d),
+        .unit = std::max<Scalar>(lengths_.beyond(i, d), i % d < own_dof<H>(d) ? at_zero_[i / d] : Scalar(0)),
         .known = known};
     // Where a half is zero the rounding of what is within the gradient hides a part of it from the shortest.
     if (z[i] == Scalar(0) && known && lengths_.guessed(i, d)) along.own = 16 * along.length;
@@ -187,7 +192,8 @@ class SecondDerivatives {
   Lengths<H> lengths_{};
   Vec shift_, last_, blind_;  ///< of each coordinate; where it was; 1 where nothing depended on it
   Vec diagonal_, column_;     ///< the second derivative where its shift was found
-  std::int64_t count_ = 0;    ///< of the calls
+  Scalar at_zero_[2] = {Scalar(0), Scalar(0)};  ///< lengths of both halves, found where they were zero
+  std::int64_t count_ = 0;                      ///< of the calls
   Eigen::Index calls_ = 0;
 };
 

@@ -25,38 +25,43 @@ class Lengths {
   static constexpr int most_lengths = 56;
   static constexpr int most_calls = 2 + 5 * most_lengths;  ///< beside; of each half by two ways, of the time
 
-  /// `gradient` is that at z; `at` and `there` are memory to work in; `ranges`: what nothing tells is looked
-  /// for by many gradients, else it is 1. Returns how many gradients it took.
-  int take(const H& h, const Vec& z, const Vec& gradient, Vec& at, Vec& there, bool ranges = false) {
+  /// Whether a half of z tells no length: it is zero, or nothing beside the other in H, by the gradient
+  /// there.
+  bool guesses(const Vec& z, const Vec& gradient) {
     using std::sqrt;
     const Eigen::Index d = z.size() / 2, n = own_dof<H>(d);
     q_ = largest_absolute(z.head(n)), p_ = largest_absolute(z.segment(d, n));
-    int calls = 0;
-    const Scalar by_q = sqrt(q_) * sqrt(largest_absolute(gradient.head(n))),
-                 by_p = sqrt(p_) * sqrt(largest_absolute(gradient.segment(d, n)));
+    by_q_ = sqrt(q_) * sqrt(largest_absolute(gradient.head(n)));
+    by_p_ = sqrt(p_) * sqrt(largest_absolute(gradient.segment(d, n)));
     q_guessed_ = !(q_ > Scalar(0));
     // Momenta are rounding only at an equilibrium. Positions of a free particle tell nothing either, but a
     // guess no more.
-    const Scalar little = sqrt(sqrt(Eigen::NumTraits<Scalar>::epsilon()));
-    p_guessed_ = !(p_ > Scalar(0)) || by_p < little * by_q;
-    if (q_guessed_ || p_guessed_) {
+    p_guessed_ = !(p_ > Scalar(0)) || by_p_ < little() * by_q_;
+    return q_guessed_ || p_guessed_;
+  }
+
+  /// `gradient` is that at z; `at` and `there` are memory to work in; `ranges`: what nothing tells is looked
+  /// for by many gradients, else it is 1. Returns how many gradients it took.
+  int take(const H& h, const Vec& z, const Vec& gradient, Vec& at, Vec& there, bool ranges = false) {
+    const Eigen::Index d = z.size() / 2, n = own_dof<H>(d);
+    int calls = 0;
+    if (guesses(z, gradient)) {
       at = z;
       Scalar root(0);
-      if (!p_guessed_) root = std::max(by_p, beside(h, p_, d, at, there, calls));
-      if (!q_guessed_) root = std::max(by_q, beside(h, q_, 0, at, there, calls));
+      if (!p_guessed_) root = std::max(by_p_, beside(h, p_, d, at, there, calls));
+      if (!q_guessed_) root = std::max(by_q_, beside(h, q_, 0, at, there, calls));
       const auto guess = [&](Eigen::Index begin) {
-        const Scalar length =
-            root > Scalar(0) ? length_of_zeros(h, z, root, begin, at, there, calls) : Scalar(0);
-        if (length > Scalar(0)) return length;
-        return ranges ? linear_range(h, z, gradient, begin, n, at, there, calls) : Scalar(0);
+        const Scalar range = ranges ? linear_range(h, z, gradient, begin, n, at, there, calls) : Scalar(0);
+        if (range > Scalar(0) || !(root > Scalar(0))) return range;
+        return length_of_zeros(h, z, root, begin, at, there, calls);
       };
       if (q_guessed_) q_ = guess(0);
       if (p_guessed_) p_ = guess(d);
       at = z;
     }
     q_beyond_ = Scalar(0);
-    if (ranges && !q_guessed_ && !p_guessed_ && by_q < little * by_p)
-      at = z, q_beyond_ = length_of_zeros(h, z, by_p, 0, at, there, calls);
+    if (ranges && !q_guessed_ && !p_guessed_ && by_q_ < little() * by_p_)
+      at = z, q_beyond_ = length_of_zeros(h, z, by_p_, 0, at, there, calls);
     if constexpr (InExtendedPhaseSpace<H>) {
       using std::abs;
       const Scalar dq = largest_absolute(gradient.segment(d, n)), dp = largest_absolute(gradient.head(n));
@@ -133,6 +138,12 @@ class Lengths {
 
  private:
   static constexpr int factor = 16;  ///< of each length to the one before
+
+  /// Of the energies of both halves, as square roots: below that one is nothing beside the other.
+  static Scalar little() {
+    using std::sqrt;
+    return sqrt(sqrt(Eigen::NumTraits<Scalar>::epsilon()));
+  }
 
   /// That of one coordinate; 0: nothing is known.
   Scalar or_zero(Eigen::Index i, Eigen::Index d) const {
@@ -222,13 +233,13 @@ class Lengths {
     const Eigen::Index d = at.size() / 2, n = own_dof<H>(d);
     const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon(), near = sqrt(cbrt(epsilon)),
                  far_apart = pow(epsilon, Scalar(-0.6));
-    Scalar range(0), changes[2] = {Scalar(0), Scalar(0)}, off[2] = {Scalar(0), Scalar(0)};
+    Scalar range(0), changed(0), changes[2] = {Scalar(0), Scalar(0)}, off[2] = {Scalar(0), Scalar(0)};
     int times[2] = {0, 0};
     bool at_once = false;
     along_lengths(h, z, begin, count, at, there, calls, [&](const Scalar& length, bool inside) {
       for (int half = 0; half < 2; ++half) {
         const Scalar before = changes[half], now = largest_absolute((there - gradient).segment(half * d, n)),
-                     least = sqrt(epsilon) * largest_absolute(gradient.segment(half * d, n)),
+                     force = largest_absolute(gradient.segment(half * d, n)), least = sqrt(epsilon) * force,
                      off_before = std::exchange(off[half], Scalar(abs(now / (factor * before) - 1)));
         const bool follows = inside && before > Scalar(0) && off[half] < near,
                    ends = !follows && times[half] >= 3;
@@ -236,10 +247,11 @@ class Lengths {
           range = length / factor, at_once = off_before < 16 * epsilon;
         times[half] = follows ? times[half] + 1 : 0;
         changes[half] = now > least ? now : Scalar(0);
+        if (changed == Scalar(0) && force > Scalar(0) && !(2 * now < force)) changed = length;
       }
       return true;
     });
-    return at_once ? Scalar(0) : range;
+    return at_once || range == Scalar(0) ? changed : range;
   }
 
   /// Of two, where 0 says nothing.
@@ -247,7 +259,9 @@ class Lengths {
     return a > Scalar(0) && (a < b || !(b > Scalar(0))) ? a : b;
   }
 
-  Scalar q_ = Scalar(0), p_ = Scalar(0), time_ = Scalar(0), energy_ = Scalar(0), q_beyond_ = Scalar(0);
+  Scalar q_ = Scalar(0), p_ = Scalar(0), time_ = Scalar(0), energy_ = Scalar(0);
+  Scalar by_q_ = Scalar(0), by_p_ = Scalar(0);  ///< square roots of the energies of both halves
+  Scalar q_beyond_ = Scalar(0);
   bool q_guessed_ = false, p_guessed_ = false;
 };
 
@@ -334,6 +348,8 @@ class ShiftSearch {
         }
       middle_ = smaller_;
     }
+    for (auto& counting : by_shift)
+      for (auto& half : counting) count_rounding(half, count, from, ratio);
     for (int half = 0; half < 2; ++half) {
       const int last = std::max(gap[half], last_gap(by_shift[by_own][half], count, from, ratio, rounded));
       for (auto& counting : by_shift)
@@ -425,6 +441,7 @@ class ShiftSearch {
   /// each other relative to it, no less than what the rounding of the gradient may make of it.
   struct HalfBy {
     Scalar size = Scalar(0), apart = Scalar(1);
+    Scalar bend = Scalar(0);  ///< the second difference of the gradient by the shift
   };
   /// In sums of entries, as a coupling far weaker than the forces would ask for shifts too large for these.
   HalfBy compare(const Vec& units, int half, const Scalar& shift) const {
@@ -432,15 +449,45 @@ class ShiftSearch {
     using std::isfinite;
     const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon();
     const Eigen::Index d = middle_.size() / 2;
-    Scalar apart(0), size(0);
+    Scalar apart(0), size(0), bend(0);
     for (Eigen::Index j = half * d; j < (half + 1) * d; ++j) {
       const Scalar value = std::max<Scalar>(abs(above_.vector()[j]), abs(below_.vector()[j]));
       const Scalar rounding = seen_[j] == Scalar(0) ? Scalar(0) : Scalar(epsilon * value / shift);
       apart += units[j] * (abs(middle_[j] - smaller_[j]) + rounding);
       size += units[j] * std::max<Scalar>(abs(middle_[j]), abs(smaller_[j]));
+      bend += units[j] * abs((above_.vector()[j] - here_[j]) + (below_.vector()[j] - here_[j]));
     }
     if (!isfinite(size) || !isfinite(apart) || size == Scalar(0)) return {};
-    return {size, apart / size};
+    return {size, apart / size, bend};
+  }
+
+  /// What terms that cancel are rounded by, as at a minimum, the gradient itself does not tell. Second
+  /// differences by short shifts do: they are that rounding, from the shortest shift on to where they begin
+  /// to grow with the square. Some of them may vanish by chance, so that a shift has the rounding of others
+  /// up to ε^{-1/3} times as long: of a linear gradient no more than ε^{2/3}.
+  static void count_rounding(HalfBy (&half)[most_shifts], int count, const Scalar& from,
+                             const Scalar& ratio) {
+    using std::log;
+    using std::pow;
+    const Scalar square = 1 / (ratio * ratio);  // what a second difference grows by, from shift to shift
+    const int longer = static_cast<int>(log(usual_part(Scalar(1))) / log(ratio));
+    // Of a float there are too few shifts to tell rounding from curvature.
+    if (Eigen::NumTraits<Scalar>::epsilon() > Scalar(1e-12)) return;
+    const auto grows = [&](const Scalar& here, const Scalar& there) {
+      return there > 4 * here && there < 6 * square * here;
+    };
+    int first = count - 1;  // of the shifts that tell it
+    for (Scalar largest(0); first > 2; --first) {
+      largest = std::max(largest, half[first].bend);
+      const Scalar next = half[first - 1].bend, farther = half[first - 2].bend;
+      if (grows(largest, next) && grows(next, farther) && farther > 3 * square * largest) break;
+    }
+    if (first <= 2) first = 1;
+    for (int k = count - 1; k >= 1; --k) {
+      Scalar rounding(0);
+      for (int j = std::max(first, k - longer); j < count; ++j) rounding = std::max(rounding, half[j].bend);
+      if (half[k].size > Scalar(0)) half[k].apart += rounding / (half[k].size * from * pow(ratio, Scalar(k)));
+    }
   }
 
   /// The last shift, of those so far, at which an entry of a column was another than by three smaller ones,
@@ -468,13 +515,17 @@ class ShiftSearch {
                       const Scalar& least) {
     using std::pow;
     const Scalar third = usual_part(Scalar(1));
-    Scalar best(1);
+    const auto both = [&](int k) { return std::max(half[k].apart, half[k + 1].apart); };
+    Scalar best(1), last(1);
     for (int k = count - 2; k >= 1; --k) {
-      const Scalar here = std::max(half[k].apart, half[k + 1].apart);
-      best = std::min(best, here);
-      const Scalar times = here / std::max(best, Scalar(third * third));
+      const Scalar before = std::exchange(last, both(k));
+      best = std::min(best, last);
+      const Scalar times = last / std::max(best, Scalar(third * third));
       if (!(best < Scalar(1e-3) && times > 100)) continue;
-      return times > Scalar(1e4) || from * pow(ratio, Scalar(k)) < least ? 0 : k;
+      Scalar farther(1);
+      for (int j = 1; j < k; ++j) farther = std::min(farther, both(j));
+      const bool at_once = times > Scalar(1e4) || (last > 1000 * before && 16 * farther < best);
+      return at_once || from * pow(ratio, Scalar(k)) < least ? 0 : k;
     }
     return 0;
   }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <concepts>
 #include <cstdint>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -164,6 +165,7 @@ class HessianProduct {
         : at_(dof),
           search_(dof),
           last_(at_.vector()),
+          guessed_at_(Vec::Constant(2 * dof, std::numeric_limits<Scalar>::quiet_NaN())),
           part_(Parts::Zero(columns)),
           found_(Parts::Zero(columns)) {}
 
@@ -172,7 +174,11 @@ class HessianProduct {
       may_search_ = search;
       if (!search) return;
       const bool first = count_ == 0;
-      lengths_.take(h, z, search_.here(), at_.vector(), search_.above());
+      // Of a half that tells none the lengths are worth many gradients, but once where z rests.
+      if (!lengths_.guesses(z, search_.here()))
+        lengths_.take(h, z, search_.here(), at_.vector(), search_.above());
+      else if (z != guessed_at_)
+        measure(h, z), guessed_at_ = z;
       const Scalar usual = ShiftSearch<H>::usual_part(Scalar(1));
       const bool moved = largest_absolute(z - last_) > Scalar(0);
       const bool far = first || (moved && !(lengths_.along(z - last_) * 2 * part_.minCoeff() >= usual));
@@ -180,7 +186,7 @@ class HessianProduct {
       count_ = count_ % (std::int64_t{1} << 40) + 1;
       if (search_now_ == Search::none) return;
       if (far) last_ = z;
-      look(h, z, first);
+      look(h, z);
     }
 
     template <class Column>
@@ -292,10 +298,13 @@ class HessianProduct {
     enum class Search { none, near, anew };
     static constexpr std::int64_t look_again = 16;
 
-    /// Before a search. Only the first is worth many gradients.
-    void look(const H& h, const Vec& z, bool first = false) {
+    void measure(const H& h, const Vec& z) {
       gradient_at(h, z.data(), search_.here().data(), z.size() / 2);
-      lengths_.take(h, z, search_.here(), at_.vector(), search_.above(), first);
+      lengths_.take(h, z, search_.here(), at_.vector(), search_.above(), true);
+    }
+    /// Before a search.
+    void look(const H& h, const Vec& z) {
+      measure(h, z);
       search_.count_in(lengths_, z);
     }
 
@@ -312,9 +321,10 @@ class HessianProduct {
     State at_;
     ShiftSearch<H> search_;
     Lengths<H> lengths_{};
-    Vec last_;     ///< where the shifts were found
-    Parts part_;   ///< of the length along each column: its shift
-    Parts found_;  ///< the largest entry of each column times that length, when it was found
+    Vec last_;        ///< where the shifts were found
+    Vec guessed_at_;  ///< where lengths that nothing tells were looked for
+    Parts part_;      ///< of the length along each column: its shift
+    Parts found_;     ///< the largest entry of each column times that length, when it was found
     bool may_search_ = false;
     Search search_now_ = Search::none;
     std::int64_t count_ = 0;  ///< of the points

@@ -28,6 +28,7 @@
 // case driven_of_other_size: takes columns of another size or of other numbers than its Dof and Scalar: write
 // case lambda_by_value: takes dHdq or dHdp by value, so what it writes is lost: take both as
 // case mixed_lambda_by_value: takes dHdq or dHdp by value, so what it writes is lost: take both as
+// case function_by_value: takes dHdq or dHdp by value, so what it writes is lost: take both as
 // case longer_by_value: takes dHdq or dHdp by value, so what it writes is lost: take both as
 #include <semiexplicit/schemes/named.hpp>
 #include <semiexplicit/steppers/semiexplicit.hpp>
@@ -142,6 +143,10 @@ struct Driven {
 #endif
 };
 
+[[maybe_unused]] void into_copies(const Vector2d& q, const Vector2d& p, Vector2d dHdq, Vector2d dHdp) {
+  dHdq = p, dHdp = q;
+}
+
 int main() {
   Autonomous driven(Driven{});
 #ifdef lambda_by_value
@@ -152,6 +157,8 @@ int main() {
   auto mine = make_hamiltonian<double, 2>(
       [](const auto& q, const auto& p) { return q.dot(p); },
       [](const auto& q, const auto& p, auto& dHdq, Eigen::Vector2d dHdp) { dHdq = p, dHdp = q; });
+#elif defined(function_by_value)
+  auto mine = make_hamiltonian<double, 2>([](const auto& q, const auto& p) { return q.dot(p); }, into_copies);
 #else
   Mine mine;
 #endif

@@ -1,6 +1,8 @@
 // case no_mistake: compiles
 // case not_const: rest_position_gradient of this Hamiltonian cannot be called: write `void rest_position_gradient(In<Scalar
 // case other_output: rest_position_gradient of this Hamiltonian cannot be called: write `void rest_position_gradient(In<Scalar
+// case template_not_const: rest_position_gradient of this Hamiltonian cannot be called: write `void rest_position_gradient(In<Scalar
+// case template_of_both: rest_position_gradient of this Hamiltonian cannot be called: write `void rest_position_gradient(In<Scalar
 // case output_by_value: takes an output by value, so what it writes is lost: take it as `auto& dq`
 // case momentum_not_const: rest_momentum_gradient of this Hamiltonian cannot be called: write `void rest_momentum_gradient(In<Scalar
 // case by_value: coupled_rest of this Hamiltonian cannot be called: write `const C& coupled_rest() const`
@@ -37,6 +39,10 @@ struct Anharmonic {
 
 #if defined(not_const)
   void rest_position_gradient(Read q, Write dHdq) { dHdq[0] = q[0] * q[0] * q[0]; }
+#elif defined(template_not_const)
+  void rest_position_gradient(const auto& q, auto& dHdq) { dHdq[0] = q[0] * q[0] * q[0]; }
+#elif defined(template_of_both)
+  void rest_position_gradient(const auto& q, const auto&, auto& dHdq) const { dHdq[0] = q[0] * q[0] * q[0]; }
 #elif defined(output_by_value)
   void rest_position_gradient(Read q, Vector<double, 1> dHdq) const { dHdq[0] = q[0] * q[0] * q[0]; }
 #elif defined(other_output)

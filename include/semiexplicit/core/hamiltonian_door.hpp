@@ -5,6 +5,7 @@
 
 #include <semiexplicit/core/hamiltonian.hpp>
 #include <semiexplicit/core/parameters.hpp>
+#include <semiexplicit/core/ranks.hpp>
 
 // What the library says of a class that is no Hamiltonian, in one line: the mistake and the remedy. A class
 // or a function that takes an H takes Scalar and Dof from HamiltonianDoor<H>, so that this line is the
@@ -20,10 +21,12 @@ template <class H>
 struct GradientParameters : Parameters<void> {};
 template <NamesGradient H>
 struct GradientParameters<H> : Parameters<decltype(&H::gradient)> {};
-/// Of a lambda, what it deduces taken as O, which it can read and write.
+/// Of a lambda, what it deduces taken as O, which it can read and write; of a function, its own.
 template <class G, class O>
 consteval auto parameters_of_lambda() {
-  if constexpr (requires { &G::operator(); })
+  if constexpr (std::is_pointer_v<G>)
+    return Parameters<G>{};
+  else if constexpr (requires { &G::operator(); })
     return Parameters<decltype(&G::operator())>{};
   else if constexpr (requires { &G::template operator()<O>; })
     return Parameters<decltype(&G::template operator()<O>)>{};
@@ -79,6 +82,12 @@ concept NamesEnergy = requires {
 template <class H>
 concept NamesDof = requires(H& h) {
   h.Dof;
+};
+
+/// It sums over ranks as far as its caller can tell, but not as SumsOverRanks asks for.
+template <class H>
+concept SumsOverRanksOtherwise = !SumsOverRanks<H> && requires(H& h, typename H::Scalar& x) {
+  h.sum_over_ranks(x);
 };
 
 /// Whether all four are deduced, so that none is by value but what still writes to where it is. It is not
@@ -190,6 +199,9 @@ consteval bool is_hamiltonian() {
                   "hessian, hessian_times, position_gradient or momentum_gradient of this Hamiltonian takes "
                   "an output by value, so what it writes is lost: take it as Out<Scalar, Dof>, a Hessian as "
                   "Eigen::Ref");
+    static_assert(!SumsOverRanksOtherwise<H>,
+                  "sum_over_ranks of this Hamiltonian cannot be called: write `Scalar sum_over_ranks(const "
+                  "Scalar& x) const`");
     return std::copy_constructible<H>;
   } else {
     return false;

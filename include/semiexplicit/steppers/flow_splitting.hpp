@@ -40,18 +40,28 @@ concept HasCoupledRest = requires(const H& h) {
 };
 
 // A part that takes other arguments than those of its concept, or wants an H that is not const, would be
-// taken for absent.
+// taken for absent; a template has no address and is called as it may be meant.
 template <class H>
 concept NamesPositionRest = requires {
   &H::rest_position_gradient;
+} || requires(H& h, const InColumn<H>& at, OutColumn<H>& out) {
+  h.rest_position_gradient(at, out);
+} || requires(H& h, const InColumn<H>& at, OutColumn<H>& out) {
+  h.rest_position_gradient(at, at, out);
 };
 template <class H>
 concept NamesMomentumRest = requires {
   &H::rest_momentum_gradient;
+} || requires(H& h, const InColumn<H>& at, OutColumn<H>& out) {
+  h.rest_momentum_gradient(at, out);
+} || requires(H& h, const InColumn<H>& at, OutColumn<H>& out) {
+  h.rest_momentum_gradient(at, at, out);
 };
 template <class H>
 concept NamesCoupledRest = requires {
   &H::coupled_rest;
+} || requires(H& h) {
+  h.coupled_rest();
 };
 /// Whether the flow or a gradient of the rest takes an output by value.
 template <class H>

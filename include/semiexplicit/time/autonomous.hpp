@@ -17,6 +17,8 @@ namespace detail {
 template <class H>
 concept NamesTimeDerivative = requires {
   &H::time_derivative;
+} || requires(H& h, const typename H::Scalar& t, const InColumn<H>& at) {
+  h.time_derivative(t, at, at);
 };
 /// A number that is no Scalar, whatever else a gradient may return.
 template <class H>

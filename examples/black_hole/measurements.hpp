@@ -109,6 +109,8 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
                                   : "",
                       coarse = jumps.empty() ? too_coarse(std::max(s.turn, s.tilt), 2 * pi) : jumps;
     for (Figure& figure : list) figure.missing = coarse;
+    // Steps of half a turn see the same of its swing over and over.
+    if (coarse.empty() && highest >= 1e-9) list[2].missing = too_coarse(std::max(s.turn, s.tilt), pi / 2);
     // The force of L²/sin²θ beside a pole is then that of chance, of the companion's steps as well.
     if (s.momentum != 0 && 4 * std::abs(s.momentum) < s.tilt * std::sqrt(std::max(0.0, s.carter)))
       for (std::size_t i = 0; i < 2; ++i)

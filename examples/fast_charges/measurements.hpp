@@ -30,7 +30,7 @@ inline constexpr double few_roundings = 4 * std::numeric_limits<double>::epsilon
 inline double momentum_of(const Choice& c) {
   if (c.has("rigidity")) return std::abs(c["charge"]) * c["rigidity"] / c["c"];
   const double gamma = c["gamma"];
-  return c["mass"] * c["c"] * std::sqrt(gamma * gamma - 1);
+  return c["mass"] * c["c"] * std::sqrt((gamma - 1) * (gamma + 1));
 }
 
 /// γ at the start.
@@ -100,48 +100,6 @@ inline std::string too_large(const std::string& what, double value, double limit
   return value < limit ? "" : what + formatted(" is %.2g, and is to be below %g", value, limit);
 }
 
-/// Source: Wille (2000), chapter 9.
-inline Measurement<3> wiggle(const Choice& c) {
-  const double period = c["period"], k = 2 * std::numbers::pi / period;
-  const double strength = std::abs(c["charge"] * c["b0"]) / (c["mass"] * c["c"] * k), gamma = gamma_of(c);
-  Measurement<3> measurement = of_way(c, "undulator", [=](const Way& way, auto&) -> std::vector<Figure> {
-    const auto none = [](const std::string& why) { return std::vector{not_measured("wiggle", why)}; };
-    const double passed = (way.last - way.first)[2] / period;
-    if (strength == 0) return none("there is no field");
-    if (std::abs(std::sin(k * way.first[2])) > 1e-9)
-      return none("it starts where A is not 0 and so drifts aside; give a --z of whole half periods");
-    if (passed < 5) return none("it is less than five periods; give more --time");
-    if (const std::string coarse = way.too_coarse("a period", period, 8); !coarse.empty())
-      return none(coarse);
-    const double slope = strength * c["mass"] * c["c"] / momentum_of(c),
-                 behind = (1 + strength * strength / 2) / (gamma * gamma);
-    std::string off = too_large("k|y|", k * way.highest, 0.1);
-    if (off.empty()) off = too_large("the slope K/(γβ)", slope, 0.1);
-    // Far from the origin places are rounded.
-    const auto rounding_of = [](double place) {
-      return std::numeric_limits<double>::epsilon() * std::abs(place);
-    };
-    std::vector<Figure> list{
-        compared("wiggle, m", (way.widest.value() + way.closest.value()) / 2,
-                 (way.widest.uncertain() + way.closest.uncertain()) / 2 + rounding_of(way.first[0]),
-                 "K/(γβk)", slope / k, off)};
-    if (off.empty()) off = too_large("(1 + K²/2)/γ²", behind, 0.01);
-    const double light = c["c"] * (way.t - way.t0), slippage = (light - (way.last - way.first)[2]) / passed,
-                 farthest = std::max(std::abs(way.first[2]), std::abs(way.last[2])),
-                 rounding = rounding_of(std::max(light, farthest)) / passed;
-    list.push_back(std::abs(slippage) > rounding
-                       ? compared("slippage a period, m", slippage, rounding, "λ(1 + K²/2)/(2γ²)",
-                                  period * behind / 2, off)
-                       : not_measured("slippage a period, m",
-                                      formatted("it is lost in rounding, which is ± %.1g; ", rounding) +
-                                          "give a smaller --gamma"));
-    return list;
-  });
-  if (c.only_field("undulator"))
-    measurement.heading = [=] { return formatted("K = eB/(mck) = %.6g\n", strength); };
-  return measurement;
-}
-
 /// Where in a step, of 1, a charge in uniform motion feels the field, and with what weight. Of methods that
 /// have companions.
 inline std::vector<std::pair<double, double>> felt_at(const Method& method) {
@@ -157,6 +115,59 @@ inline std::vector<std::pair<double, double>> felt_at(const Method& method) {
       [&](double t) { places.emplace_back(b, t / 2), a += t; },
       [&](double t) { places.emplace_back(a, t / 2), b += t; });
   return places;
+}
+
+/// By how much a step is longer than its dt, of 1: its weights are rounded.
+inline double too_long(const Method& method) {
+  long double sum = -1;
+  for (const auto& [place, weight] : felt_at(method)) sum += weight;
+  return static_cast<double>(sum);
+}
+
+/// Source: Wille (2000), chapter 9.
+inline Measurement<3> wiggle(const Choice& c) {
+  const double period = c["period"], k = 2 * std::numbers::pi / period;
+  const double strength = std::abs(c["charge"] * c["b0"]) / (c["mass"] * c["c"] * k), gamma = gamma_of(c);
+  Measurement<3> measurement =
+      of_way(c, "undulator", [=](const Way& way, const Method& method) -> std::vector<Figure> {
+        const auto none = [](const std::string& why) { return std::vector{not_measured("wiggle", why)}; };
+        const double passed = (way.last - way.first)[2] / period;
+        if (strength == 0) return none("there is no field");
+        if (std::abs(std::sin(k * way.first[2])) > 1e-9)
+          return none("it starts where A is not 0 and so drifts aside; give a --z of whole half periods");
+        if (passed < 5) return none("it is less than five periods; give more --time");
+        if (const std::string coarse = way.too_coarse("a period", period, 8); !coarse.empty())
+          return none(coarse);
+        const double slope = strength * c["mass"] * c["c"] / momentum_of(c),
+                     behind = (1 + strength * strength / 2) / (gamma * gamma);
+        std::string off = too_large("k|y|", k * way.highest, 0.1);
+        if (off.empty()) off = too_large("the slope K/(γβ)", slope, 0.1);
+        // Far from the origin places are rounded.
+        const auto rounding_of = [](double place) {
+          return std::numeric_limits<double>::epsilon() * std::abs(place);
+        };
+        std::vector<Figure> list{
+            compared("wiggle, m", (way.widest.value() + way.closest.value()) / 2,
+                     (way.widest.uncertain() + way.closest.uncertain()) / 2 + rounding_of(way.first[0]),
+                     "K/(γβk)", slope / k, off)};
+        if (off.empty()) off = too_large("(1 + K²/2)/γ²", behind, 0.01);
+        const double light = c["c"] * (way.t - way.t0),
+                     slippage = (light - (way.last - way.first)[2]) / passed,
+                     farthest = std::max(std::abs(way.first[2]), std::abs(way.last[2])),
+                     // A companion's steps are as much too long.
+            rounding =
+                (rounding_of(std::max(light, farthest)) + 2 * std::abs(too_long(method)) * light) / passed;
+        list.push_back(std::abs(slippage) > rounding
+                           ? compared("slippage a period, m", slippage, rounding, "λ(1 + K²/2)/(2γ²)",
+                                      period * behind / 2, off)
+                           : not_measured("slippage a period, m",
+                                          formatted("it is lost in rounding, which is ± %.1g; ", rounding) +
+                                              "give a smaller --gamma"));
+        return list;
+      });
+  if (c.only_field("undulator"))
+    measurement.heading = [=] { return formatted("K = eB/(mck) = %.6g\n", strength); };
+  return measurement;
 }
 
 /// A bound on what steps `longest` long miss of ∫B dz through the ends of a solenoid, as a length of the

@@ -90,6 +90,9 @@ prints(orbits "have the digits of a small ±" "--preset hulse_taylor --effects k
   "perihelion advance: 0.0000000000000081[0-9] ± [1-9]e-17 ")
 
 # The periapsis, 9/1.5, is within the last step.
+# 3.067 degrees are right; its steps go on by half a turn, and see the same of the swing over and over.
+prints(black_hole "do not measure a swing by steps of half a turn" "--preset kerr --spin -0.68 --r 31.4 --l 5.9 --carter 0.1 --time 5000 --method midpoint --dt 500"
+  "degrees off the equator: not measured, it turns by up to 1[0-9][0-9] degrees in a step; give a --dt [0-9]+ times smaller")
 prints(black_hole "sees the closest approach within the last step" "--preset schwarzschild --p 9 --e 0.5 --time 170.5076314687729 --dt 2" "nearest r: (6[.]0000|5[.]9999)[0-9]* ± [1-9]e-05\n")
 
 # What means nothing is not printed.
@@ -209,6 +212,9 @@ prints(charges "does not measure a turning point where the charge turns by two s
 # Truly 5.4535645e-06, by shorter steps.
 prints(orbits "says how well steps tell what a loss of energy turns" "--preset hulse_taylor --effects kinetic,attraction,2.5pn --c 11000 --time 300000 --dt 20"
   "perihelion advance: 0.00000545[0-9]* ± [12]e-09 degrees a year")
+# 1.8631581689e-10; a step of triple_jump8 is 5 roundings too long, and half of it as well.
+prints(fast_charges "knows that steps are too long by their weights' rounding" "--preset undulator --gamma 8450.962349268442 --b0 \"1.6850926878281336 T\" --period 0.010843500300297092 --time 1.093240669721876e-09 --dt 2.2587617143013968e-12 --y 0 --scheme triple_jump8"
+  "slippage a period, m: 1.8631[56][0-9]*e-10 ± [1-3]e-17; ")
 prints(fast_charges "says what rounding leaves of the slippage far from the origin" "--preset undulator --gamma 1e5 --y 0 --z 300 --time 7e-10"
   "slippage a period, m: 4.3[0-9]*e-12 ± 1e-14")
 prints(black_hole "does not measure an orbit of three steps" "--dt 10 --time 30" "nearest r: not measured, the run has too few steps; give a smaller --dt\n")

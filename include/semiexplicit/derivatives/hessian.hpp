@@ -170,11 +170,12 @@ class SecondDerivatives {
     };
     const Eigen::Index d = z.size() / 2;
     const bool known = lengths_.known(i, d);
+    const Scalar at_zero = i % d < own_dof<H>(d) ? at_zero_[i / d] : Scalar(0);
     typename ShiftSearch<H>::Along along{
         .length = lengths_.own(i, z),
-        .farthest = std::max<Scalar>(lengths_.of(i, d), search_.largest_of_half(i)),
+        .farthest = std::max({lengths_.of(i, d), search_.largest_of_half(i), at_zero}),
         .own = abs(z[i]),
-        .unit = std::max<Scalar>(lengths_.beyond(i, d), i % d < own_dof<H>(d) ? at_zero_[i / d] : Scalar(0)),
+        .unit = std::max<Scalar>(lengths_.beyond(i, d), at_zero),
         .known = known};
     // Where a half is zero the rounding of what is within the gradient hides a part of it from the shortest.
     if (z[i] == Scalar(0) && known && lengths_.guessed(i, d)) along.own = 16 * along.length;

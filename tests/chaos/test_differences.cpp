@@ -3,13 +3,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <string>
 #include <type_traits>
 #include <utility>
 
 #include <semiexplicit/chaos.hpp>
+#include <semiexplicit/checkpoint.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 #include <semiexplicit/time.hpp>
 
+#include "folder.hpp"
 #include "refusal.hpp"
 
 namespace test_differences {
@@ -590,6 +594,27 @@ TEST_CASE("Exponents by differences along vectors are the same in any unit, from
   for (const double width : {1e-3, 1e-6, 1e-10}) {
     CAPTURE(width);
     CHECK(exponent(width) == Approx(right).epsilon(1e-6));
+  }
+}
+
+TEST_CASE("A resumed run's exponents by differences are the same bits at rest", "[chaos][checkpoint]") {
+  const Folder folder;
+  const auto run = [&](const std::string& file, std::int64_t until) {
+    Semiexplicit stepper{OnHills{1}};
+    LyapunovExponents exponents(stepper, 1);
+    PhasePoint<double, 6> z;
+    IntegrationOptions<double> options{.dt = 0.1, .steps = 40};
+    Checkpoints checkpoints(folder.path / file, {.every = 5}, stepper, options, exponents);
+    options.done = checkpoints.resume(z);
+    integrate(stepper, z, options, exponents, checkpoints,
+              [&](double, const auto&, const IntegrationReport& report) { return report.steps != until; });
+    return exponents.exponents()[0];
+  };
+  const double whole = run("whole", -1);
+  for (const int until : {7, 12, 31}) {
+    const std::string file = std::to_string(until);
+    run(file, until);
+    CHECK(run(file, -1) == whole);
   }
 }
 

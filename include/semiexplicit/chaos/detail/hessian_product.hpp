@@ -4,7 +4,6 @@
 #include <cmath>
 #include <concepts>
 #include <cstdint>
-#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -165,7 +164,7 @@ class HessianProduct {
         : at_(dof),
           search_(dof),
           last_(at_.vector()),
-          guessed_at_(Vec::Constant(2 * dof, std::numeric_limits<Scalar>::quiet_NaN())),
+          guessed_at_(last_),
           part_(Parts::Zero(columns)),
           found_(Parts::Zero(columns)) {}
 
@@ -175,10 +174,13 @@ class HessianProduct {
       if (!search) return;
       const bool first = count_ == 0;
       // Of a half that tells none the lengths are worth many gradients, but once where z rests.
-      if (!lengths_.guesses(z, search_.here()))
-        lengths_.take(h, z, search_.here(), at_.vector(), search_.above());
-      else if (z != guessed_at_)
-        measure(h, z), guessed_at_ = z;
+      if (!(guessed_ && z == guessed_at_)) {
+        guessed_ = false;  // a gradient may throw
+        if (lengths_.guesses(z, search_.here()))
+          measure(h, z), guessed_at_ = z, guessed_ = true;
+        else
+          lengths_.take(h, z, search_.here(), at_.vector(), search_.above());
+      }
       const Scalar usual = ShiftSearch<H>::usual_part(Scalar(1));
       const bool moved = largest_absolute(z - last_) > Scalar(0);
       const bool far = first || (moved && !(lengths_.along(z - last_) * 2 * part_.minCoeff() >= usual));
@@ -325,7 +327,7 @@ class HessianProduct {
     Vec guessed_at_;  ///< where lengths that nothing tells were looked for
     Parts part_;      ///< of the length along each column: its shift
     Parts found_;     ///< the largest entry of each column times that length, when it was found
-    bool may_search_ = false;
+    bool may_search_ = false, guessed_ = false;
     Search search_now_ = Search::none;
     std::int64_t count_ = 0;  ///< of the points
   };

@@ -95,11 +95,12 @@ inline Measurement<4> apoapsides(const black_hole::Kerr<>& hole, const std::opti
   const auto figures = [=](const Run&) {
     const Seen& s = *seen;
     const double nearest = -s.closeness.value(), farthest = s.distance.value();
+    const double rounding = 90 * std::numeric_limits<double>::epsilon();  // of theta
     // It goes over a pole where L is zero, and else past it by less than a step tells.
     const double highest = s.over_a_pole ? 90 : s.highest.value(),
                  open = s.over_a_pole    ? (s.momentum == 0 ? 0 : s.tilt * 180 / pi)
                         : highest < 1e-9 ? highest + s.highest.uncertain()  // in the equator
-                                         : s.highest.uncertain();
+                                         : s.highest.uncertain() + rounding;
     std::vector<Figure> list{{"nearest r", nearest, s.closeness.uncertain()},
                              {"farthest r", farthest, s.distance.uncertain()},
                              {"degrees off the equator", highest, open}};

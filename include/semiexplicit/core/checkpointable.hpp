@@ -58,7 +58,9 @@ namespace detail {
 template <class T>
 bool is_fresh(const T& observer) {
   static_assert(
-      requires { { observer.fresh() } -> std::same_as<bool>; } || !requires(T& mine) { mine.fresh(); },
+      requires {
+        { observer.fresh() } -> std::same_as<bool>;
+      } || !requires(T & mine) { mine.fresh(); },
       "fresh() of this observer cannot be called: write `bool fresh() const`");
   if constexpr (Checkpointable<T> && requires {
                   { observer.fresh() } -> std::same_as<bool>;

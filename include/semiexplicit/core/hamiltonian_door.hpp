@@ -86,7 +86,7 @@ concept NamesDof = requires(H& h) {
 
 /// It sums over ranks as far as its caller can tell, but not as SumsOverRanks asks for.
 template <class H>
-concept SumsOverRanksOtherwise = !SumsOverRanks<H> && requires(H& h, typename H::Scalar& x) {
+concept SumsOverRanksOtherwise = !SumsOverRanks<H> && requires(H & h, typename H::Scalar& x) {
   h.sum_over_ranks(x);
 };
 

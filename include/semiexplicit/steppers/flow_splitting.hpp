@@ -44,25 +44,20 @@ concept HasCoupledRest = requires(const H& h) {
 template <class H>
 concept NamesPositionRest = requires {
   &H::rest_position_gradient;
-} || requires(H& h, const InColumn<H>& at, OutColumn<H>& out) {
-  h.rest_position_gradient(at, out);
-} || requires(H& h, const InColumn<H>& at, OutColumn<H>& out) {
-  h.rest_position_gradient(at, at, out);
-};
+}
+|| requires(H& h, const InColumn<H>& at, OutColumn<H>& out) { h.rest_position_gradient(at, out); }
+|| requires(H& h, const InColumn<H>& at, OutColumn<H>& out) { h.rest_position_gradient(at, at, out); };
 template <class H>
 concept NamesMomentumRest = requires {
   &H::rest_momentum_gradient;
-} || requires(H& h, const InColumn<H>& at, OutColumn<H>& out) {
-  h.rest_momentum_gradient(at, out);
-} || requires(H& h, const InColumn<H>& at, OutColumn<H>& out) {
-  h.rest_momentum_gradient(at, at, out);
-};
+}
+|| requires(H& h, const InColumn<H>& at, OutColumn<H>& out) { h.rest_momentum_gradient(at, out); }
+|| requires(H& h, const InColumn<H>& at, OutColumn<H>& out) { h.rest_momentum_gradient(at, at, out); };
 template <class H>
 concept NamesCoupledRest = requires {
   &H::coupled_rest;
-} || requires(H& h) {
-  h.coupled_rest();
-};
+}
+|| requires(H& h) { h.coupled_rest(); };
 /// Whether the flow or a gradient of the rest takes an output by value.
 template <class H>
 constexpr bool part_writes_into_copies() {

@@ -17,9 +17,8 @@ namespace detail {
 template <class H>
 concept NamesTimeDerivative = requires {
   &H::time_derivative;
-} || requires(H& h, const typename H::Scalar& t, const InColumn<H>& at) {
-  h.time_derivative(t, at, at);
-};
+}
+|| requires(H& h, const typename H::Scalar& t, const InColumn<H>& at) { h.time_derivative(t, at, at); };
 /// A number that is no Scalar, whatever else a gradient may return.
 template <class H>
 constexpr bool gradient_returns_another_number() {

@@ -153,10 +153,10 @@ inline Measurement<3> wiggle(const Choice& c) {
         if (off.empty()) off = too_large("(1 + K²/2)/γ²", behind, 0.01);
         const double light = c["c"] * (way.t - way.t0),
                      slippage = (light - (way.last - way.first)[2]) / passed,
-                     farthest = std::max(std::abs(way.first[2]), std::abs(way.last[2])),
-                     // A companion's steps are as much too long.
-            rounding =
-                (rounding_of(std::max(light, farthest)) + 2 * std::abs(too_long(method)) * light) / passed;
+                     farthest = std::max(std::abs(way.first[2]), std::abs(way.last[2]));
+        // A companion's steps are as much too long.
+        const double of_weights = 2 * std::abs(too_long(method)) * light,
+                     rounding = (rounding_of(std::max(light, farthest)) + of_weights) / passed;
         list.push_back(std::abs(slippage) > rounding
                            ? compared("slippage a period, m", slippage, rounding, "λ(1 + K²/2)/(2γ²)",
                                       period * behind / 2, off)

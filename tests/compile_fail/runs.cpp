@@ -13,6 +13,7 @@
 // case const_stepper: the stepper is const, and a step changes it: leave `const` out
 // case saved_without_memory: shows its memory: write `template <class Visitor> void visit_memory(
 // case saved_without_options: lists its options, or a run could be resumed with others: write
+// case fresh_not_const: fresh() of this observer cannot be called: write `bool fresh() const`
 // case solver_without_options: does not list its options, so it could be resumed with others: write
 // case reversible_steps_changed_by_events: events that change the state need a stepper of equal steps, and this one chooses its steps
 // case reversible_steps_twice: this stepper chooses the times of its steps already: give ReversibleSteps its inner stepper
@@ -111,6 +112,12 @@ struct MyStepper {
 #endif
 };
 
+struct CountsSteps {
+  bool fresh() { return steps == 0; }
+  void operator()(double, const auto&) { ++steps; }
+  int steps = 0;
+};
+
 struct NoEnergy {
   using Scalar = double;
   static constexpr int Dof = 1;
@@ -151,6 +158,9 @@ int main() {
     defined(step_of_a_copy_on_lvalues)
   MyStepper stepper;
   integrate(stepper, z, options, right);
+#elif defined(fresh_not_const)
+  Semiexplicit stepper(systems::Product<double>(), scheme);
+  integrate(stepper, z, options, CountsSteps{});
 #elif defined(solver_without_options)
   Semiexplicit stepper(systems::Product<double>(), scheme, MySolver());
   Checkpoints checkpoints("file", {}, stepper, options);

@@ -53,18 +53,18 @@ concept Checkpointable = Describable<T> && HasMemory<T>;
 
 namespace detail {
 
+template <class T>
+concept TellsWhetherFresh = requires(const T& observer) {
+  { observer.fresh() } -> std::same_as<bool>;
+};
 /// Whether an observer that a checkpoint can keep has seen nothing yet and must not be left out where a run
 /// is resumed.
 template <class T>
 bool is_fresh(const T& observer) {
   static_assert(
-      requires {
-        { observer.fresh() } -> std::same_as<bool>;
-      } || !requires(T & mine) { mine.fresh(); },
+      TellsWhetherFresh<T> || !requires(T & mine) { mine.fresh(); },
       "fresh() of this observer cannot be called: write `bool fresh() const`");
-  if constexpr (Checkpointable<T> && requires {
-                  { observer.fresh() } -> std::same_as<bool>;
-                })
+  if constexpr (Checkpointable<T> && TellsWhetherFresh<T>)
     return observer.fresh();
   else
     return false;

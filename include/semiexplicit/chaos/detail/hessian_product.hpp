@@ -174,7 +174,7 @@ class HessianProduct {
       if (!search) return;
       const bool first = count_ == 0;
       // Of a half that tells none the lengths are worth many gradients, but once where z rests.
-      if (!(guessed_ && z == guessed_at_)) {
+      if (!is_measured(z)) {
         guessed_ = false;  // a gradient may throw
         if (lengths_.guesses(z, search_.here()))
           measure(h, z), guessed_at_ = z, guessed_ = true;
@@ -300,13 +300,15 @@ class HessianProduct {
     enum class Search { none, near, anew };
     static constexpr std::int64_t look_again = 16;
 
+    /// Whether the last point was z, and is one of those; what a search needs is known then.
+    bool is_measured(const Vec& z) const { return guessed_ && z == guessed_at_; }
     void measure(const H& h, const Vec& z) {
       gradient_at(h, z.data(), search_.here().data(), z.size() / 2);
       lengths_.take(h, z, search_.here(), at_.vector(), search_.above(), true);
     }
     /// Before a search.
     void look(const H& h, const Vec& z) {
-      measure(h, z);
+      if (!is_measured(z)) measure(h, z);
       search_.count_in(lengths_, z);
     }
 

@@ -560,6 +560,29 @@ double pull(double unit) {
   return double(map.matrix()(1, 0)) * unit;
 }
 
+/// H = (1 + cos(t)/2) (1 - cos q) + p²/2.
+struct ShakenPendulum {
+  using Scalar = double;
+  static constexpr int Dof = 1;
+  double gradient(double t, In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq,
+                  Out<double, 1> dHdp) const {
+    dHdq[0] = (1 + std::cos(t) / 2) * std::sin(q[0]);
+    dHdp = p;
+    return -std::sin(t) / 2 * (1 - std::cos(q[0]));
+  }
+};
+/// H = Σ p²/2 + q⁴/(4 w²): without forces at rest, and of no length.
+template <int N>
+struct OnFlats {
+  using Scalar = double;
+  static constexpr int Dof = N;
+  double width;
+  void gradient(In<double, N> q, In<double, N> p, Out<double, N> dHdq, Out<double, N> dHdp) const {
+    dHdq = q.array().cube() / (width * width);
+    dHdp = p;
+  }
+};
+
 }  // namespace
 
 TEST_CASE("Differences are right where terms of the gradient cancel, in small oscillations", "[chaos]") {
@@ -579,6 +602,45 @@ TEST_CASE("Differences are right where terms of the gradient cancel, in small os
       }
     }
     CHECK(worst < 1e-7);
+  }
+}
+
+TEST_CASE("Of a small swing that is driven the rounding of dH/dt does not choose shifts", "[chaos]") {
+  for (const double amplitude : {1e-5, 1e-6, 1e-7}) {
+    CAPTURE(amplitude);
+    Autonomous<ShakenPendulum> shaken(ShakenPendulum{});
+    detail::SecondDerivatives<Autonomous<ShakenPendulum>> second(2);
+    double worst = 0;
+    for (int k = 0; k < 100; ++k) {
+      const double t = 0.1 * k;
+      const auto z =
+          shaken.extended(PhasePoint<double, 1>(amplitude * std::cos(t), -amplitude * std::sin(t)), t);
+      Eigen::Matrix4d hessian;
+      second(shaken, z.vector(), hessian);
+      const double q = z.q()[0], mixed = -std::sin(t) / 2 * std::sin(q);
+      worst = std::max({worst, std::abs(hessian(0, 0) - (1 + std::cos(t) / 2) * std::cos(q)),
+                        std::abs(hessian(0, 1) - mixed), std::abs(hessian(1, 0) - mixed)});
+    }
+    CHECK(worst < 1e-8);
+  }
+}
+
+TEST_CASE("Differences at rest are right where H begins with the fourth power, in any unit", "[chaos]") {
+  for (const double width : {1.0, 1e-2, 1e-4, 1e-8}) {
+    CAPTURE(width);
+    TangentMap map(OnFlats<1>{width}, schemes::low_defect4_s7());
+    REQUIRE(map.at(PhasePoint<double, 1>(), 0.05) == Status::success);
+    CHECK(std::abs(map.matrix()(1, 0)) < 1e-10);
+    CHECK(map.matrix()(0, 1) == Approx(0.05).epsilon(1e-9));
+
+    Semiexplicit stepper{OnFlats<6>{width}};
+    LyapunovExponents exponents(stepper, 1);
+    PhasePoint<double, 6> z, nowhere;
+    REQUIRE(integrate(stepper, z, {.dt = 0.1, .steps = 300}, exponents).ok());
+    Semiexplicit shallow{OnFlats<6>{1e20}};
+    LyapunovExponents right(shallow, 1);
+    REQUIRE(integrate(shallow, nowhere, {.dt = 0.1, .steps = 300}, right).ok());
+    CHECK(exponents.exponents()[0] == Approx(right.exponents()[0]).epsilon(1e-8));
   }
 }
 

@@ -70,7 +70,7 @@ class SecondDerivatives {
         if (diagonal_[i] != diagonal_[i]) diagonal_[i] = column_[i];
         hessian.col(i) = column_;
       }
-      if constexpr (lacks_work<H>) {  // the column of the time has what the gradient leaves out of its row
+      if constexpr (InExtendedPhaseSpace<H>) {  // ∂H/∂t is rounded by more than its derivatives, or left out
         const Eigen::Index time = z.size() / 2 - 1;
         hessian.row(time) = hessian.col(time).transpose();
       }
@@ -176,7 +176,8 @@ class SecondDerivatives {
         .farthest = std::max({lengths_.of(i, d), search_.largest_of_half(i), at_zero}),
         .own = abs(z[i]),
         .unit = std::max<Scalar>(lengths_.beyond(i, d), at_zero),
-        .known = known};
+        .known = known,
+        .time = InExtendedPhaseSpace<H> && i == d - 1};
     // Where a half is zero the rounding of what is within the gradient hides a part of it from the shortest.
     if (z[i] == Scalar(0) && known && lengths_.guessed(i, d)) along.own = 16 * along.length;
     const Scalar found = anew ? search_.best_of_all(along, by) : search_.best_near(along, shift_[i], by);

@@ -314,6 +314,7 @@ class ShiftSearch {
     Scalar own;               ///< the size of what is moved, which rounds it
     Scalar unit;              ///< shifts are looked for up to that, and to the length
     bool known = true;        ///< else the length is 1 because nothing is known
+    bool time = false;        ///< whether it is the time alone
   };
 
   /// Of `count` shifts in geometric order from the larger one to the smaller one, that whose differences
@@ -332,6 +333,7 @@ class ShiftSearch {
     Scalar shift = from;
     int gap[2] = {0, 0};
     seen_.setZero(), off_at_.setZero(), agreed_.setZero();
+    rows_ = along.time ? here_.size() / 2 : own_dof<H>(here_.size() / 2);
     for (int k = 0; k < count; ++k, shift *= ratio) {
       try {
         difference(shift, smaller_);
@@ -355,11 +357,14 @@ class ShiftSearch {
       for (auto& counting : by_shift)
         for (int k = 1; k <= last; ++k) counting[half][k] = {};
     }
+    bool shortest = false;
+    for (const auto& half : by_shift[by_half]) shortest = shortest || vanishes(half, count);
     Scalar apart[most_shifts], alike[most_shifts];
     score(by_shift, count, {along.length, along.farthest}, apart, alike);
     for (int k = 1; k < count - 1; ++k)  // with both neighbours
       apart[k] = std::max(apart[k], apart[k + 1]), alike[k] = std::max(alike[k], alike[k + 1]);
-    return from * pow(ratio, Scalar(choose(apart, alike, count, log(from / along.farthest), log(ratio))));
+    return from *
+           pow(ratio, Scalar(choose(apart, alike, count, log(from / along.farthest), log(ratio), shortest)));
   }
 
   /// The same over all shifts that may be right: from the length, or the unit, to the rounding of what is
@@ -406,11 +411,12 @@ class ShiftSearch {
  private:
   /// The number of a shift that agrees with its neighbours as well as is enough, or nearly best where none
   /// does so: of these one that all halves agree with, whatever they count; of these, as where the gradient
-  /// is linear or even, that nearest to the usual part of the length. Shifts within the length come first
-  /// where they will do: far out a polynomial may be all there is, of which no shift is too large. `from` and
-  /// `ratio` are logarithms of the first shift by that length, and of a shift by the next larger one.
+  /// is linear or even, that nearest to the usual part of the length, or the shortest one. Shifts within the
+  /// length come first where they will do: far out a polynomial may be all there is, of which no shift is too
+  /// large. `from` and `ratio` are logarithms of the first shift by that length, and of a shift by the next
+  /// larger one.
   static int choose(const Scalar* apart, const Scalar* alike, int count, const Scalar& from,
-                    const Scalar& ratio) {
+                    const Scalar& ratio, bool shortest) {
     using std::abs;
     using std::log;
     const Scalar enough = log(32 * usual_part(usual_part(Scalar(1)))), usual = log(usual_part(Scalar(1)));
@@ -430,7 +436,7 @@ class ShiftSearch {
     int result = count / 2;
     Scalar nearest(-1);
     for (int k = begin; k < count - 1; ++k) {
-      const Scalar distance = abs(by_length(k) - usual);
+      const Scalar distance = shortest ? Scalar(count - k) : abs(by_length(k) - usual);
       if (!(apart[k] <= most && alike[k] <= most_alike)) continue;
       if (nearest < Scalar(0) || distance < nearest) nearest = distance, result = k;
     }
@@ -450,7 +456,7 @@ class ShiftSearch {
     const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon();
     const Eigen::Index d = middle_.size() / 2;
     Scalar apart(0), size(0), bend(0);
-    for (Eigen::Index j = half * d; j < (half + 1) * d; ++j) {
+    for (Eigen::Index j = half * d; j < half * d + rows_; ++j) {
       const Scalar value = std::max<Scalar>(abs(above_.vector()[j]), abs(below_.vector()[j]));
       const Scalar rounding = seen_[j] == Scalar(0) ? Scalar(0) : Scalar(epsilon * value / shift);
       apart += units[j] * (abs(middle_[j] - smaller_[j]) + rounding);
@@ -459,6 +465,17 @@ class ShiftSearch {
     }
     if (!isfinite(size) || !isfinite(apart) || size == Scalar(0)) return {};
     return {size, apart / size, bend};
+  }
+
+  /// Whether half a column is zero although no difference is, as of q³ at q = 0: the shorter the less.
+  static bool vanishes(const HalfBy (&half)[most_shifts], int count) {
+    constexpr int enough = 5;
+    int in_order = 0;
+    for (int k = count - 1; k > 1 && in_order < enough; --k) {
+      if (!(16 * half[k].size <= half[k - 1].size)) return false;
+      if (half[k].size > Scalar(0)) ++in_order;
+    }
+    return in_order == enough;
   }
 
   /// What terms that cancel are rounded by, as at a minimum, the gradient itself does not tell. Second
@@ -496,7 +513,7 @@ class ShiftSearch {
     using std::abs;
     const Eigen::Index d = middle_.size() / 2;
     int last = 0;
-    for (Eigen::Index j = half * d; j < (half + 1) * d; ++j) {
+    for (Eigen::Index j = half * d; j < half * d + rows_; ++j) {
       const Scalar off = abs(middle_[j] - smaller_[j]),
                    size = std::max<Scalar>(abs(middle_[j]), abs(smaller_[j]));
       agreed_[j] = size > Scalar(0) && off < Scalar(1e-2) * size ? agreed_[j] + 1 : Scalar(0);
@@ -569,6 +586,7 @@ class ShiftSearch {
 
   State above_, below_;
   Vec here_, middle_, smaller_, units_[countings], largest_, seen_, off_at_, agreed_;
+  Eigen::Index rows_ = 0;  ///< of a half that count; ∂H/∂t tells the shift of the time alone
   bool saw_ = false;
 };
 

@@ -23,16 +23,22 @@ namespace semiexplicit {
 ///     TangentMap tangent(stepper);
 ///     if (tangent.at(z, dt) == Status::success) ... tangent.matrix() ...   // of the step that starts at z
 ///
-/// Give H a Hessian, by hand or by from_energy(), if you can: without one it is taken from differences of the
-/// gradient, and M is off by about 1e-9 of its size in double, 1e-5 in float, in any units, near a very close
-/// pair by 1e-6, though symplectic still; of an angle x by (2e-16 |x|)^{2/3}, 1e-6 at 6e6. It may be off by
-/// any amount where nothing tells the lengths of H: where coordinates of a half are in different units and
-/// some of them are zero or tiny beside theirs; about a minimum from which q counts, where terms of the
-/// gradient cancel and the orbit is 1e-9 of those lengths and less. In float, and units in which the orbit is
-/// of size 1e-2 and less, it is off by 1e-2 in one step of a hundred. Of an Autonomous without ∂H/∂t the last
-/// row is that of a run that follows p_t, but for ∂²H/∂t². Their shifts are kept from call to call. Cost: two
-/// or three sweeps with a Hessian a kick and products of matrices, O(d³). Memory: O(d²). No heap use for a
-/// size known at compile time; otherwise Eigen's factorisation and products take some.
+/// Give H a Hessian, by hand or by from_energy(), where figures matter. Without one it is an estimate, from
+/// differences of the gradient by shifts that are right where neighbouring ones agree, and no bound of its
+/// error is known. M, symplectic all the same, is usually off by 1e-9 of its size in double, 1e-5 in float, in
+/// any units, near a very close pair by 1e-6; of an angle x by (2e-16 |x|)^{2/3}, 1e-6 at 6e6. It may be off by
+/// much more
+///  - where the gradient is a small difference of large terms: orbits of less than 1e-4 of the lengths of H
+///    about the point from which q or p counts, late times in a fast drive;
+///  - where nothing tells these lengths: from rest, or where q or p is zero, in units that are not those of
+///    the orbit; where coordinates of a half are in units that are far apart;
+///  - of what varies within 1e-3 of its distance from the origin;
+///  - in float, one step of a hundred by 1e-2, where the orbit counts in 1e-2 and less.
+///
+/// Of an Autonomous without ∂H/∂t the last row is that of a run that follows p_t, but for ∂²H/∂t². The shifts
+/// are kept from call to call. Cost: two or three sweeps with a Hessian a kick and products of matrices, O(d³).
+/// Memory: O(d²). No heap use for a size known at compile time; otherwise Eigen's factorisation and products
+/// take some.
 template <class H>
 class TangentMap {
  public:

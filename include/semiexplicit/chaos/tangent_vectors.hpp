@@ -25,9 +25,10 @@ namespace semiexplicit {
 /// Second derivatives along a vector come from `hessian_times` of the Hamiltonian (HasHessianTimes), which
 /// costs about two gradients; else from its gradient with dual numbers where `using PackGradientOf = H;` says
 /// that it is a template that only indexes its arguments, of eight vectors at a time; else from its
-/// `hessian`; else from differences of the gradient, two calls a vector and kick. Those are off by about 1e-9
-/// of their size in double and 1e-5 in float, for some steps by a hundred times that, of an angle that has
-/// wound up to x by (2e-16 x)^{2/3}, and so is what is kept of vᵀJu, where the others are exact to rounding.
+/// `hessian`; else from differences of the gradient, two calls a vector and kick. Those are estimates, see
+/// TangentMap for where they may be wrong: usually they are off by about 1e-9 of their size in double and
+/// 1e-5 in float, for some steps by a hundred times that, of an angle that has wound up to x by
+/// (2e-16 x)^{2/3}, and so is what is kept of vᵀJu, where the others are exact to rounding.
 /// In float that makes a regular orbit look chaotic in the end: growth that is linear in exact arithmetic
 /// turns exponential, at a rate near √1e-5 of the orbit's own, after some hundred periods. Give second
 /// derivatives there, or double.

@@ -5,9 +5,11 @@
 // case energy_of_other_arguments: the energy of this Hamiltonian takes other arguments: write `Scalar energy(
 // case check_without_energy: has no public energy, by which the run is to be judged: write `Scalar energy(
 // case cost_without_energy: has no public energy, by which the run is to be judged: write `Scalar energy(
+// case driven_without_energy: of this driven Hamiltonian there is no K to judge a run by: write `Scalar energy(const Scalar& t
 #include <semiexplicit/accuracy/cost_of_accuracy.hpp>
 #include <semiexplicit/derivatives/check_gradient.hpp>
 #include <semiexplicit/observers/invariants.hpp>
+#include <semiexplicit/time/autonomous.hpp>
 
 using namespace semiexplicit;
 using Column = In<double, 2>;
@@ -29,12 +31,23 @@ struct Mine {
   void gradient(Column q, Column p, Half dHdq, Half dHdp) const { dHdq = p, dHdp = q; }
 };
 
+struct Driven {
+  using Scalar = double;
+  static constexpr int Dof = 2;
+  double gradient(double t, Column q, Column p, Half dHdq, Half dHdp) const {
+    dHdq = p, dHdp = t * q;
+    return q.squaredNorm() / 2;
+  }
+};
+
 int main() {
   const PhasePoint<double, 2> z({1, 2}, {3, 4});
 #if defined(check_without_energy)
   check_gradient(Mine(), z);
 #elif defined(cost_without_energy)
   cost_of_accuracy(Mine(), z, 10);
+#elif defined(driven_without_energy)
+  Invariants invariants{Autonomous(Driven())};
 #else
   Invariants invariants{Mine()};
 #endif

@@ -6,6 +6,7 @@
 // case without_increments: this ExactFlow has no `Status increments
 // case increments_by_value: take dq or dp by value, so that nothing moves: write `auto& dq, auto& dp`
 // case template_by_value: take dq or dp by value, so that nothing moves: write `auto& dq, auto& dp`
+// case prepared_by_value: takes an output by value, so what it writes is lost: take it as `auto& dq`
 #include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
@@ -23,6 +24,12 @@ struct semiexplicit::ExactFlow<Oblateness<double, 2>> {
   Status increments(double, const auto&, const auto&, auto, auto) const { return Status::success; }
 #elif !defined(without_increments)
   Status increments(const double&, const auto&, const auto&, auto&, auto&) const { return Status::success; }
+#endif
+#ifdef prepared_by_value
+  struct Prepared {
+    Status increments(const auto&, const auto&, auto, auto) const { return Status::success; }
+  };
+  Prepared prepared(const double&) const { return {}; }
 #endif
 };
 

@@ -24,6 +24,7 @@
 // case driven_not_const: cannot be called with the time: write `void gradient(const Scalar& t, In<Scalar
 // case driven_without_time: does not depend on the time: give the stepper H itself
 // case driven_returns_float: returns another number than a Scalar: let it return dH/dt as a Scalar, or nothing
+// case driven_returns_integer: returns another number than a Scalar: let it return dH/dt as a Scalar, or nothing
 // case time_derivative_not_const: time_derivative of this Hamiltonian cannot be called: write `Scalar time_derivative(const
 // case driven_of_other_size: takes columns of another size or of other numbers than its Dof and Scalar: write
 // case lambda_by_value: takes dHdq or dHdp by value, so what it writes is lost: take both as
@@ -130,6 +131,11 @@ struct Driven {
   float gradient(double t, Column q, Column p, Half dHdq, Half dHdp) const {
     dHdq = t * p, dHdp = t * q;
     return static_cast<float>(q.dot(p));
+  }
+#elif defined(driven_returns_integer)
+  int gradient(double t, Column q, Column p, Half dHdq, Half dHdp) const {
+    dHdq = t * p, dHdp = t * q;
+    return static_cast<int>(q.dot(p));
   }
 #elif defined(time_derivative_not_const)
   void gradient(double t, Column q, Column p, Half dHdq, Half dHdp) const { dHdq = t * p, dHdp = t * q; }

@@ -13,6 +13,10 @@
 // case const_stepper: the stepper is const, and a step changes it: leave `const` out
 // case saved_without_memory: shows its memory: write `template <class Visitor> void visit_memory(
 // case saved_without_options: lists its options, or a run could be resumed with others: write
+// case visitor_by_value: visit_memory() takes its visitor by value, so that nothing is saved: write `template <class
+// case list_by_value: lists its options, or a run could be resumed with others: write
+// case inner_visitor_by_value: visit_memory() takes its visitor by value, so that nothing is saved: write `template <class
+// case fresh_of_another_meaning: compiles
 // case fresh_not_const: fresh() of this observer cannot be called: write `bool fresh() const`
 // case solver_without_options: does not list its options, so it could be resumed with others: write
 // case reversible_steps_changed_by_events: events that change the state need a stepper of equal steps, and this one chooses its steps
@@ -103,17 +107,34 @@ struct MyStepper {
 #endif
 #ifndef saved_without_options
   static constexpr const char* name = "MyStepper";
+#endif
+#ifdef list_by_value
+  void describe(auto) const {}
+#elif !defined(saved_without_options)
   template <class List>
   void describe(List&) const {}
 #endif
-#ifndef saved_without_memory
+#ifdef visitor_by_value
+  void visit_memory(auto) {}
+#elif !defined(saved_without_memory)
   template <class Visitor>
   void visit_memory(Visitor&&) {}
 #endif
 };
 
 struct CountsSteps {
+#ifdef fresh_of_another_meaning
+  void fresh() { steps = 0; }
+#else
+  static constexpr const char* name = "CountsSteps";
+  void describe(auto&) const {}
+#ifdef inner_visitor_by_value
+  void visit_memory(auto visit) { visit(steps); }
+#else
+  void visit_memory(auto&& visit) { visit(steps); }
   bool fresh() { return steps == 0; }
+#endif
+#endif
   void operator()(double, const auto&) { ++steps; }
   int steps = 0;
 };
@@ -151,14 +172,19 @@ int main() {
   Point z(1, 2);
 #endif
   const IntegrationOptions<double> options{.dt = 0.1, .steps = 10};
-#if defined(saved_without_memory) || defined(saved_without_options)
+#if defined(saved_without_memory) || defined(saved_without_options) || defined(visitor_by_value) || \
+    defined(list_by_value)
   MyStepper stepper;
   Checkpoints checkpoints("file", {}, stepper, options);
 #elif defined(stepper_without_state) || defined(stepper_without_step) || defined(step_of_a_copy) || \
     defined(step_of_a_copy_on_lvalues)
   MyStepper stepper;
   integrate(stepper, z, options, right);
-#elif defined(fresh_not_const)
+#elif defined(inner_visitor_by_value)
+  Semiexplicit stepper(systems::Product<double>(), scheme);
+  auto sparse = every(4, CountsSteps{});
+  Checkpoints checkpoints("file", {}, stepper, options, sparse);
+#elif defined(fresh_not_const) || defined(fresh_of_another_meaning)
   Semiexplicit stepper(systems::Product<double>(), scheme);
   integrate(stepper, z, options, CountsSteps{});
 #elif defined(solver_without_options)

@@ -747,6 +747,22 @@ struct Waves {
   double factor = 1;
 };
 
+/// H = (q² + 1)(p² + 1)/2; one gradient for columns and packs, whose outputs are of any type.
+struct OneForAll {
+  using Scalar = double;
+  using PackGradientOf = OneForAll;
+  static constexpr int Dof = 1;
+  double energy(const auto& q, const auto& p) const { return (q[0] * q[0] + 1) * (p[0] * p[0] + 1) / 2; }
+  void gradient(const auto& q, const auto& p, auto& dHdq, auto& dHdp) const {
+    dHdq[0] = q[0] * (p[0] * p[0] + 1.0);
+    dHdp[0] = p[0] * (q[0] * q[0] + 1.0);
+  }
+};
+
+TEST_CASE("A gradient whose outputs are auto& is checked with packs, too", "[check_gradient]") {
+  CHECK(check_gradient(OneForAll(), PhasePoint<double, 1>(-3, 0.5)).ok());
+}
+
 TEST_CASE("Steps so large that they pass over what the energy does near z call nothing wrong, in float",
           "[check_gradient]") {
   const Hidden hidden;

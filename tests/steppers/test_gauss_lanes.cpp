@@ -143,7 +143,7 @@ struct Pendulum {
   using PackGradientOf = Pendulum;
   static constexpr int Dof = 2;
   template <class Q, class D>
-  void gradient(const Q& q, const Q& p, D&& dHdq, D&& dHdp) const {
+  void gradient(const Q& q, const Q& p, D& dHdq, D& dHdp) const {
     using std::cos;
     using std::sin;
     const auto s = sin(q[0]);

@@ -64,6 +64,15 @@ struct Returning {
   }
 };
 static_assert(Hamiltonian<Autonomous<Returning>> && HasEnergy<Autonomous<Returning>>);
+/// The same as a reference to what it keeps.
+struct Keeping : Returning {
+  mutable double by_time = 0;
+  const double& gradient(double t, In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq,
+                         Out<double, 1> dHdp) const {
+    return by_time = Returning::gradient(t, q, p, dHdq, dHdp);
+  }
+};
+static_assert(Autonomous<Keeping>::gradient_follows_work);
 /// With one that returns something else.
 struct Talking : ForcedOscillator {
   bool gradient(double t, In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include <semiexplicit/core/extended_phase_space.hpp>
+#include <semiexplicit/core/hamiltonian_door.hpp>
 #include <semiexplicit/core/linear_system.hpp>
 #include <semiexplicit/core/ranks.hpp>
 #include <semiexplicit/derivatives/hessian.hpp>
@@ -25,9 +26,9 @@ namespace semiexplicit {
 ///
 /// Give H a Hessian, by hand or by from_energy(), where figures matter. Without one it is an estimate, from
 /// differences of the gradient by shifts that are right where neighbouring ones agree, and no bound of its
-/// error is known. M, symplectic all the same, is usually off by 1e-9 of its size in double, 1e-5 in float, in
-/// any units, near a very close pair by 1e-6; of an angle x by (2e-16 |x|)^{2/3}, 1e-6 at 6e6. It may be off by
-/// much more
+/// error is known. M, symplectic all the same, is usually off by 1e-9 of its size in double, 1e-5 in float,
+/// in any units, near a very close pair by 1e-6; of an angle x by (2e-16 |x|)^{2/3}, 1e-6 at 6e6. It may be
+/// off by much more
 ///  - where the gradient is a small difference of large terms: orbits of less than 1e-4 of the lengths of H
 ///    about the point from which q or p counts, late times in a fast drive;
 ///  - where nothing tells these lengths: from rest, or where q or p is zero, in units that are not those of
@@ -36,9 +37,9 @@ namespace semiexplicit {
 ///  - in float, one step of a hundred by 1e-2, where the orbit counts in 1e-2 and less.
 ///
 /// Of an Autonomous without ∂H/∂t the last row is that of a run that follows p_t, but for ∂²H/∂t². The shifts
-/// are kept from call to call. Cost: two or three sweeps with a Hessian a kick and products of matrices, O(d³).
-/// Memory: O(d²). No heap use for a size known at compile time; otherwise Eigen's factorisation and products
-/// take some.
+/// are kept from call to call. Cost: two or three sweeps with a Hessian a kick and products of matrices,
+/// O(d³). Memory: O(d²). No heap use for a size known at compile time; otherwise Eigen's factorisation and
+/// products take some.
 template <class H>
 class TangentMap {
  public:
@@ -47,6 +48,7 @@ class TangentMap {
   using State = PhasePoint<Scalar, Dof>;
   using Matrix = typename detail::SecondDerivatives<H>::Matrix;
   static_assert(detail::is_in_one_process<H>());
+  static_assert(detail::second_derivatives_can_be_called<H>());
 
   TangentMap(H hamiltonian, Scheme<Scalar> scheme)
       : hamiltonian_(std::move(hamiltonian)),

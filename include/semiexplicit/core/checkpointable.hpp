@@ -21,6 +21,7 @@ namespace detail {
 /// What describe() is handed, for the test whether there is one.
 class AnyList {
  public:
+  AnyList(const AnyList&) = delete;  // a list by value would be lost
   template <class T>
   void operator()(std::string_view what, const T& value);
   template <class F>
@@ -55,14 +56,15 @@ namespace detail {
 
 template <class T>
 concept TellsWhetherFresh = requires(const T& observer) {
-  { observer.fresh() } -> std::same_as<bool>;
+  requires std::same_as < std::remove_cvref_t<decltype(observer.fresh())>,
+  bool > ;
 };
 /// Whether an observer that a checkpoint can keep has seen nothing yet and must not be left out where a run
 /// is resumed.
 template <class T>
 bool is_fresh(const T& observer) {
   static_assert(
-      TellsWhetherFresh<T> || !requires(T & mine) { mine.fresh(); },
+      TellsWhetherFresh<T> || !Checkpointable<T> || !requires(T & mine) { mine.fresh(); },
       "fresh() of this observer cannot be called: write `bool fresh() const`");
   if constexpr (Checkpointable<T> && TellsWhetherFresh<T>)
     return observer.fresh();
@@ -70,22 +72,13 @@ bool is_fresh(const T& observer) {
     return false;
 }
 
-/// An observer that another one calls: its options and its memory, where it has any.
-template <class T>
-inline constexpr bool remembers = HasMemory<std::remove_cvref_t<T>>;
-template <class List, class T>
-void describe_inner(List& list, const T& observer) {
-  if constexpr (remembers<T>) list("observer", observer);
-}
-template <class Visitor, class T>
-void visit_inner(Visitor&& visit, T& observer) {
-  if constexpr (remembers<T>) observer.visit_memory(visit);
-}
-
 /// Compiles for what a checkpoint can keep; of anything else the compiler says what is missing.
 template <class T>
 consteval bool is_checkpointable() {
-  static_assert(HasMemory<T>,
+  static_assert(!VisitsByValue<T>,
+                "visit_memory() takes its visitor by value, so that nothing is saved: write `template <class "
+                "Visitor> void visit_memory(Visitor&& visit)`");
+  static_assert(HasMemory<T> || VisitsByValue<T>,
                 "what a checkpoint is to keep shows its memory: write `template <class Visitor> void "
                 "visit_memory(Visitor&& visit) { visit(count_); }` in it, with nothing to visit where it "
                 "remembers nothing");
@@ -107,9 +100,29 @@ consteval bool is_describable() {
   return Describable<T>;
 }
 
+/// An observer that another one calls: its options and its memory, where it has any.
+template <class T>
+consteval bool remembers() {
+  if constexpr (HasMemory<T> || VisitsByValue<T>)
+    return is_checkpointable<T>();
+  else
+    return false;
+}
+template <class List, class T>
+void describe_inner(List& list, const T& observer) {
+  if constexpr (remembers<T>()) list("observer", observer);
+}
+template <class Visitor, class T>
+void visit_inner(Visitor&& visit, T& observer) {
+  if constexpr (remembers<std::remove_cvref_t<T>>()) observer.visit_memory(visit);
+}
+
 /// What describe() lists, as lines "what: value". Two runs whose lines differ are different runs.
 class OptionText {
  public:
+  OptionText() = default;
+  OptionText(const OptionText&) = delete;  // as AnyList
+
   template <class T>
   void operator()(std::string_view what, const T& value) {
     if constexpr (requires { value.describe(*this); }) {

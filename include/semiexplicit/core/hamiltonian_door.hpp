@@ -3,6 +3,7 @@
 #include <type_traits>
 #include <utility>
 
+#include <semiexplicit/core/extended_phase_space.hpp>
 #include <semiexplicit/core/hamiltonian.hpp>
 #include <semiexplicit/core/parameters.hpp>
 #include <semiexplicit/core/ranks.hpp>
@@ -144,6 +145,33 @@ constexpr bool optional_member_writes_into_copies() {
          loses_output<decltype(momentum), H, OutColumn<H>>();
 }
 
+/// Compiles unless H has a hessian or a hessian_times that cannot be called, which second derivatives by
+/// differences would hide.
+template <class H>
+consteval bool second_derivatives_can_be_called() {
+  using Matrix = Eigen::Matrix<typename H::Scalar, twice(H::Dof), twice(H::Dof)>;
+  constexpr bool hessian = HasHessian<H> || !(
+                                                requires { &H::hessian; } ||
+                                                requires(H & h, const InColumn<H>& at, Matrix& result) {
+                                                  h.hessian(at, at, result);
+                                                });
+  constexpr bool times = HasHessianTimes<H> || !(
+                                                   requires { &H::hessian_times; } ||
+                                                   requires(H & h, const InColumn<H>& at, OutColumn<H>& out) {
+                                                     h.hessian_times(at, at, at, at, out, out);
+                                                   });
+  static_assert(
+      hessian,
+      "hessian of this Hamiltonian cannot be called: write `void hessian(In<Scalar, Dof> q, "
+      "In<Scalar, Dof> p, Eigen::Ref<Matrix> result) const`, Matrix being of 2 Dof rows and columns, "
+      "or give it another name");
+  static_assert(times,
+                "hessian_times of this Hamiltonian cannot be called: write `void hessian_times(In<Scalar, "
+                "Dof> q, In<Scalar, Dof> p, In<Scalar, Dof> dq, In<Scalar, Dof> dp, Out<Scalar, Dof> hq, "
+                "Out<Scalar, Dof> hp) const`, or give it another name");
+  return hessian && times;
+}
+
 /// Compiles for a Hamiltonian, and what it gives is true. For anything else the compiler says what is
 /// missing, and how to write it; of several mistakes the first.
 template <class H>
@@ -233,10 +261,14 @@ consteval bool has_energy() {
   if constexpr (HasEnergy<H>) {
     return true;
   } else if constexpr (is_hamiltonian<H>()) {
+    static_assert(!InExtendedPhaseSpace<H>,
+                  "of this driven Hamiltonian there is no K to judge a run by: write `Scalar energy(const "
+                  "Scalar& t, In<Scalar, Dof> q, In<Scalar, Dof> p) const`, and let the gradient return "
+                  "dH/dt");
     static_assert(!HasMutableEnergy<H>,
                   "the energy of this Hamiltonian is not const, or no number: write `Scalar "
                   "energy(In<Scalar, Dof> q, In<Scalar, Dof> p) const`");
-    if constexpr (!HasMutableEnergy<H>) {
+    if constexpr (!HasMutableEnergy<H> && !InExtendedPhaseSpace<H>) {
       static_assert(!NamesEnergy<H>,
                     "the energy of this Hamiltonian takes other arguments: write `Scalar "
                     "energy(In<Scalar, Dof> q, In<Scalar, Dof> p) const`");

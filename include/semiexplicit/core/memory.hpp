@@ -36,6 +36,9 @@ class CheckpointMemory {
   enum class Read { check, restore };
   CheckpointMemory(std::string bytes, Read mode)
       : bytes_(std::move(bytes)), reading_(true), restoring_(mode == Read::restore) {}
+  /// What a copy is handed is lost: a visit_memory() that takes one by value does not compile.
+  CheckpointMemory(const CheckpointMemory&) = delete;
+  CheckpointMemory& operator=(const CheckpointMemory&) = delete;
 
   template <class T>
   requires std::is_arithmetic_v<T>
@@ -144,5 +147,20 @@ template <class T>
 concept HasMemory = requires(T& t, CheckpointMemory& memory) {
   t.visit_memory(memory);
 };
+
+namespace detail {
+
+/// A visitor that can be copied.
+struct AnyVisitor {
+  template <class T>
+  void operator()(T& value);
+};
+/// visit_memory() takes its visitor by value, so what it visits is lost.
+template <class T>
+concept VisitsByValue = !HasMemory<T> && requires(T & t, AnyVisitor& visit) {
+  t.visit_memory(visit);
+};
+
+}  // namespace detail
 
 }  // namespace semiexplicit

@@ -511,7 +511,9 @@ SEMIEXPLICIT_COLD void compare_packs(const H& hamiltonian, const PhasePoint<type
     try {
       gradient_at(hamiltonian, point.vector().data(), given.vector().data(), z.dof());
       if (!all_finite(given.vector())) continue;
-      hamiltonian.gradient(at.data(), at.data() + d, packs.data(), packs.data() + d);
+      const Pack<Scalar>*q = at.data(), *p = q + d;
+      Pack<Scalar>*dHdq = packs.data(), *dHdp = dHdq + d;
+      hamiltonian.gradient(q, p, dHdq, dHdp);
     } catch (const std::logic_error&) {  // out of the domain
       continue;
     }

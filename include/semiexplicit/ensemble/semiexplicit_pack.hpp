@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <semiexplicit/core/extended_phase_space.hpp>
+#include <semiexplicit/core/hamiltonian_door.hpp>
 #include <semiexplicit/core/stepper.hpp>
 #include <semiexplicit/core/two_sum.hpp>
 #include <semiexplicit/ensemble/pack_point.hpp>
@@ -29,6 +30,7 @@ class SemiexplicitPack {
   static_assert(
       PackHamiltonian<H>,
       "SemiexplicitPack needs a gradient that takes packs; see PackHamiltonian in ensemble/pack_point.hpp");
+  static_assert(detail::is_hamiltonian<H>());
 
  public:
   static constexpr int Dof = H::Dof;

@@ -58,21 +58,6 @@ concept NamesCoupledRest = requires {
   &H::coupled_rest;
 }
 || requires(H& h) { h.coupled_rest(); };
-/// Whether the flow or a gradient of the rest takes an output by value.
-template <class H>
-constexpr bool part_writes_into_copies() {
-  using Column = Vector<typename H::Scalar, H::Dof>;
-  using At = const Column&;
-  const auto flow = [](const auto& h, auto& out) -> decltype(void(h.flow(
-                                                     std::declval<const typename H::Scalar&>(),
-                                                     std::declval<At>(), std::declval<At>(), out, out))) {};
-  const auto position = [](const auto& h,
-                           auto& out) -> decltype(void(h.rest_position_gradient(std::declval<At>(), out))) {};
-  const auto momentum = [](const auto& h,
-                           auto& out) -> decltype(void(h.rest_momentum_gradient(std::declval<At>(), out))) {};
-  return loses_output<decltype(flow), H, Column>() || loses_output<decltype(position), H, OutColumn<H>>() ||
-         loses_output<decltype(momentum), H, OutColumn<H>>();
-}
 template <class H>
 concept HasPreparedFlow = requires(const H& h, const typename H::Scalar& t) {
   h.prepared(t);
@@ -87,6 +72,26 @@ struct PreparedFlowOf<H> {
   using Type =
       std::remove_cvref_t<decltype(std::declval<const H&>().prepared(std::declval<typename H::Scalar>()))>;
 };
+/// Whether the flow, prepared or not, or a gradient of the rest takes an output by value.
+template <class H>
+constexpr bool part_writes_into_copies() {
+  using Column = Vector<typename H::Scalar, H::Dof>;
+  using At = const Column&;
+  const auto flow = [](const auto& h, auto& out) -> decltype(void(h.flow(
+                                                     std::declval<const typename H::Scalar&>(),
+                                                     std::declval<At>(), std::declval<At>(), out, out))) {};
+  const auto position = [](const auto& h,
+                           auto& out) -> decltype(void(h.rest_position_gradient(std::declval<At>(), out))) {};
+  const auto momentum = [](const auto& h,
+                           auto& out) -> decltype(void(h.rest_momentum_gradient(std::declval<At>(), out))) {};
+  const auto prepared =
+      [](const auto& h,
+         auto& out) -> decltype(void(h.increments(std::declval<At>(), std::declval<At>(), out, out))) {};
+  return loses_output<decltype(flow), H, Column>() ||
+         loses_output<decltype(prepared), typename PreparedFlowOf<H>::Type, Column>() ||
+         loses_output<decltype(position), H, OutColumn<H>>() ||
+         loses_output<decltype(momentum), H, OutColumn<H>>();
+}
 /// Whether the flow's A is quadratic in p and the rest depends on q alone; see NearIntegrable.
 template <class H>
 constexpr bool has_nystrom_lists() {

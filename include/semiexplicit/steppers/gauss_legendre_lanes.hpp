@@ -139,9 +139,9 @@ class GaussLegendreLanes : public detail::GaussShell<GaussLegendreLanes<H>, H> {
 
   void evaluate(StepReport& report) {
     const std::size_t d = at(dof());
-    hamiltonian_.gradient(static_cast<const Many*>(points_.data()),
-                          static_cast<const Many*>(points_.data() + d), gradients_.data(),
-                          gradients_.data() + d);
+    const Many *q = points_.data(), *p = q + d;
+    Many *dHdq = gradients_.data(), *dHdp = dHdq + d;
+    hamiltonian_.gradient(q, p, dHdq, dHdp);
     report.gradients += options_.stages;
   }
 

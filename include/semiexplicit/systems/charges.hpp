@@ -5,6 +5,7 @@
 #include <utility>
 
 #include <semiexplicit/scene/effect.hpp>
+#include <semiexplicit/systems/detail/field_door.hpp>
 #include <semiexplicit/systems/detail/over_cube.hpp>
 
 /// Effects on one charge e of mass m in space, in the electric and magnetic fields of others. q is the
@@ -92,6 +93,8 @@ struct BottleField : detail::AxialPotential<BottleField<Scalar>> {
 ///     charges::MagneticKinetic motion(1.0, 1.0, charges::UniformField(0.1), charges::DipoleField(1.0));
 template <class Scalar, class... Fields>
 class MagneticKinetic {
+  static_assert((detail::field_adds<Fields, Scalar>() && ...));
+
  public:
   using Acts = OnBoth<Scalar, 3>;
   static constexpr const char* name = "magnetic_kinetic";

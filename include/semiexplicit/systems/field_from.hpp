@@ -8,6 +8,7 @@
 
 #include <semiexplicit/core/vector.hpp>
 #include <semiexplicit/derivatives/dual.hpp>
+#include <semiexplicit/systems/detail/field_door.hpp>
 
 namespace semiexplicit::effects::charges {
 
@@ -91,6 +92,7 @@ class FieldSum {
   /// One more, of this library or with add_potential(x, a) and add_gradient(x, v, factor, out) of its own.
   template <class Field>
   FieldSum& add(Field field) {
+    static_assert(detail::field_adds<Field, double>());
     fields_.push_back(std::make_shared<Model<Field>>(std::move(field)));
     return *this;
   }

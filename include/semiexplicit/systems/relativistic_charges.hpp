@@ -6,6 +6,7 @@
 
 #include <semiexplicit/core/vector.hpp>
 #include <semiexplicit/scene/effect.hpp>
+#include <semiexplicit/systems/detail/field_door.hpp>
 #include <semiexplicit/systems/detail/fields_in_time.hpp>
 
 /// Charges as fast as light. q is the position, p the canonical momentum γmv + eA; units as in charges.hpp,
@@ -54,6 +55,8 @@ struct Relativity {
 ///     charges::RelativisticKinetic motion(1.0, 1.0, 1.0, charges::UniformField(0.1));   // e, m, c, fields
 template <class Scalar, class... Fields>
 class RelativisticKinetic {
+  static_assert((detail::field_adds<Fields, Scalar>() && ...));
+
  public:
   using Acts = OnBoth<Scalar, 3>;
   static constexpr const char* name = "relativistic_kinetic";

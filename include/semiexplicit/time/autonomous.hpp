@@ -19,14 +19,18 @@ concept NamesTimeDerivative = requires {
   &H::time_derivative;
 }
 || requires(H& h, const typename H::Scalar& t, const InColumn<H>& at) { h.time_derivative(t, at, at); };
+/// What the gradient returns, of which a reference is as good.
+template <class H>
+using ReturnedByGradient = std::remove_cvref_t<decltype(std::declval<const H&>().gradient(
+    std::declval<const typename H::Scalar&>(), std::declval<const InColumn<H>&>(),
+    std::declval<const InColumn<H>&>(), std::declval<OutColumn<H>&>(), std::declval<OutColumn<H>&>()))>;
 /// A number that is no Scalar, whatever else a gradient may return.
 template <class H>
 constexpr bool gradient_returns_another_number() {
   if constexpr (TimeDependentHamiltonian<H>) {
-    using Returned = std::remove_cvref_t<decltype(std::declval<const H&>().gradient(
-        std::declval<const typename H::Scalar&>(), std::declval<const InColumn<H>&>(),
-        std::declval<const InColumn<H>&>(), std::declval<OutColumn<H>&>(), std::declval<OutColumn<H>&>()))>;
-    return std::is_floating_point_v<Returned> && !std::same_as<Returned, typename H::Scalar>;
+    using Returned = ReturnedByGradient<H>;
+    return std::convertible_to<Returned, typename H::Scalar> && !std::same_as<Returned, typename H::Scalar> &&
+           !std::same_as<Returned, bool>;
   } else {
     return false;
   }
@@ -68,9 +72,8 @@ class Autonomous : public ExtendedPhaseSpace<typename detail::TimeDependentDoor<
   static_assert(detail::is_in_one_process<H>());
 
   /// Whether the gradient of H returns ∂H/∂t, a Scalar.
-  static constexpr bool gradient_follows_work =
-      requires(const H& h, const Scalar& t, In<Scalar, H::Dof> q, Out<Scalar, H::Dof> dHdq) {
-    { h.gradient(t, q, q, dHdq, dHdq) } -> std::same_as<Scalar>;
+  static constexpr bool gradient_follows_work = requires {
+    requires std::same_as<detail::ReturnedByGradient<H>, Scalar>;
   };
   /// Or has it by itself.
   static constexpr bool has_time_derivative =

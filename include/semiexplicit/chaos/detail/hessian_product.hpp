@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include <semiexplicit/core/hamiltonian_door.hpp>
 #include <semiexplicit/core/ranks.hpp>
 #include <semiexplicit/derivatives/dual.hpp>
 #include <semiexplicit/derivatives/hessian.hpp>
@@ -37,6 +38,7 @@ class HessianProduct {
   using State = PhasePoint<Scalar, H::Dof>;
   using Vec = typename State::Storage;
   static_assert(is_in_one_process<H>());
+  static_assert(second_derivatives_can_be_called<H>());
   static constexpr bool exact = HasHessianTimes<H> || HasDualGradient<H>;
 
   HessianProduct(Eigen::Index dof, Eigen::Index columns)

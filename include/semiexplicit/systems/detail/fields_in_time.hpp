@@ -5,6 +5,7 @@
 
 #include <semiexplicit/core/vector.hpp>
 #include <semiexplicit/scene/effect.hpp>
+#include <semiexplicit/systems/detail/field_door.hpp>
 
 namespace semiexplicit::effects::charges::detail {
 
@@ -12,6 +13,8 @@ namespace semiexplicit::effects::charges::detail {
 /// which are effects OnPosition.
 template <class Scalar, class... Fields>
 class FieldsInTime {
+  static_assert((field_adds<Fields, Scalar>() && ...));
+
  public:
   using Column = Vector<Scalar, 3>;
   static constexpr bool has_electric = (PositionEffect<Fields> || ...);

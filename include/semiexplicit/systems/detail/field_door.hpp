@@ -1,0 +1,42 @@
+#pragma once
+
+#include <utility>
+
+#include <semiexplicit/core/parameters.hpp>
+#include <semiexplicit/core/vector.hpp>
+
+namespace semiexplicit::effects::charges::detail {
+
+/// Compiles unless a member of a magnetic field takes by value what it adds to.
+template <class Field, class Scalar>
+consteval bool field_adds() {
+  using Column = Vector<Scalar, 3>;
+  using At = const Column&;
+  using Number = const Scalar&;
+  const auto potential = [](const auto& field,
+                            auto& out) -> decltype(void(field.add_potential(std::declval<At>(), out))) {};
+  const auto gradient = [](const auto& field, auto& out) -> decltype(void(field.add_gradient(
+                                                             std::declval<At>(), std::declval<At>(),
+                                                             std::declval<Number>(), out))) {};
+  const auto driven_potential = [](const auto& field, auto& out)
+      -> decltype(void(field.add_potential(std::declval<Number>(), std::declval<At>(), out))) {};
+  const auto driven_gradient =
+      [](const auto& field,
+         auto& out) -> decltype(void(field.add_gradient(std::declval<Number>(), std::declval<At>(),
+                                                        std::declval<At>(), std::declval<Number>(), out))) {};
+  const auto time_derivative = [](const auto& field, auto& out)
+      -> decltype(void(field.add_time_derivative(std::declval<Number>(), std::declval<At>(), out))) {};
+  using semiexplicit::detail::loses_output;
+  constexpr bool lost = loses_output<decltype(potential), Field, Column>() ||
+                        loses_output<decltype(gradient), Field, Column>() ||
+                        loses_output<decltype(driven_potential), Field, Column>() ||
+                        loses_output<decltype(driven_gradient), Field, Column>() ||
+                        loses_output<decltype(time_derivative), Field, Column>();
+  static_assert(
+      !lost,
+      "add_potential, add_gradient or add_time_derivative of this field takes by value what it adds "
+      "to, so that it adds nothing: write `auto& a` and `auto& out`");
+  return !lost;
+}
+
+}  // namespace semiexplicit::effects::charges::detail

@@ -305,7 +305,7 @@ consteval bool saves_all() {
     all = all && !(saved && is_kept);
     saved = saved || saves;
   };
-  (next(SavesOthers<Observers>, Checkpointable<std::remove_cv_t<Observers>>), ...);
+  (next(SavesOthers<Observers>, Checkpointable<Referred<Observers>>), ...);
   return all;
 }
 

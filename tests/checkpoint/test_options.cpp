@@ -1,9 +1,12 @@
 #include "catch.hpp"
 
+#include <array>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <semiexplicit/chaos.hpp>
@@ -135,6 +138,28 @@ const auto q_of = [](const auto& q, const auto&) { return q[0]; };
 const auto nothing = [](double, const Point&) {};
 
 }  // namespace
+
+TEST_CASE("Options are listed with all their digits, and texts of any type as texts", "[checkpoint]") {
+  detail::OptionText list;
+  list("whole", std::vector<int>{11, -123456});
+  list("many", std::array<long, 1>{9007199254740993});
+  list("text", std::string_view("abc"));
+  CHECK(list.text() == "whole: 2 numbers 11 -123456\nmany: 1 numbers 9007199254740993\ntext: abc\n");
+}
+
+TEST_CASE("An observer that another one refers to is saved as one of its own", "[checkpoint]") {
+  Mean mean;
+  auto of_its_own = every(2, mean);
+  auto referring = every(2, std::ref(mean));
+  CheckpointMemory own, referred;
+  of_its_own.visit_memory(own);
+  referring.visit_memory(referred);
+  CHECK(own.bytes() == referred.bytes());
+  detail::OptionText options, of_referred;
+  of_its_own.describe(options);
+  referring.describe(of_referred);
+  CHECK(options.text() == of_referred.text());
+}
 
 TEST_CASE("A user's own solver, stepper and observer are resumed with their own options only",
           "[checkpoint]") {

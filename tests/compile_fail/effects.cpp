@@ -1,5 +1,6 @@
 // case no_mistake: compiles
 // case without_acts: an effect says what it acts on: using Acts = OnPosition<double, 2>;
+// case acts_of_my_own: an effect acts as one of five: using Acts = OnPosition<double, 2>; or OnMomentum
 // case without_name: an effect has a name: static constexpr const char* name =
 // case without_gradient: an effect on one half needs energy(x) const and add_gradient(x, dHdx) const
 // case without_force: an effect OnMotion needs add_force(q, p, force) const
@@ -17,7 +18,9 @@
 using namespace semiexplicit;
 
 struct Mine {
-#ifndef without_acts
+#ifdef acts_of_my_own
+  struct Acts : OnPosition<double, 2> {};
+#elif !defined(without_acts)
   using Acts = OnPosition<double, 2>;
 #endif
 #ifndef without_name

@@ -7,6 +7,7 @@
 // case increments_by_value: take dq or dp by value, so that nothing moves: write `auto& dq, auto& dp`
 // case template_by_value: take dq or dp by value, so that nothing moves: write `auto& dq, auto& dp`
 // case prepared_by_value: takes an output by value, so what it writes is lost: take it as `auto& dq`
+// case prepared_not_const_by_value: takes an output by value, so what it writes is lost: take it as `auto& dq`
 #include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
@@ -28,6 +29,11 @@ struct semiexplicit::ExactFlow<Oblateness<double, 2>> {
 #ifdef prepared_by_value
   struct Prepared {
     Status increments(const auto&, const auto&, auto, auto) const { return Status::success; }
+  };
+  Prepared prepared(const double&) const { return {}; }
+#elif defined(prepared_not_const_by_value)
+  struct Prepared {
+    Status increments(const auto&, const auto&, auto, auto) { return Status::success; }
   };
   Prepared prepared(const double&) const { return {}; }
 #endif

@@ -3,6 +3,7 @@
 // case gradient_by_value: takes by value what it adds to, so that it adds nothing: write `auto& a`
 // case relativistic_by_value: takes by value what it adds to, so that it adds nothing: write `auto& a`
 // case summed_by_value: takes by value what it adds to, so that it adds nothing: write `auto& a`
+// case electric_by_value: takes by value what it adds to, so that it adds nothing: write `auto& dHdq`
 // case driven_by_value: takes by value what it adds to, so that it adds nothing: write `auto& a`
 #include <semiexplicit/systems/charges.hpp>
 #include <semiexplicit/systems/field_from.hpp>
@@ -37,6 +38,17 @@ struct Growing {
 #endif
 };
 
+struct Electric {
+  using Acts = OnPosition<double, 3>;
+  static constexpr const char* name = "trap";
+  double energy(const auto& q) const { return q[0] * q[0] / 2; }
+#ifdef electric_by_value
+  void add_gradient(const auto& q, Vector<double, 3> dHdq) const { dHdq[0] += q[0]; }
+#else
+  void add_gradient(const auto& q, auto& dHdq) const { dHdq[0] += q[0]; }
+#endif
+};
+
 int main() {
 #ifdef relativistic_by_value
   RelativisticKinetic kinetic(1.0, 1.0, 1.0, Mine{});
@@ -44,7 +56,7 @@ int main() {
   FieldSum sum;
   sum.add(Mine{});
 #else
-  RelativisticCharge charge(1.0, 1.0, 1.0, Growing{});
+  RelativisticCharge charge(1.0, 1.0, 1.0, Growing{}, Electric{});
   MagneticKinetic kinetic(1.0, 1.0, Mine{});
 #endif
 }

@@ -16,6 +16,9 @@
 // case visitor_by_value: visit_memory() takes its visitor by value, so that nothing is saved: write `template <class
 // case list_by_value: lists its options, or a run could be resumed with others: write
 // case inner_visitor_by_value: visit_memory() takes its visitor by value, so that nothing is saved: write `template <class
+// case inner_memory_by_value: visit_memory() takes its visitor by value, so that nothing is saved: write `template <class
+// case referred_observer_behind_checkpoints: an observer that a checkpoint can keep stands behind Checkpoints
+// case referred_every_within_every: every() within every() would count the steps of the run, too: give one of them the product
 // case fresh_of_another_meaning: compiles
 // case fresh_not_const: fresh() of this observer cannot be called: write `bool fresh() const`
 // case solver_without_options: does not list its options, so it could be resumed with others: write
@@ -130,6 +133,8 @@ struct CountsSteps {
   void describe(auto&) const {}
 #ifdef inner_visitor_by_value
   void visit_memory(auto visit) { visit(steps); }
+#elif defined(inner_memory_by_value)
+  void visit_memory(CheckpointMemory visit) { visit(steps); }
 #else
   void visit_memory(auto&& visit) { visit(steps); }
   bool fresh() { return steps == 0; }
@@ -180,7 +185,7 @@ int main() {
     defined(step_of_a_copy_on_lvalues)
   MyStepper stepper;
   integrate(stepper, z, options, right);
-#elif defined(inner_visitor_by_value)
+#elif defined(inner_visitor_by_value) || defined(inner_memory_by_value)
   Semiexplicit stepper(systems::Product<double>(), scheme);
   auto sparse = every(4, CountsSteps{});
   Checkpoints checkpoints("file", {}, stepper, options, sparse);
@@ -197,6 +202,9 @@ int main() {
 #elif defined(reversible_steps_twice)
   const auto pace = [](const auto&, const auto&) { return 1.0; };
   ReversibleSteps stepper(ReversibleSteps(Semiexplicit(H, scheme), pace), pace);
+#elif defined(referred_every_within_every)
+  auto inner = every(10, right);
+  auto sparse = every(4, std::ref(inner));
 #elif defined(every_within_every)
   auto sparse = every(4, every(10, right));
 #elif defined(monitor_of_one_argument)
@@ -217,6 +225,11 @@ int main() {
       H, [](const auto& q) { return q[0]; }, right);
 #elif defined(reversible_steps_of_no_stepper)
   ReversibleSteps stepper(NoStepper(), [](const auto&, const auto&) { return 1.0; });
+#elif defined(referred_observer_behind_checkpoints)
+  Semiexplicit stepper(H, scheme);
+  Invariants invariants(H);
+  Checkpoints checkpoints("file", {}, stepper, options, invariants);
+  integrate(stepper, z, options, checkpoints, std::ref(invariants));
 #elif defined(observer_behind_checkpoints)
   Semiexplicit stepper(H, scheme);
   Invariants invariants(H);

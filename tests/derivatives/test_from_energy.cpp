@@ -57,6 +57,24 @@ TEST_CASE("The gradient of an energy is the one written by hand", "[derivatives]
   CHECK(refuses([] { from_energy(0, lattice_energy); }, "0 degrees of freedom"));
 }
 
+TEST_CASE("The numbers of an energy have the limits of those that they differentiate", "[derivatives]") {
+  const auto nearest = [](const auto& q, const auto& p) {
+    using std::exp;
+    using std::min;
+    using Number = std::remove_cvref_t<decltype(q[0])>;
+    Number least(std::numeric_limits<Number>::max());
+    for (Eigen::Index i = 0; i < q.size(); ++i) least = min(least, 1 - q[i] * q[i]);
+    return exp(-least) + p.squaredNorm() / 2;
+  };
+  const auto slope = [](double q) { return 2 * q * std::exp(q * q - 1); };
+  const auto few = from_energy<2>(nearest);
+  CHECK(gradient_of(few, PhasePoint<double, 2>({0.3, -0.8}, {0, 0}))[1] == Approx(slope(-0.8)));
+  const auto many = from_energy(9, nearest);
+  PhasePoint<double, Eigen::Dynamic> z(9);
+  z.q()[4] = 0.8;
+  CHECK(gradient_of(many, z)[4] == Approx(slope(0.8)));
+}
+
 TEST_CASE("The Hessian of an energy is the one written by hand", "[derivatives]") {
   const PhasePoint<double, 1> z(-3, 0.5);
   Eigen::Matrix2d automatic, hand;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <concepts>
 #include <cstddef>
+#include <functional>
 #include <limits>
 #include <sstream>
 #include <string>
@@ -63,6 +64,7 @@ concept TellsWhetherFresh = requires(const T& observer) {
 /// is resumed.
 template <class T>
 bool is_fresh(const T& observer) {
+  if constexpr (!std::same_as<std::unwrap_reference_t<T>, T>) return is_fresh(observer.get());
   static_assert(
       TellsWhetherFresh<T> || !Checkpointable<T> || !requires(T & mine) { mine.fresh(); },
       "fresh() of this observer cannot be called: write `bool fresh() const`");
@@ -110,11 +112,18 @@ consteval bool remembers() {
 }
 template <class List, class T>
 void describe_inner(List& list, const T& observer) {
-  if constexpr (remembers<T>()) list("observer", observer);
+  if constexpr (!std::same_as<std::unwrap_reference_t<T>, T>)
+    describe_inner(list, observer.get());
+  else if constexpr (remembers<T>())
+    list("observer", observer);
 }
 template <class Visitor, class T>
 void visit_inner(Visitor&& visit, T& observer) {
-  if constexpr (remembers<std::remove_cvref_t<T>>()) observer.visit_memory(visit);
+  using Plain = std::remove_cvref_t<T>;
+  if constexpr (!std::same_as<std::unwrap_reference_t<Plain>, Plain>)
+    visit_inner(visit, observer.get());
+  else if constexpr (remembers<Plain>())
+    observer.visit_memory(visit);
 }
 
 /// What describe() lists, as lines "what: value". Two runs whose lines differ are different runs.
@@ -136,8 +145,8 @@ class OptionText {
       line(what, std::to_string(static_cast<std::underlying_type_t<T>>(value)));
     } else if constexpr (std::is_integral_v<T>) {
       line(what, std::to_string(value));
-    } else if constexpr (std::is_convertible_v<const T&, std::string>) {
-      line(what, value);
+    } else if constexpr (std::is_convertible_v<const T&, std::string_view>) {
+      line(what, std::string(std::string_view(value)));
     } else if constexpr (requires { value[0], value.size(); }) {
       std::string all = std::to_string(value.size()) + " numbers";
       for (std::size_t i = 0; i < static_cast<std::size_t>(value.size()); ++i) all += " " + digits(value[i]);
@@ -158,7 +167,10 @@ class OptionText {
  private:
   template <class Scalar>
   static std::string digits(const Scalar& x) {
-    return in_words(x, std::numeric_limits<Scalar>::max_digits10);
+    if constexpr (std::is_integral_v<Scalar>)
+      return std::to_string(x);
+    else
+      return in_words(x, std::numeric_limits<Scalar>::max_digits10);
   }
   void line(std::string_view what, std::string value) {
     for (char& c : value)

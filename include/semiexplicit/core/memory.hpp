@@ -150,8 +150,9 @@ concept HasMemory = requires(T& t, CheckpointMemory& memory) {
 
 namespace detail {
 
-/// A visitor that can be copied.
+/// A visitor that can be copied, and of which one by value can be made.
 struct AnyVisitor {
+  operator CheckpointMemory() const;
   template <class T>
   void operator()(T& value);
 };

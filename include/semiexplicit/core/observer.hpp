@@ -26,6 +26,14 @@ template <class O, class Scalar, class State>
 concept Observer = std::invocable<O&, const Scalar&, const State&> ||
     detail::TakesStepReport<O, Scalar, State> || detail::TakesRunReport<O, Scalar, State>;
 
+namespace detail {
+
+/// The observer itself, of std::ref() of it that one.
+template <class O>
+using Referred = std::remove_cvref_t<std::unwrap_reference_t<std::remove_cvref_t<O>>>;
+
+}  // namespace detail
+
 /// An observer for which integrate() cuts steps, since it may change the state there: `static constexpr bool
 /// changes_state = true;`, see(t, z, report), which is told what observers are, first_event(start, end, h,
 /// move), the first event on a step, changes(found), whether that may change z, act(found, t, z, report), and
@@ -40,14 +48,14 @@ concept ChangesState = requires {
 /// bend: `static constexpr bool interpolates = true;`.
 template <class O>
 concept Interpolates = requires {
-  requires bool(std::remove_cvref_t<std::unwrap_reference_t<std::remove_cvref_t<O>>>::interpolates);
+  requires bool(detail::Referred<O>::interpolates);
 };
 
 /// An observer that saves what those before it have seen, as Checkpoints: `static constexpr bool saves_others
 /// = true;`. No observer that a checkpoint can keep may stand behind it.
 template <class O>
 concept SavesOthers = requires {
-  requires bool(std::remove_cvref_t<O>::saves_others);
+  requires bool(detail::Referred<O>::saves_others);
 };
 
 namespace detail {

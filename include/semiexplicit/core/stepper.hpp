@@ -80,11 +80,17 @@ namespace detail {
 /// Whether a step moves a copy of the state.
 template <class S>
 constexpr bool moves_a_copy() {
+  bool moves = false;
   if constexpr (requires { &S::step; }) {
     using Found = Parameters<decltype(&S::step)>;
-    if constexpr (Found::count == 2) return !std::is_reference_v<typename Found::template FromLast<1>>;
+    if constexpr (Found::count == 2) moves = !std::is_reference_v<typename Found::template FromLast<1>>;
   }
-  return false;
+  if constexpr (requires { &S::step_until; }) {
+    using Found = Parameters<decltype(&S::step_until)>;
+    if constexpr (Found::count == 3)
+      moves = moves || !std::is_reference_v<typename Found::template FromLast<2>>;
+  }
+  return moves;
 }
 
 /// Compiles for a stepper; of anything else the compiler says what is missing.
@@ -102,6 +108,11 @@ consteval bool is_stepper() {
     static_assert(!moves_a_copy<S>(),
                   "the step of this stepper takes the state by value, so that it stays where it is: write "
                   "`StepReport step(State& state, const Scalar& dt)`");
+  static_assert(
+      ChoosesSteps<S> || !requires { &S::step_until; },
+      "this stepper has a step_until() as one that chooses its steps, and lacks another part of "
+      "ChoosesSteps (core/stepper.hpp): begin, time, taken, step_until, reached, clock, rewind, "
+      "stepper, `using Clock` and `using Fixed`");
   return Stepper<S> && !std::is_const_v<S>;
 }
 /// The same for one that moves such a state.

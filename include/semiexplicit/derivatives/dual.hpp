@@ -1,6 +1,7 @@
 #pragma once
 
 #include <concepts>
+#include <limits>
 #include <type_traits>
 
 #include <Eigen/Core>
@@ -106,6 +107,9 @@ struct Dual : Operators<Dual<T, N>, T> {
 namespace semiexplicit::detail {
 using autodiff::Dual;
 }
+
+template <class T, int N>
+class std::numeric_limits<semiexplicit::detail::Dual<T, N>> : public std::numeric_limits<T> {};
 
 // What Eigen has to know, so that q.squaredNorm(), q.dot(p) and 2.0 * q work.
 namespace Eigen {

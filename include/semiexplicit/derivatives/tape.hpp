@@ -321,6 +321,9 @@ using autodiff::Tape;
 using autodiff::Traced;
 }  // namespace semiexplicit::detail
 
+template <class T>
+class std::numeric_limits<semiexplicit::detail::Traced<T>> : public std::numeric_limits<T> {};
+
 // What Eigen has to know, so that q.squaredNorm(), q.dot(p) and 2.0 * q work.
 namespace Eigen {
 

@@ -245,6 +245,8 @@ class Ensemble {
         "this observer of an ensemble cannot be called: of members it takes (Eigen::Index member, "
         "double t, const State& state), of the whole (double t, const EnsembleReport& report); for one "
         "of integrate()'s a member give each(observers)");
+    if constexpr (!std::same_as<std::unwrap_reference_t<O>, O>)
+      return require_observer(observer.get(), options);
     if constexpr (requires {
                     { observer.members() } -> std::same_as<Eigen::Index>;
                   }) {

@@ -31,7 +31,7 @@ inline constexpr bool counts_steps<Every<Observer>> = true;
 /// Hands on every n-th call, the first included; see every().
 template <class Observer>
 class Every {
-  static_assert(!detail::counts_steps<std::remove_cvref_t<Observer>>,
+  static_assert(!detail::counts_steps<detail::Referred<Observer>>,
                 "every() within every() would count the steps of the run, too: give one of them the product");
 
  public:

@@ -203,6 +203,10 @@ consteval bool is_effect() {
                     "an effect OnBoth needs energy(q, p) const and add_gradient(q, p, dHdq, dHdp) const");
     else if constexpr (ActsAs<E, OnMotion>)
       static_assert(HasForce<E>, "an effect OnMotion needs add_force(q, p, force) const");
+    else if constexpr (!ActsAs<E, OnPosition> && !ActsAs<E, OnMomentum> && !ActsAs<E, OnEach>)
+      static_assert(Effect<E>,
+                    "an effect acts as one of five: using Acts = OnPosition<double, 2>; or OnMomentum, "
+                    "OnEach, OnBoth, OnMotion, and no type of your own");
     else
       static_assert(HasHalfMembers<E>,
                     "an effect on one half needs energy(x) const and add_gradient(x, dHdx) const");

@@ -84,9 +84,8 @@ constexpr bool part_writes_into_copies() {
                            auto& out) -> decltype(void(h.rest_position_gradient(std::declval<At>(), out))) {};
   const auto momentum = [](const auto& h,
                            auto& out) -> decltype(void(h.rest_momentum_gradient(std::declval<At>(), out))) {};
-  const auto prepared =
-      [](const auto& h,
-         auto& out) -> decltype(void(h.increments(std::declval<At>(), std::declval<At>(), out, out))) {};
+  const auto prepared = [](auto& h, auto& out) -> decltype(void(h.increments(
+                                                   std::declval<At>(), std::declval<At>(), out, out))) {};
   return loses_output<decltype(flow), H, Column>() ||
          loses_output<decltype(prepared), typename PreparedFlowOf<H>::Type, Column>() ||
          loses_output<decltype(position), H, OutColumn<H>>() ||
@@ -172,6 +171,12 @@ class FlowSplitting {
                 "by value, so what it writes is lost: take it as `auto& dq`, or Out<Scalar, Dof>");
   using State = PhasePoint<Scalar, Dof>;
   static constexpr const char* name = "FlowSplitting";
+  static_assert([] {
+    if constexpr (detail::HasCoupledRest<H>)
+      return detail::is_hamiltonian<typename detail::CoupledRestOf<H>::Type>();
+    else
+      return true;
+  }());
   static constexpr bool has_position = detail::HasPositionRest<H>, has_momentum = detail::HasMomentumRest<H>,
                         has_coupled = detail::HasCoupledRest<H>;
   /// Whether a kick is the flow of the rest itself, for then the step has the order of the list.
@@ -193,6 +198,9 @@ class FlowSplitting {
                                   " needs an exact flow that is quadratic in the momenta (flow_is_quadratic) "
                                   "and a rest that depends on positions alone; take another list "
                                   "(blanes_moan6, say)");
+    if constexpr (has_coupled)
+      detail::require_same_dof("FlowSplitting: coupled_rest()", dof_of(hamiltonian_.coupled_rest()),
+                               "Hamiltonian", dof());
     flows_.resize(list_.a.size());
   }
 

@@ -4,6 +4,7 @@
 
 #include <semiexplicit/core/parameters.hpp>
 #include <semiexplicit/core/vector.hpp>
+#include <semiexplicit/scene/effect.hpp>
 
 namespace semiexplicit::effects::charges::detail {
 
@@ -37,6 +38,15 @@ consteval bool field_adds() {
       "add_potential, add_gradient or add_time_derivative of this field takes by value what it adds "
       "to, so that it adds nothing: write `auto& a` and `auto& out`");
   return !lost;
+}
+
+/// The same of one that may be an electric potential, an effect OnPosition.
+template <class Field, class Scalar>
+consteval bool is_field() {
+  if constexpr (PositionEffect<Field>)
+    return semiexplicit::detail::is_effect<Field>();
+  else
+    return field_adds<Field, Scalar>();
 }
 
 }  // namespace semiexplicit::effects::charges::detail

@@ -13,7 +13,7 @@ namespace semiexplicit::effects::charges::detail {
 /// which are effects OnPosition.
 template <class Scalar, class... Fields>
 class FieldsInTime {
-  static_assert((field_adds<Fields, Scalar>() && ...));
+  static_assert((is_field<Fields, Scalar>() && ...));
 
  public:
   using Column = Vector<Scalar, 3>;

@@ -171,10 +171,10 @@ class Checkpoints {
   }
 
   /// Puts stepper, observers and z, which comes as the run began, back to where the file has them, and gives
-  /// the report up to there, for IntegrationOptions::done. Where there is no such file it changes nothing and
-  /// gives an empty report. Throws std::invalid_argument, naming file, reason and remedy, where the file is
-  /// damaged or belongs to another run, and std::runtime_error where it cannot be written or another run that
-  /// is alive has it open; z, the stepper and the observers are then untouched.
+  /// the report up to there but for t and dt, for IntegrationOptions::done. Where there is no such file it
+  /// changes nothing and gives an empty report. Throws std::invalid_argument, naming file, reason and remedy,
+  /// where the file is damaged or belongs to another run, and std::runtime_error where it cannot be written
+  /// or another run that is alive has it open; z, the stepper and the observers are then untouched.
   IntegrationReport resume(State& z) {
     start_.set(checksum_of(z));
     last_time_ = Clock::now();

@@ -8,6 +8,8 @@
 // case stepper_without_step: this stepper has no step: write `StepReport step(State& state, const Scalar& dt)`
 // case step_of_a_copy: takes the state by value, so that it stays where it is: write `StepReport step(State&
 // case step_of_a_copy_on_lvalues: takes the state by value, so that it stays where it is: write `StepReport step(State&
+// case step_until_of_a_copy: takes the state by value, so that it stays where it is: write `StepReport step(State&
+// case step_until_alone: has a step_until() as one that chooses its steps, and lacks another part of ChoosesSteps
 // case state_of_other_size: the state is of another type than the one that the stepper moves
 // case const_state: the state is const, and a run moves it: leave `const` out, or give it a copy
 // case const_stepper: the stepper is const, and a step changes it: leave `const` out
@@ -108,6 +110,11 @@ struct MyStepper {
     return {};
   }
 #endif
+#ifdef step_until_of_a_copy
+  StepReport step_until(Point z, const double& dt, const double&) { return step(z, dt); }
+#elif defined(step_until_alone)
+  StepReport step_until(Point& z, const double& dt, const double&) { return step(z, dt); }
+#endif
 #ifndef saved_without_options
   static constexpr const char* name = "MyStepper";
 #endif
@@ -182,7 +189,7 @@ int main() {
   MyStepper stepper;
   Checkpoints checkpoints("file", {}, stepper, options);
 #elif defined(stepper_without_state) || defined(stepper_without_step) || defined(step_of_a_copy) || \
-    defined(step_of_a_copy_on_lvalues)
+    defined(step_of_a_copy_on_lvalues) || defined(step_until_of_a_copy) || defined(step_until_alone)
   MyStepper stepper;
   integrate(stepper, z, options, right);
 #elif defined(inner_visitor_by_value) || defined(inner_memory_by_value)

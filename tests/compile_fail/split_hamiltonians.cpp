@@ -8,6 +8,7 @@
 // case by_value: coupled_rest of this Hamiltonian cannot be called: write `const C& coupled_rest() const`
 // case coupled_not_const: coupled_rest of this Hamiltonian cannot be called: write `const C& coupled_rest() const`
 // case no_hamiltonian: coupled_rest of this Hamiltonian cannot be called: write `const C& coupled_rest() const`
+// case coupled_into_copies: takes dHdq or dHdp by value, so what it writes is lost: take both as Out<Scalar, Dof>
 #include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
@@ -19,8 +20,13 @@ using Write = Out<double, 1>;
 struct Coupling {
   using Scalar = double;
   static constexpr int Dof = 1;
+#ifdef coupled_into_copies
+  using Written = Vector<double, 1>;
+#else
+  using Written = Write;
+#endif
 #ifndef no_hamiltonian
-  void gradient(Read q, Read p, Write dHdq, Write dHdp) const {
+  void gradient(Read q, Read p, Written dHdq, Written dHdp) const {
     dHdq[0] = q[0] * p[0] * p[0];
     dHdp[0] = q[0] * q[0] * p[0];
   }

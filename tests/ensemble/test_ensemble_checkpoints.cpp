@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -224,6 +225,8 @@ TEST_CASE("A checkpoint of another ensemble is refused, and nothing is changed")
     later.done = checkpoints.resume();
     auto forgotten = watch(ensemble);
     CHECK(refuses([&] { ensemble.run(later, each(forgotten)); }, "knows nothing of what came before"));
+    auto all = each(forgotten);
+    CHECK(refuses([&] { ensemble.run(later, std::ref(all)); }, "knows nothing of what came before"));
     CHECK(ensemble.run(later, each(exponents)).done == 20);
     exponents.pop_back();
     CHECK(refuses([&] { EnsembleCheckpoints(file, {}, ensemble, options, exponents); },

@@ -12,6 +12,7 @@
 #include <semiexplicit/checkpoint.hpp>
 #include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
+#include <semiexplicit/systems.hpp>
 
 #include "folder.hpp"
 #include "refusal.hpp"
@@ -508,6 +509,30 @@ TEST_CASE("A run with the same Hamiltonian in other parts is refused", "[flow_sp
   go(1, 10);
   CHECK_THROWS_AS(go(1.02, 20), std::invalid_argument);
   CHECK_NOTHROW(go(1, 20));
+}
+
+/// Two oscillators, exact, with a coupled rest of a size of its own.
+struct Oversized {
+  using Scalar = double;
+  static constexpr int Dof = Eigen::Dynamic;
+  systems::NlsLattice<double> rest;
+  Eigen::Index dof() const { return 2; }
+  void gradient(In<double, Dof> q, In<double, Dof> p, Out<double, Dof> dHdq, Out<double, Dof> dHdp) const {
+    dHdq = q, dHdp = p;
+  }
+  Status flow(double t, const auto& q, const auto& p, auto& dq, auto& dp) const {
+    dq = t * p, dp = -t * q;
+    return Status::success;
+  }
+  std::string flow_name() const { return "oscillators"; }
+  const systems::NlsLattice<double>& coupled_rest() const { return rest; }
+};
+
+TEST_CASE("A coupled rest of another size than the Hamiltonian is refused") {
+  const auto list = schemes::aba82<double>();
+  CHECK(refuses([&] { FlowSplitting(Oversized{systems::NlsLattice<double>(3)}, list); },
+                "the coupled rest 3; give both the same size"));
+  CHECK_NOTHROW(FlowSplitting(Oversized{systems::NlsLattice<double>(2)}, list));
 }
 
 }  // namespace test_flow_splitting

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <concepts>
 #include <cstddef>
-#include <functional>
 #include <limits>
 #include <sstream>
 #include <string>
@@ -13,6 +12,7 @@
 #include <vector>
 
 #include <semiexplicit/core/memory.hpp>
+#include <semiexplicit/core/referred.hpp>
 #include <semiexplicit/core/words.hpp>
 
 namespace semiexplicit {
@@ -56,20 +56,21 @@ concept Checkpointable = Describable<T> && HasMemory<T>;
 namespace detail {
 
 template <class T>
+inline constexpr bool is_bool = std::is_same_v<std::remove_cvref_t<T>, bool>;
+template <class T>
 concept TellsWhetherFresh = requires(const T& observer) {
-  requires std::same_as < std::remove_cvref_t<decltype(observer.fresh())>,
-  bool > ;
+  requires is_bool<decltype(observer.fresh())>;
 };
 /// Whether an observer that a checkpoint can keep has seen nothing yet and must not be left out where a run
 /// is resumed.
-template <class T>
-bool is_fresh(const T& observer) {
-  if constexpr (!std::same_as<std::unwrap_reference_t<T>, T>) return is_fresh(observer.get());
+template <class O>
+bool is_fresh(const O& observer) {
+  using T = Referred<O>;
   static_assert(
       TellsWhetherFresh<T> || !Checkpointable<T> || !requires(T & mine) { mine.fresh(); },
       "fresh() of this observer cannot be called: write `bool fresh() const`");
   if constexpr (Checkpointable<T> && TellsWhetherFresh<T>)
-    return observer.fresh();
+    return referred(observer).fresh();
   else
     return false;
 }
@@ -112,18 +113,11 @@ consteval bool remembers() {
 }
 template <class List, class T>
 void describe_inner(List& list, const T& observer) {
-  if constexpr (!std::same_as<std::unwrap_reference_t<T>, T>)
-    describe_inner(list, observer.get());
-  else if constexpr (remembers<T>())
-    list("observer", observer);
+  if constexpr (remembers<Referred<T>>()) list("observer", referred(observer));
 }
 template <class Visitor, class T>
 void visit_inner(Visitor&& visit, T& observer) {
-  using Plain = std::remove_cvref_t<T>;
-  if constexpr (!std::same_as<std::unwrap_reference_t<Plain>, Plain>)
-    visit_inner(visit, observer.get());
-  else if constexpr (remembers<Plain>())
-    observer.visit_memory(visit);
+  if constexpr (remembers<Referred<T>>()) referred(observer).visit_memory(visit);
 }
 
 /// What describe() lists, as lines "what: value". Two runs whose lines differ are different runs.

@@ -19,9 +19,6 @@ class ExtendedPhaseSpace {
   static constexpr int Dof = D == Eigen::Dynamic ? Eigen::Dynamic : D + 1;
   using State = PhasePoint<Scalar, Dof>;
   using Point = PhasePoint<Scalar, D>;
-  /// Whether the gradient has the derivative with respect to the time, so that p_t is followed. One that does
-  /// not says so by a member of the same name.
-  static constexpr bool follows_work = true;
   /// Whether a step of dt is one of the time, as Autonomous's; TimeTransformed says that its own are not.
   static constexpr bool steps_in_time = true;
 
@@ -64,12 +61,6 @@ concept InExtendedPhaseSpace =
         H, ExtendedPhaseSpace<typename H::Scalar, H::Dof == Eigen::Dynamic ? Eigen::Dynamic : H::Dof - 1>>;
 
 namespace detail {
-
-/// In an extended phase space, and p_t is not followed.
-template <class H>
-inline constexpr bool lacks_work = false;
-template <InExtendedPhaseSpace H>
-inline constexpr bool lacks_work<H> = !H::follows_work;
 
 /// How many of d degrees of freedom are the system's own: not the last one of an extended phase space.
 template <class H>

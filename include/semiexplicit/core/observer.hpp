@@ -1,9 +1,9 @@
 #pragma once
 
 #include <concepts>
-#include <functional>
 #include <type_traits>
 
+#include <semiexplicit/core/referred.hpp>
 #include <semiexplicit/core/report.hpp>
 
 namespace semiexplicit {
@@ -25,14 +25,6 @@ concept TakesRunReport = std::invocable<O&, const Scalar&, const State&, const I
 template <class O, class Scalar, class State>
 concept Observer = std::invocable<O&, const Scalar&, const State&> ||
     detail::TakesStepReport<O, Scalar, State> || detail::TakesRunReport<O, Scalar, State>;
-
-namespace detail {
-
-/// The observer itself, of std::ref() of it that one.
-template <class O>
-using Referred = std::remove_cvref_t<std::unwrap_reference_t<std::remove_cvref_t<O>>>;
-
-}  // namespace detail
 
 /// An observer for which integrate() cuts steps, since it may change the state there: `static constexpr bool
 /// changes_state = true;`, see(t, z, report), which is told what observers are, first_event(start, end, h,
@@ -63,7 +55,7 @@ namespace detail {
 /// Compiles for an observer of such a run; of anything else the compiler says what is missing.
 template <class O, class Scalar, class State>
 consteval bool is_observer() {
-  static_assert(!ChangesState<std::unwrap_reference_t<std::remove_cvref_t<O>>>,
+  static_assert(!ChangesState<Referred<O>>,
                 "events that change the state are an argument of integrate() itself: not within every(), "
                 "each(), at_times(), with_error_estimate() or std::ref(), and not of an Ensemble");
   static_assert(

@@ -85,10 +85,9 @@ struct NoMatrix : Derived<Eigen::Map<Column>> {
   requires std::is_base_of_v<Eigen::PlainObjectBase<Matrix>, Matrix>
   operator Matrix() = delete;
 };
-/// Whether a member that may be a template, called with an output, takes it by value. `Call`, whose object is
-/// const unless it asks for another, is given the
-/// object and hands an output on to the member, `Given`; a Map or a Ref that is copied still writes to where
-/// it is.
+/// Whether a member that may be a template, called with an output, takes it by value. `Call` is given the
+/// object, const where it says so, and hands an output on to the member, `Given`; a Map or a Ref that is
+/// copied still writes to where it is.
 template <class Call, class Object, class Given>
 constexpr bool loses_output() {
   using Column = typename Given::PlainObject;

@@ -411,10 +411,10 @@ class ShiftSearch {
  private:
   /// The number of a shift that agrees with its neighbours as well as is enough, or nearly best where none
   /// does so: of these one that all halves agree with, whatever they count; of these, as where the gradient
-  /// is linear or even, that nearest to the usual part of the length, or the shortest one. Shifts within the
-  /// length come first where they will do: far out a polynomial may be all there is, of which no shift is too
-  /// large. `from` and `ratio` are logarithms of the first shift by that length, and of a shift by the next
-  /// larger one.
+  /// is linear or even, that nearest to the usual part of the length, or the `shortest`, with which half a
+  /// column vanishes. Shifts within the length come first where they will do: far out a polynomial may be all
+  /// there is, of which no shift is too large. `from` and `ratio` are logarithms of the first shift by that
+  /// length, and of a shift by the next larger one.
   static int choose(const Scalar* apart, const Scalar* alike, int count, const Scalar& from,
                     const Scalar& ratio, bool shortest) {
     using std::abs;

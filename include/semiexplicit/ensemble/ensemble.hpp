@@ -245,19 +245,17 @@ class Ensemble {
         "this observer of an ensemble cannot be called: of members it takes (Eigen::Index member, "
         "double t, const State& state), of the whole (double t, const EnsembleReport& report); for one "
         "of integrate()'s a member give each(observers)");
-    if constexpr (!std::same_as<std::unwrap_reference_t<O>, O>)
-      return require_observer(observer.get(), options);
-    if constexpr (requires {
-                    { observer.members() } -> std::same_as<Eigen::Index>;
+    if constexpr (const auto& all = detail::referred(observer); requires {
+                    { all.members() } -> std::same_as<Eigen::Index>;
                   }) {
-      if (observer.members() != size())
-        throw std::invalid_argument("Ensemble: each() has " + std::to_string(observer.members()) +
+      if (all.members() != size())
+        throw std::invalid_argument("Ensemble: each() has " + std::to_string(all.members()) +
                                     " observers and the ensemble " + std::to_string(size()) +
                                     " members; give one a member");
       // Those of members whose run has ended see no more.
       const bool goes_on = options.done > 0 && options.every > 0;
       for (Eigen::Index i = 0; goes_on && i < size(); ++i)
-        if (report(i).ok() && observer.fresh(i))
+        if (report(i).ok() && all.fresh(i))
           throw std::invalid_argument(
               "Ensemble: the run is resumed after step " + std::to_string(options.done) +
               ", and an observer knows nothing of what came before; name it among those of "

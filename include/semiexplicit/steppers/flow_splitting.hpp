@@ -107,6 +107,14 @@ template <HasCoupledRest H>
 struct CoupledRestOf<H> {
   using Type = std::remove_cvref_t<decltype(std::declval<const H&>().coupled_rest())>;
 };
+/// Compiles unless the coupled rest is a Hamiltonian with a mistake.
+template <class H>
+consteval bool coupled_rest_writes() {
+  if constexpr (HasCoupledRest<H>)
+    return is_hamiltonian<typename CoupledRestOf<H>::Type>();
+  else
+    return true;
+}
 
 }  // namespace detail
 
@@ -169,14 +177,9 @@ class FlowSplitting {
   static_assert(!detail::part_writes_into_copies<H>(),
                 "flow, rest_position_gradient or rest_momentum_gradient of this Hamiltonian takes an output "
                 "by value, so what it writes is lost: take it as `auto& dq`, or Out<Scalar, Dof>");
+  static_assert(detail::coupled_rest_writes<H>());
   using State = PhasePoint<Scalar, Dof>;
   static constexpr const char* name = "FlowSplitting";
-  static_assert([] {
-    if constexpr (detail::HasCoupledRest<H>)
-      return detail::is_hamiltonian<typename detail::CoupledRestOf<H>::Type>();
-    else
-      return true;
-  }());
   static constexpr bool has_position = detail::HasPositionRest<H>, has_momentum = detail::HasMomentumRest<H>,
                         has_coupled = detail::HasCoupledRest<H>;
   /// Whether a kick is the flow of the rest itself, for then the step has the order of the list.
@@ -199,8 +202,7 @@ class FlowSplitting {
                                   "and a rest that depends on positions alone; take another list "
                                   "(blanes_moan6, say)");
     if constexpr (has_coupled)
-      detail::require_same_dof("FlowSplitting: coupled_rest()", dof_of(hamiltonian_.coupled_rest()),
-                               "Hamiltonian", dof());
+      detail::require_same_dof("FlowSplitting", dof(), "coupled rest", dof_of(hamiltonian_.coupled_rest()));
     flows_.resize(list_.a.size());
   }
 

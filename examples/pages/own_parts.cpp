@@ -73,7 +73,7 @@ class ImplicitMidpoint {
 
   template <class List>
   void describe(List& list) const {
-    list("degrees of freedom", static_cast<int>(H::Dof));
+    list.function("Hamiltonian", GradientSize(hamiltonian_));
   }
   template <class Visitor>
   void visit_memory(Visitor&&) {}  // it remembers nothing

@@ -73,7 +73,7 @@ struct HalvesOfNumbers {
   static constexpr bool separable = true;
   using SeparableGradientOf = HalvesOfNumbers;
   using PackGradientOf = HalvesOfNumbers;
-  void position_gradient(In<double, 2> q, Out<double, 2> dVdq) const { Halves().position_gradient(q, dVdq); }
+  void position_gradient(auto& q, auto& dVdq) const { Halves().position_gradient(q, dVdq); }
   void momentum_gradient(In<double, 2> p, Out<double, 2> dTdp) const { dTdp = p; }
   template <class Q, class D>
   void gradient(const Q& q, const Q& p, D&& dHdq, D&& dHdp) const {

@@ -97,6 +97,38 @@ struct Fall {
   void visit_memory(Visitor&&) {}
 };
 
+/// One that lists nothing: by whether it says its Hamiltonian, or lists it, another is known.
+template <bool says, bool lists>
+struct Rotation {
+  using Scalar = double;
+  using State = Point;
+  static constexpr const char* name = "Rotation";
+  double omega = 1;
+
+  struct Oscillator {
+    using Scalar = double;
+    static constexpr int Dof = 1;
+    double omega;
+    void gradient(In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
+      dHdq = omega * q;
+      dHdp = omega * p;
+    }
+  } own{omega};
+
+  StepReport step(State& z, const double& dt) {
+    const double q = z.q()[0], p = z.p()[0], c = std::cos(omega * dt), s = std::sin(omega * dt);
+    z = State(c * q + s * p, c * p - s * q);
+    return {};
+  }
+  const Oscillator& hamiltonian() const requires says { return own; }
+  template <class List>
+  void describe(List& list) const {
+    if (lists) list.function("H", GradientSize(own));
+  }
+  template <class Visitor>
+  void visit_memory(Visitor&&) {}
+};
+
 /// Saves a run that was made with one stepper and observer, and says what is said of resuming it with others.
 struct Saved {
   Folder folder;
@@ -176,6 +208,13 @@ TEST_CASE("A user's own solver, stepper and observer are resumed with their own 
   CHECK(fall.resumed(Fall{}) == accepted);
   CHECK(says(fall.resumed(Fall{.g = 1.62}), "'g: 9.8"));
   CHECK(says(fall.resumed(usual()), "'stepper: Fall' there, 'stepper: Semiexplicit' here"));
+
+  const Saved said(Rotation<true, false>{});
+  CHECK(said.resumed(Rotation<true, false>{}) == accepted);
+  CHECK(says(said.resumed(Rotation<true, false>{.omega = 2}), "it belongs to another Hamiltonian:"));
+  const Saved listed(Rotation<false, true>{});
+  CHECK(listed.resumed(Rotation<false, true>{}) == accepted);
+  CHECK(says(listed.resumed(Rotation<false, true>{.omega = 2}), "it belongs to another H:"));
 
   const Saved mean(usual(), Mean{});
   CHECK(mean.resumed(usual(), Mean{}) == accepted);

@@ -10,6 +10,7 @@
 // case template_by_value: takes by value what it adds to, so that it adds nothing: write `auto& dHdq`
 // case mixed_by_value: takes by value what it adds to, so that it adds nothing: write `auto& dHdq`
 // case template_force_by_value: takes by value what it adds to, so that it adds nothing: write `auto& dHdq`
+// case without_size: an effect with Dof = Eigen::Dynamic says its size at run time: write `Eigen::Index dof() const {
 // case disagree: must agree on the degrees of freedom
 #include <semiexplicit/scene/any_effect.hpp>
 #include <semiexplicit/scene/scene.hpp>
@@ -20,6 +21,8 @@ using namespace semiexplicit;
 struct Mine {
 #ifdef acts_of_my_own
   struct Acts : OnPosition<double, 2> {};
+#elif defined(without_size)
+  using Acts = OnPosition<double, Eigen::Dynamic>;
 #elif !defined(without_acts)
   using Acts = OnPosition<double, 2>;
 #endif
@@ -53,6 +56,8 @@ struct Wind {
 int main() {
 #if defined(any_by_value)
   const AnyEffect<double, 2> any(Mine{});
+#elif defined(without_size)
+  Scene scene(Mine{});
 #elif defined(disagree)
   Scene scene(effects::orbits::Kinetic<double, 2>{}, effects::orbits::Attraction<double, 3>{});
 #else

@@ -4,6 +4,11 @@
 // case nested_observer: this observer cannot be called: write `void operator()(const Scalar& t, const State& state)`
 // case solver_without_workspace: this solver has no memory to work in: write `template <class Vec> struct Workspace`
 // case solver_without_solve: this solver has no `template <class Residual, class Vec> SolverReport
+// case multiplier_by_value: takes the residual or m by value, so that what it finds is lost: write `SolverReport
+// case residual_by_value: takes the residual or m by value, so that what it finds is lost: write `SolverReport
+// case hamiltonian_not_const: hamiltonian() of this stepper cannot be called: write `const H& hamiltonian() const`
+// case dof_not_const: dof() of this stepper cannot be called, or is no number: write `Eigen::Index dof() const`
+// case dof_of_an_argument: dof() of this stepper cannot be called, or is no number: write `Eigen::Index dof() const`
 // case stepper_without_state: this stepper does not say what it moves: write `using Scalar = double; using State =
 // case stepper_without_step: this stepper has no step: write `StepReport step(State& state, const Scalar& dt)`
 // case step_of_a_copy: takes the state by value, so that it stays where it is: write `StepReport step(State&
@@ -33,6 +38,7 @@
 // case surface_without_on_event: events() takes kinds of events: write `on_event(surface, action)`
 // case surface_of_one_argument: this surface cannot be called, or tells no more than true and false: write `[](const auto& q, const auto& p) { return q[0]; }`
 // case surface_of_no_number: this surface cannot be called, or tells no more than true and false: write `[](const auto& q, const auto& p) { return q[0]; }`
+// case surface_of_a_kept_bool: this surface cannot be called, or tells no more than true and false: write `[](const auto& q, const auto& p) { return q[0]; }`
 // case section_of_one_argument: this surface cannot be called, or tells no more than true and false: write `[](const auto& q, const auto& p) { return q[0]; }`
 // case reversible_steps_of_no_stepper: this stepper has no step: write `StepReport step(State& state, const Scalar& dt)`
 // case observer_behind_checkpoints: an observer that a checkpoint can keep stands behind Checkpoints
@@ -85,7 +91,13 @@ struct MySolver {
 #endif
 #if !defined(solver_without_solve) && !defined(solver_without_workspace)
   template <class Residual, class Vec>
+#ifdef multiplier_by_value
+  SolverReport<typename Vec::Scalar> solve(Residual& residual, Vec m, Workspace<Vec>& work) const {
+#elif defined(residual_by_value)
+  SolverReport<typename Vec::Scalar> solve(Residual residual, Vec& m, Workspace<Vec>& work) const {
+#else
   SolverReport<typename Vec::Scalar> solve(Residual& residual, Vec& m, Workspace<Vec>& work) const {
+#endif
     m.setZero();
     residual(work.f);
     return {.status = Status::success, .evaluations = 1};
@@ -114,6 +126,14 @@ struct MyStepper {
   StepReport step_until(Point z, const double& dt, const double&) { return step(z, dt); }
 #elif defined(step_until_alone)
   StepReport step_until(Point& z, const double& dt, const double&) { return step(z, dt); }
+#endif
+#ifdef hamiltonian_not_const
+  systems::Product<double>& hamiltonian() { return own; }
+  systems::Product<double> own;
+#elif defined(dof_not_const)
+  Eigen::Index dof() { return 1; }
+#elif defined(dof_of_an_argument)
+  Eigen::Index dof(int) const { return 1; }
 #endif
 #ifndef saved_without_options
   static constexpr const char* name = "MyStepper";
@@ -188,8 +208,9 @@ int main() {
     defined(list_by_value)
   MyStepper stepper;
   Checkpoints checkpoints("file", {}, stepper, options);
-#elif defined(stepper_without_state) || defined(stepper_without_step) || defined(step_of_a_copy) || \
-    defined(step_of_a_copy_on_lvalues) || defined(step_until_of_a_copy) || defined(step_until_alone)
+#elif defined(stepper_without_state) || defined(stepper_without_step) || defined(step_of_a_copy) ||     \
+    defined(step_of_a_copy_on_lvalues) || defined(step_until_of_a_copy) || defined(step_until_alone) || \
+    defined(hamiltonian_not_const) || defined(dof_not_const) || defined(dof_of_an_argument)
   MyStepper stepper;
   integrate(stepper, z, options, right);
 #elif defined(inner_visitor_by_value) || defined(inner_memory_by_value)
@@ -227,6 +248,9 @@ int main() {
   auto watch = events(H, on_event([](const auto& q) { return q[0]; }, right));
 #elif defined(surface_of_no_number)
   auto watch = events(H, on_event([](const auto& q, const auto&) { return q[0] > 0; }, right));
+#elif defined(surface_of_a_kept_bool)
+  const bool kept = true;
+  auto watch = events(H, on_event([&](const auto&, const auto&) -> const bool& { return kept; }, right));
 #elif defined(section_of_one_argument)
   auto section = poincare_section(
       H, [](const auto& q) { return q[0]; }, right);

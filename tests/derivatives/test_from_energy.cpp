@@ -73,6 +73,23 @@ TEST_CASE("The numbers of an energy have the limits of those that they different
   PhasePoint<double, Eigen::Dynamic> z(9);
   z.q()[4] = 0.8;
   CHECK(gradient_of(many, z)[4] == Approx(slope(0.8)));
+
+  // The numbers within a sum over terms are others.
+  const auto sum = from_energy(20, [](const auto& q, const auto& p) {
+    return sum_over(q.size(),
+                    [&](auto i) {
+                      using std::exp;
+                      using std::min;
+                      using Number = std::remove_cvref_t<decltype(q[i])>;
+                      return exp(-min(Number(std::numeric_limits<Number>::max()), 1 - q[i] * q[i]));
+                    }) +
+           p.squaredNorm() / 2;
+  });
+  PhasePoint<double, Eigen::Dynamic> y(20);
+  y.q()[4] = 0.8;
+  y.q()[17] = -0.3;
+  CHECK(gradient_of(sum, y)[4] == Approx(slope(0.8)));
+  CHECK(gradient_of(sum, y)[17] == Approx(slope(-0.3)));
 }
 
 TEST_CASE("The Hessian of an energy is the one written by hand", "[derivatives]") {

@@ -642,6 +642,15 @@ TEST_CASE("An event that is told of can end the run", "[events]") {
   const auto report = integrate(stepper, z, {.dt = 0.01, .steps = 1000}, watch);
   CHECK(report.status == Status::stopped);
   CHECK(report.t == Approx(1.58).epsilon(1e-12));  // the end of its step
+
+  // Also by a reference to what it keeps, from an action that changes the state.
+  z = Point(1, 0);
+  const bool go_on = false;
+  auto bounce = events(Oscillator(), on_event(height, [&](double, Point& at) -> const bool& {
+                         at.p()[0] = -at.p()[0];
+                         return go_on;
+                       }));
+  CHECK(integrate(stepper, z, {.dt = 0.01, .steps = 1000}, bounce).status == Status::stopped);
 }
 
 TEST_CASE("What interpolates does not reach across a change of the state", "[events]") {

@@ -352,6 +352,23 @@ TEST_CASE("The end of a driven run is served by at_times, however its steps roun
   CHECK(worst < 1e-4);
 }
 
+TEST_CASE("Times are those of the first state, wherever the run counts from", "[observers]") {
+  const Autonomous forced(Forced{});
+  std::size_t served = 0, due = 0;
+  for (const double in_state : {0.1, 0.3, 0.7})
+    for (const double in_run : {0.2, 3.1, 17.3, 100.7, 1000.9})
+      for (const double dt : {0.1, 0.07, -0.03}) {
+        auto Z = forced.extended({0, 0}, in_state);
+        auto move = Semiexplicit(forced);
+        auto at = at_times(forced, {in_state, in_state + 10 * dt}, [](double, const Point&) {});
+        integrate(move, Z, {.dt = dt, .steps = 10, .t0 = in_run}, at);
+        at.finish();
+        served += at.served();
+        due += 2;
+      }
+  CHECK(served == due);
+}
+
 TEST_CASE("Runs that continue each other through t = 0 are one", "[observers]") {
   // Two times that mean 0 are rounding of the run's times, of whatever size theirs is.
   int cases = 0, counts = 0, rows = 0, times = 0;

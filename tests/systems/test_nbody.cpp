@@ -306,6 +306,13 @@ TEST_CASE("Bodies of another number than the type says are refused", "[nbody]") 
   }
 }
 
+TEST_CASE("Positions and velocities of another number of bodies are refused", "[nbody]") {
+  const effects::nbody::Bodies<double> bodies({1, 1e-3, 1e-3, 1e-3});
+  const Eigen::VectorXd few = Eigen::VectorXd::Ones(6);
+  CHECK(refuses([&] { bodies.positions(few); }, "6 degrees of freedom and the bodies 9"));
+  CHECK(refuses([&] { bodies.velocities(few); }, "6 degrees of freedom and the bodies 9"));
+}
+
 TEST_CASE("A body that falls along a line has no elements", "[nbody]") {
   const Vector<double, 3> q(1, 0, 0), v(-0.1, 0, 0);
   CHECK(refuses([&] { orbits::elements_of<double>(q, v, 1.0); }, "falls along a line"));

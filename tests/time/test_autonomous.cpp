@@ -64,6 +64,21 @@ struct Returning {
   }
 };
 static_assert(Hamiltonian<Autonomous<Returning>> && HasEnergy<Autonomous<Returning>>);
+/// The same with what gradient() is called with by its type, none of it temporary.
+struct OfMaps {
+  using Scalar = double;
+  static constexpr int Dof = 1;
+  using Map = Eigen::Map<const Vector<double, 1>>;
+  double energy(double t, const Map& q, const Map& p) const { return ForcedOscillator().energy(t, q, p); }
+  double gradient(double t, auto& q, auto& p, auto& dHdq, Eigen::Map<Vector<double, 1>>& dHdp) const {
+    ForcedOscillator().gradient(t, q, p, dHdq, dHdp);
+    return time_derivative_of(t, q, p);
+  }
+  static double time_derivative_of(double t, const Map& q, const Map& p) {
+    return ForcedOscillator().time_derivative(t, q, p);
+  }
+};
+static_assert(Hamiltonian<Autonomous<OfMaps>> && HasEnergy<Autonomous<OfMaps>>);
 /// The same as a reference to what it keeps.
 struct Keeping : Returning {
   mutable double by_time = 0;
@@ -172,6 +187,13 @@ TEST_CASE("A gradient that returns dH/dt does what a time_derivative does", "[au
   integrate(one, Z, {.dt = 0.1, .steps = 100});
   integrate(other, W, {.dt = 0.1, .steps = 100});
   CHECK(Z.vector() == W.vector());
+  const Autonomous of_maps{OfMaps()};
+  Semiexplicit third(of_maps, schemes::blanes_moan4());
+  auto V = with.extended({1, 0}, 0.0);
+  Invariants energy(of_maps);
+  integrate(third, V, {.dt = 0.1, .steps = 100}, energy);
+  CHECK(Z.vector() == V.vector());
+  CHECK(energy["energy"].worst <= 1e-4);
   CHECK(check_gradient(returning, Z).ok());
   CHECK(check_gradient(talking, Z).ok());
 }

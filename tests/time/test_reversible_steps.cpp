@@ -688,6 +688,22 @@ TEST_CASE("Vortices and the vector field serve as monitors of reversible steps",
   CHECK(report.gradients >= 100 * (one.gradients + 1));  // its own calls are counted
 }
 
+TEST_CASE("Monitor functions of a system of another size are refused", "[reversible steps]") {
+  const systems::PointVortices<double> four(Eigen::VectorXd::Ones(4)), two(Eigen::VectorXd::Ones(2));
+  const Eigen::Vector4d x(0, 1, 0, 1), y(0, 0, 1, 1.3);
+  auto z = four.phase_point(x, y);
+  const auto refused = [&](auto stepper, auto& state) {
+    return refuses([&] { integrate(stepper, state, {.dt = 0.1, .steps = 1}); },
+                   "the state has 4 degrees of freedom and the");
+  };
+  const Semiexplicit semiexplicit(four);
+  CHECK(refused(ReversibleSteps(semiexplicit, monitors::VortexDistances(two)), z));
+  CHECK(refused(ReversibleSteps(semiexplicit, monitors::FieldSize(two)), z));
+  CHECK(refused(ReversibleSteps(semiexplicit, monitors::TimeScale(two)), z));
+  const TimeTransformed transformed(four, monitors::VortexDistances(two), four.energy(z.q(), z.p()));
+  CHECK(refuses([&] { transformed.extended(z, 0.0); }, "the state has 4 degrees of freedom and the"));
+}
+
 TEST_CASE("A run that comes to the next number behind leaves the steps that follow as they are",
           "[reversible steps]") {
   const auto run_to = [](std::initializer_list<double> times) {

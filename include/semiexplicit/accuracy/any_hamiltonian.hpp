@@ -40,7 +40,8 @@ class AnyHamiltonian : public std::conditional_t<Timed, ExtendedPhaseSpace<Scala
       : hamiltonian_(&hamiltonian), dof_(dof_of(hamiltonian)) {
     if constexpr (HasEnergy<H>)
       energy_ = [](const void* h, const Scalar* q, const Scalar* p, Eigen::Index dof) {
-        return Scalar(static_cast<const H*>(h)->energy(InColumn<H>(q, dof), InColumn<H>(p, dof)));
+        const InColumn<H> at_q(q, dof), at_p(p, dof);
+        return Scalar(static_cast<const H*>(h)->energy(at_q, at_p));
       };
     gradient_ = [](const void* h, const Scalar* q, const Scalar* p, Scalar* dHdq, Scalar* dHdp,
                    Eigen::Index dof) { gradient_at(*static_cast<const H*>(h), q, p, dHdq, dHdp, dof); };
@@ -50,11 +51,12 @@ class AnyHamiltonian : public std::conditional_t<Timed, ExtendedPhaseSpace<Scala
       };
     if constexpr (SeparableHamiltonian<H>) {
       half_gradient_ = [](const void* h, bool of_momentum, const Scalar* at, Scalar* half, Eigen::Index dof) {
+        const InColumn<H> from(at, dof);
         OutColumn<H> out(half, dof);
         if (of_momentum)
-          static_cast<const H*>(h)->momentum_gradient(InColumn<H>(at, dof), out);
+          static_cast<const H*>(h)->momentum_gradient(from, out);
         else
-          static_cast<const H*>(h)->position_gradient(InColumn<H>(at, dof), out);
+          static_cast<const H*>(h)->position_gradient(from, out);
       };
       splitting_ = [](const AnyHamiltonian& h, const Scheme<Scalar>& scheme) {
         ExplicitSplitting<Separable> stepper(Separable{h}, scheme);

@@ -68,7 +68,7 @@ class AlignmentIndex {
   template <class List>
   void describe(List& list) const {
     list("vectors", run_.count());
-    list.function("Hamiltonian", detail::GradientSize(run_.hamiltonian()));
+    list.function("Hamiltonian", GradientSize(run_.hamiltonian()));
     list("scheme", run_.scheme());
   }
   /// The vectors that it carries along; see CheckpointMemory.

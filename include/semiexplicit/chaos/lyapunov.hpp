@@ -82,7 +82,7 @@ class LyapunovExponents {
   template <class List>
   void describe(List& list) const {
     list("exponents", run_.count());
-    list.function("Hamiltonian", detail::GradientSize(run_.hamiltonian()));
+    list.function("Hamiltonian", GradientSize(run_.hamiltonian()));
     list("scheme", run_.scheme());
   }
   /// The vectors that it carries along, what they have grown, and the series; see CheckpointMemory.

@@ -24,11 +24,12 @@ namespace semiexplicit {
 ///     TangentMap tangent(stepper);
 ///     if (tangent.at(z, dt) == Status::success) ... tangent.matrix() ...   // of the step that starts at z
 ///
-/// Give H a Hessian, by hand or by from_energy(), where figures matter. Without one it is an estimate, from
-/// differences of the gradient by shifts that are right where neighbouring ones agree, and no bound of its
-/// error is known. M, symplectic all the same, is usually off by 1e-9 of its size in double, 1e-5 in float,
-/// in any units, near a very close pair by 1e-6; of an angle x by (2e-16 |x|)^{2/3}, 1e-6 at 6e6. It may be
-/// off by much more
+/// Give H a Hessian, by hand or by from_energy(), where figures matter. It is believed, also one that H has
+/// from a base class with another gradient; TangentVectors::check() tells. Without one it is an estimate,
+/// from differences of the gradient by shifts that are right where neighbouring ones agree, and no bound of
+/// its error is known. M, symplectic all the same, is usually off by 1e-9 of its size in double, 1e-5 in
+/// float, in any units, near a very close pair by 1e-6; of an angle x by (2e-16 |x|)^{2/3}, 1e-6 at 6e6. It
+/// may be off by much more
 ///  - where the gradient is a small difference of large terms: orbits of less than 1e-4 of the lengths of H
 ///    about the point from which q or p counts, late times in a fast drive;
 ///  - where nothing tells these lengths: from rest, or where q or p is zero, in units that are not those of

@@ -16,6 +16,7 @@
 
 #include <semiexplicit/checkpoint/file.hpp>
 #include <semiexplicit/core/checkpointable.hpp>
+#include <semiexplicit/core/gradient_size.hpp>
 #include <semiexplicit/core/phase_point.hpp>
 #include <semiexplicit/integrate.hpp>
 
@@ -277,6 +278,8 @@ class Checkpoints {
   static void list_all(List& list, const S& stepper, const std::tuple<Observers&...>& observers) {
     list("stepper", stepper.name);
     stepper.describe(list);
+    if constexpr (detail::SaysItsHamiltonian<S>)  // whatever describe() lists
+      list.function("Hamiltonian", GradientSize(stepper.hamiltonian()));
     int count = 0;
     std::apply([&](const auto&... observer) { (list("observer " + std::to_string(++count), observer), ...); },
                observers);

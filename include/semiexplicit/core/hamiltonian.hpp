@@ -195,8 +195,9 @@ SEMIEXPLICIT_INLINE SEMIEXPLICIT_INLINE_CALLS void gradient_at(const H& hamilton
                                                                const typename H::Scalar* p,
                                                                typename H::Scalar* dHdq,
                                                                typename H::Scalar* dHdp, Eigen::Index dof) {
+  const InColumn<H> at_q(q, dof), at_p(p, dof);
   OutColumn<H> by_q(dHdq, dof), by_p(dHdp, dof);
-  hamiltonian.gradient(InColumn<H>(q, dof), InColumn<H>(p, dof), by_q, by_p);
+  hamiltonian.gradient(at_q, at_p, by_q, by_p);
 }
 
 /// One gradient call at the contiguous phase point `at`, written to the contiguous pair (∂H/∂q, ∂H/∂p).

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <concepts>
+#include <type_traits>
 
+#include <semiexplicit/core/parameters.hpp>
 #include <semiexplicit/core/report.hpp>
 #include <semiexplicit/core/vector.hpp>
 
@@ -62,6 +64,29 @@ concept Solver = std::copy_constructible<S> && detail::HasWorkspace<S, Vec> && d
 
 namespace detail {
 
+template <class Found>
+constexpr bool takes_multiplier_by_value() {
+  if constexpr (Found::count == 3)
+    return !std::is_reference_v<typename Found::template FromLast<1>> ||
+           !std::is_reference_v<typename Found::template FromLast<2>>;
+  else
+    return false;
+}
+/// Whether what a solver finds, or the residual that it was last evaluated of, is a copy's.
+template <class S, class Vec>
+constexpr bool solves_a_copy() {
+  using Residual = AnyResidual<Vec>;
+  using Work = typename S::template Workspace<Vec>;
+  if constexpr (requires { &S::solve; })
+    return takes_multiplier_by_value<Parameters<decltype(&S::solve)>>();
+  else if constexpr (requires { &S::template solve<Residual, Vec>; })
+    return takes_multiplier_by_value<Parameters<decltype(&S::template solve<Residual, Vec>)>>();
+  else if constexpr (requires { &S::template solve<Residual, Vec, Work>; })
+    return takes_multiplier_by_value<Parameters<decltype(&S::template solve<Residual, Vec, Work>)>>();
+  else
+    return false;
+}
+
 /// Compiles for a solver; of anything else the compiler says what is missing.
 template <class S, class Vec>
 consteval bool is_solver() {
@@ -73,6 +98,12 @@ consteval bool is_solver() {
                   "this solver has no `template <class Residual, class Vec> SolverReport<typename "
                   "Vec::Scalar> solve(Residual& residual, Vec& m, Workspace<Vec>& work) const`; see "
                   "core/solver.hpp");
+  if constexpr (Solver<S, Vec>)
+    static_assert(
+        !solves_a_copy<S, Vec>(),
+        "solve() of this solver takes the residual or m by value, so that what it finds is lost: "
+        "write `SolverReport<typename Vec::Scalar> solve(Residual& residual, Vec& m, Workspace<Vec>& "
+        "work) const`");
   return Solver<S, Vec>;
 }
 

@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include <Eigen/Core>
+#include <semiexplicit/core/hamiltonian.hpp>
 #include <semiexplicit/core/parameters.hpp>
 #include <semiexplicit/core/report.hpp>
 
@@ -32,6 +33,10 @@ template <class S>
 concept NamesScalarAndState = requires {
   typename S::Scalar;
   typename S::State;
+};
+template <class S>
+concept SaysItsHamiltonian = requires(const S& stepper) {
+  requires Hamiltonian<std::remove_cvref_t<decltype(stepper.hamiltonian())>>;
 };
 template <class S>
 concept HasStep = requires(S& stepper, typename S::State& state, const typename S::Scalar& dt) {
@@ -93,6 +98,22 @@ constexpr bool moves_a_copy() {
   return moves;
 }
 
+/// The optional members of a stepper, written so that they would be taken for absent.
+template <class S>
+concept NamesHamiltonianOtherwise = !requires(const S& stepper) {
+  stepper.hamiltonian();
+}
+&&(
+    requires(S& stepper) { stepper.hamiltonian(); } ||
+    requires { requires std::is_member_function_pointer_v<decltype(&S::hamiltonian)>; });
+template <class S>
+concept NamesDofOtherwise = !requires(const S& stepper) {
+  { stepper.dof() } -> std::convertible_to<Eigen::Index>;
+}
+&&(
+    requires(S& stepper) { stepper.dof(); } ||
+    requires { requires std::is_member_function_pointer_v<decltype(&S::dof)>; });
+
 /// Compiles for a stepper; of anything else the compiler says what is missing.
 template <class S>
 consteval bool is_stepper() {
@@ -108,6 +129,10 @@ consteval bool is_stepper() {
     static_assert(!moves_a_copy<S>(),
                   "the step of this stepper takes the state by value, so that it stays where it is: write "
                   "`StepReport step(State& state, const Scalar& dt)`");
+  static_assert(!NamesHamiltonianOtherwise<S>,
+                "hamiltonian() of this stepper cannot be called: write `const H& hamiltonian() const`");
+  static_assert(!NamesDofOtherwise<S>,
+                "dof() of this stepper cannot be called, or is no number: write `Eigen::Index dof() const`");
   static_assert(
       ChoosesSteps<S> || !requires { &S::step_until; },
       "this stepper has a step_until() as one that chooses its steps, and lacks another part of "

@@ -55,7 +55,8 @@ class SecondDerivatives {
     const Eigen::Index d = z.size() / 2;
     calls_ = 0;
     if constexpr (HasHessian<H>) {
-      h.hessian(InColumn<H>(z.data(), d), InColumn<H>(z.data() + d, d), hessian);
+      const InColumn<H> q(z.data(), d), p(z.data() + d, d);
+      h.hessian(q, p, hessian);
     } else {
       at_.vector() = z;
       bool looked = search && z.size() > 0 && find_shifts(h, z);

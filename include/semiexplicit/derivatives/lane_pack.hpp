@@ -233,6 +233,9 @@ struct PlainOf<LanePack<S>> : PlainOf<S> {};
 
 }  // namespace semiexplicit::detail::autodiff
 
+template <class S>
+class std::numeric_limits<semiexplicit::detail::autodiff::LanePack<S>> : public std::numeric_limits<S> {};
+
 namespace Eigen {
 template <class S>
 struct NumTraits<semiexplicit::detail::autodiff::LanePack<S>>

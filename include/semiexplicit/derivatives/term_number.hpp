@@ -137,3 +137,6 @@ struct TermNumber : Operators<TermNumber<L>, L> {
 };
 
 }  // namespace semiexplicit::detail::autodiff
+
+template <class L>
+class std::numeric_limits<semiexplicit::detail::autodiff::TermNumber<L>> : public std::numeric_limits<L> {};

@@ -143,7 +143,7 @@ class EnsembleCheckpoints {
     const auto state = ensemble_.state(member);
     Values functions(state, Values::Throwing::nan);
     if constexpr (detail::MakesPlain<Family>)
-      functions.function("Hamiltonian", detail::GradientSize(ensemble_.hamiltonian(member)));
+      functions.function("Hamiltonian", GradientSize(ensemble_.hamiltonian(member)));
     std::apply([&](const auto&... lists) { (functions("", lists[static_cast<std::size_t>(member)]), ...); },
                observers_);
     use(functions);

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include <semiexplicit/core/hamiltonian_door.hpp>
 #include <semiexplicit/core/memory.hpp>
 #include <semiexplicit/ensemble/ensemble_run.hpp>
 #include <semiexplicit/ensemble/family.hpp>
@@ -21,7 +22,7 @@ class PlainMembers {
  public:
   using H = MadeOf<Family, double>;
   using Stepper = Semiexplicit<H, Solver>;
-  static constexpr int Dof = H::Dof;
+  static constexpr int Dof = HamiltonianDoor<H>::Dof;
   using State = PhasePoint<double, Dof>;
 
   PlainMembers(const MemberHamiltonians<Family>& all, Eigen::Index size, Scheme<double> scheme, Solver solver)

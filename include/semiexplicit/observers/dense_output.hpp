@@ -149,7 +149,7 @@ class DenseOutput {
   template <class List>
   void describe(List& list) const {
     list("nodes", wanted_);
-    list.function("Hamiltonian", detail::GradientSize(hamiltonian_));
+    list.function("Hamiltonian", GradientSize(hamiltonian_));
   }
   /// The states that it keeps; see CheckpointMemory.
   template <class Visitor>
@@ -523,12 +523,20 @@ class AtTimes {
     if constexpr (extended && !own_time)
       shift_ = system().time(intervals_.dense.state(i)) - intervals_.dense.time(i);
     rounding_.begin(clock(i));
+    see_rounding(i);
+  }
+
+  /// The time of state i is rounded as the run's is where it is made of that.
+  void see_rounding(std::size_t i) {
+    rounding_.see(clock(i));
+    if (shift_ != Scalar(0)) rounding_.see(intervals_.dense.time(i));
   }
 
   /// Whether a is above b by more than the rounding of times: n·(T/n) need not be T, nor t0 + n·dt be 0; and
-  /// a time within the state begins anew, without its compensation, wherever an event cuts a step.
+  /// a time within the state begins anew, without its compensation, wherever an event cuts a step. A shift is
+  /// rounded, and what it is added to.
   bool beyond(const Scalar& a, const Scalar& b) const {
-    const std::int64_t sums = own_time ? intervals_.arcs() : 0;
+    const std::int64_t sums = own_time ? intervals_.arcs() : shift_ != Scalar(0) ? 2 : 0;
     return a - b > Scalar(double(2 + sums)) * Eigen::NumTraits<Scalar>::epsilon() *
                        std::max(rounding_.size(a), rounding_.size(b));
   }
@@ -538,7 +546,7 @@ class AtTimes {
   bool look(std::size_t i, const IntegrationReport& run, bool last = false) {
     if (orbit_ != intervals_.orbits()) begin_orbit(i);
     const Scalar from = clock(i), to = clock(i + 1);
-    rounding_.see(to);
+    see_rounding(i + 1);
     const bool forward = intervals_.dense.interval(i) > Scalar(0);
     bool go_on = true;
     detail::FirstException thrown;

@@ -30,7 +30,7 @@ template <class Surface, class State>
 consteval bool is_surface() {
   constexpr bool fits = requires(const Surface& s, const State& z) {
     { s(z.q(), z.p()) } -> std::convertible_to<typename State::Scalar>;
-    requires !std::same_as<decltype(s(z.q(), z.p())), bool>;
+    requires !is_bool<decltype(s(z.q(), z.p()))>;
   };
   static_assert(fits,
                 "this surface cannot be called, or tells no more than true and false: write `[](const auto& "
@@ -312,7 +312,7 @@ class Events {
       const Scalar before = own.level;
       if constexpr (acts<decltype(kind)>) {
         last_ = z;
-        if constexpr (std::same_as<std::invoke_result_t<decltype(kind.action)&, const Scalar&, State&>, bool>)
+        if constexpr (detail::is_bool<std::invoke_result_t<decltype(kind.action)&, const Scalar&, State&>>)
           go_on = kind.action(t, z);
         else
           kind.action(t, z);

@@ -259,7 +259,7 @@ class Books {
   template <class List>
   void describe(List& list) const {
     for (const std::string& effect : names()) list("account", effect);
-    list.function("scene", detail::GradientSize(scene_));  // with the forces
+    list.function("scene", GradientSize(scene_));  // with the forces
   }
   /// See CheckpointMemory.
   template <class Visitor>

@@ -133,11 +133,16 @@ std::string effect_name(const E& effect) {
     return effect.name;
 }
 
+template <class E>
+concept HasEffectDof = requires(const E& effect) {
+  { effect.dof() } -> std::convertible_to<Eigen::Index>;
+};
+
 /// How many degrees of freedom an effect is made for. One of fixed size may know better than its type, as of
 /// how many bodies it holds.
 template <class E>
 Eigen::Index effect_dof(const E& effect) {
-  if constexpr (requires { effect.dof(); })
+  if constexpr (HasEffectDof<E>)
     return effect.dof();
   else
     return E::Acts::Dof;
@@ -210,6 +215,9 @@ consteval bool is_effect() {
     else
       static_assert(HasHalfMembers<E>,
                     "an effect on one half needs energy(x) const and add_gradient(x, dHdx) const");
+    static_assert(E::Acts::Dof != Eigen::Dynamic || HasEffectDof<E>,
+                  "an effect with Dof = Eigen::Dynamic says its size at run time: write `Eigen::Index dof() "
+                  "const { return n; }` in it");
     static_assert(!adds_to_copies<E>(),
                   "this effect takes by value what it adds to, so that it adds nothing: write `auto& dHdq`, "
                   "or Out<Scalar, Dof>");

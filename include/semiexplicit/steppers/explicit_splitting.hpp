@@ -87,7 +87,7 @@ class ExplicitSplitting {
   void describe(List& list) const {
     list("degrees of freedom", dof());
     list("scheme", scheme());
-    list.function("Hamiltonian", detail::GradientSize(hamiltonian()));
+    list.function("Hamiltonian", GradientSize(hamiltonian()));
   }
   /// Hands visit() every number that goes on from step to step; see CheckpointMemory.
   template <class Visitor>
@@ -116,14 +116,16 @@ class ExplicitSplitting {
   // What is moved is summed apart from the state: it has the rounding errors of the increments only.
   void drifts_and_kicks(const Scalar& dt, Scalar* at, Scalar* moved, Scalar* half) const {
     const Eigen::Index d = dof();
+    const Eigen::Map<const Column> q(at, d), p(at + d, d);
+    Eigen::Map<Column> out(half, d);
     detail::sweep(
         scheme_, dt,
         [&](const Scalar& t) {
-          hamiltonian_.momentum_gradient(Eigen::Map<const Column>(at + d, d), Eigen::Map<Column>(half, d));
+          hamiltonian_.momentum_gradient(p, out);
           add(t, half, at, moved, d);
         },
         [&](const Scalar& t) {
-          hamiltonian_.position_gradient(Eigen::Map<const Column>(at, d), Eigen::Map<Column>(half, d));
+          hamiltonian_.position_gradient(q, out);
           add(-t, half, at + d, moved + d, d);
         });
   }

@@ -260,7 +260,7 @@ class FlowSplitting {
     list("flow", std::string(hamiltonian_.flow_name()));
     list("list", list_);
     list("solver", solver_);
-    list.function("Hamiltonian", detail::GradientSize(hamiltonian_));
+    list.function("Hamiltonian", GradientSize(hamiltonian_));
     // What is flowed and what is kicked may change while their sum stays.
     if constexpr (has_position)
       list.function("rest in q", [this](const auto& q, const auto&) {
@@ -274,8 +274,7 @@ class FlowSplitting {
         hamiltonian_.rest_momentum_gradient(p, gradient);
         return Scalar(detail::norm(gradient));
       });
-    if constexpr (has_coupled)
-      list.function("coupled rest", detail::GradientSize(hamiltonian_.coupled_rest()));
+    if constexpr (has_coupled) list.function("coupled rest", GradientSize(hamiltonian_.coupled_rest()));
   }
   /// Hands visit() every number that goes on from step to step; see CheckpointMemory.
   template <class Visitor>

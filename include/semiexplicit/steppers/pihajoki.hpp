@@ -42,7 +42,7 @@ class Pihajoki {
   void describe(List& list) const {
     list("degrees of freedom", dof());
     list("scheme", scheme());
-    list.function("Hamiltonian", detail::GradientSize(hamiltonian()));
+    list.function("Hamiltonian", GradientSize(hamiltonian()));
   }
   /// Nothing goes on from step to step; see CheckpointMemory.
   template <class Visitor>

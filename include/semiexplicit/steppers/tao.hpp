@@ -65,7 +65,7 @@ class Tao {
     list("degrees of freedom", dof());
     list("scheme", scheme());
     list("omega", omega_);
-    list.function("Hamiltonian", detail::GradientSize(hamiltonian()));
+    list.function("Hamiltonian", GradientSize(hamiltonian()));
   }
   /// Hands visit() every number that goes on from step to step; see CheckpointMemory.
   template <class Visitor>

@@ -76,13 +76,18 @@ class Bodies {
     return z;
   }
 
-  /// Positions of all bodies about their centre of mass.
+  /// Positions of all bodies about their centre of mass. Throws std::invalid_argument for those of another
+  /// number of bodies, as velocities().
   Vectors positions(const auto& q) const {
+    semiexplicit::detail::require_same_dof("Bodies", q.size(), "bodies", dof(),
+                                           "give q and p of as many bodies");
     return about_centre(
         [&](Eigen::Index i) { return Vector<Scalar, 3>(q[3 * i - 3], q[3 * i - 2], q[3 * i - 1]); });
   }
   /// Momenta per mass of all bodies; in Newton's limit their velocities.
   Vectors velocities(const auto& p) const {
+    semiexplicit::detail::require_same_dof("Bodies", p.size(), "bodies", dof(),
+                                           "give q and p of as many bodies");
     return about_centre([&](Eigen::Index i) {
       return Vector<Scalar, 3>(Vector<Scalar, 3>(p[3 * i - 3], p[3 * i - 2], p[3 * i - 1]) / reduced(i));
     });

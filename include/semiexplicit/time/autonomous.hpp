@@ -77,7 +77,7 @@ class Autonomous : public ExtendedPhaseSpace<typename detail::TimeDependentDoor<
   };
   /// Or has it by itself.
   static constexpr bool has_time_derivative =
-      requires(const H& h, const Scalar& t, In<Scalar, H::Dof> q, In<Scalar, H::Dof> p) {
+      requires(const H& h, const Scalar& t, const detail::InColumn<H>& q, const detail::InColumn<H>& p) {
     { h.time_derivative(t, q, p) } -> std::convertible_to<Scalar>;
   };
   static_assert(
@@ -93,7 +93,8 @@ class Autonomous : public ExtendedPhaseSpace<typename detail::TimeDependentDoor<
   /// Whether H says ∂H/∂t, so that p_t is followed, and whether there is K to check the run by.
   static constexpr bool follows_work = gradient_follows_work || has_time_derivative;
   static constexpr bool follows_energy =
-      follows_work && requires(const H& h, const Scalar& t, In<Scalar, H::Dof> q, In<Scalar, H::Dof> p) {
+      follows_work &&
+      requires(const H& h, const Scalar& t, const detail::InColumn<H>& q, const detail::InColumn<H>& p) {
     { h.energy(t, q, p) } -> std::convertible_to<Scalar>;
   };
 
@@ -115,19 +116,22 @@ class Autonomous : public ExtendedPhaseSpace<typename detail::TimeDependentDoor<
 
   /// K, which the exact motion keeps.
   Scalar energy(const In<Scalar, Dof>& q, const In<Scalar, Dof>& p) const requires follows_energy {
-    return hamiltonian_.energy(q[dof() - 1], Space::head(q), Space::head(p)) + p[dof() - 1];
+    const Eigen::Index d = dof() - 1;
+    const detail::InColumn<H> own_q(q.data(), d), own_p(p.data(), d);
+    return hamiltonian_.energy(q[d], own_q, own_p) + p[d];
   }
 
   void gradient(const In<Scalar, Dof>& q, const In<Scalar, Dof>& p, Out<Scalar, Dof> dKdq,
                 Out<Scalar, Dof> dKdp) const {
     const Eigen::Index d = dof() - 1;
-    Out<Scalar, H::Dof> dHdq = Space::head(dKdq), dHdp = Space::head(dKdp);
+    const detail::InColumn<H> own_q(q.data(), d), own_p(p.data(), d);
+    detail::OutColumn<H> dHdq(dKdq.data(), d), dHdp(dKdp.data(), d);
     if constexpr (gradient_follows_work) {
-      dKdq[d] = hamiltonian_.gradient(q[d], Space::head(q), Space::head(p), dHdq, dHdp);
+      dKdq[d] = hamiltonian_.gradient(q[d], own_q, own_p, dHdq, dHdp);
     } else {
-      hamiltonian_.gradient(q[d], Space::head(q), Space::head(p), dHdq, dHdp);
+      hamiltonian_.gradient(q[d], own_q, own_p, dHdq, dHdp);
       if constexpr (follows_work)
-        dKdq[d] = hamiltonian_.time_derivative(q[d], Space::head(q), Space::head(p));
+        dKdq[d] = hamiltonian_.time_derivative(q[d], own_q, own_p);
       else
         dKdq[d] = Scalar(0);
     }

@@ -153,6 +153,8 @@ class FieldSize {
 
   template <class Q, class P>
   Scalar value(const Q& q, const P& p) const {
+    semiexplicit::detail::require_same_dof("monitors::FieldSize", q.size(), "Hamiltonian",
+                                           dof_of(hamiltonian_), "give it that of the stepper");
     at_.q() = q;
     at_.p() = p;
     semiexplicit::detail::gradient_at(hamiltonian_, at_.vector().data(), gradient_.vector().data(),
@@ -205,6 +207,8 @@ class TimeScale {
   Scalar value(const Q& q, const P& p) const {
     using std::abs;
     using std::sqrt;
+    semiexplicit::detail::require_same_dof("monitors::TimeScale", q.size(), "Hamiltonian",
+                                           dof_of(hamiltonian_), "give it that of the stepper");
     at_.q() = q;
     at_.p() = p;
     field(here_);
@@ -261,6 +265,7 @@ class VortexDistances {
 
   template <class Q, class P, class D>
   Scalar operator()(const Q& q, const P& p, D&& dgdq, D&& dgdp) const {
+    require_size(q);
     dgdq.setZero();
     dgdp.setZero();
     Scalar sum(0);
@@ -280,6 +285,7 @@ class VortexDistances {
   }
   template <class Q, class P>
   Scalar value(const Q& q, const P& p) const {
+    require_size(q);
     Scalar sum(0);
     for (Eigen::Index j = 1; j < q.size(); ++j)
       for (Eigen::Index i = 0; i < j; ++i) {
@@ -290,6 +296,11 @@ class VortexDistances {
   }
 
  private:
+  template <class Q>
+  void require_size(const Q& q) const {
+    semiexplicit::detail::require_same_dof("monitors::VortexDistances", q.size(), "vortices' system",
+                                           x_per_q_.size(), "give it the vortices of the stepper");
+  }
   template <class Q, class P>
   std::pair<Scalar, Scalar> difference(const Q& q, const P& p, Eigen::Index i, Eigen::Index j) const {
     return {q[i] * x_per_q_[i] - q[j] * x_per_q_[j], p[i] * y_per_p_[i] - p[j] * y_per_p_[j]};

@@ -149,9 +149,9 @@ class HessianProduct {
 
   SEMIEXPLICIT_INLINE static void call_hessian_times(const H& h, const Scalar* z, const Scalar* v,
                                                      Scalar* product, Eigen::Index d) {
+    const InColumn<H> q(z, d), p(z + d, d), dq(v, d), dp(v + d, d);
     OutColumn<H> hq(product, d), hp(product + d, d);
-    h.hessian_times(InColumn<H>(z, d), InColumn<H>(z + d, d), InColumn<H>(v, d), InColumn<H>(v + d, d), hq,
-                    hp);
+    h.hessian_times(q, p, dq, dp, hq, hp);
   }
   /// For large systems: g++ vectorises the loops on their own, and not within the sweep.
   SEMIEXPLICIT_NOINLINE static void not_inlined(const H& h, const Scalar* z, const Scalar* v, Scalar* product,

@@ -53,6 +53,15 @@ namespace orbits = effects::orbits;
 using Kinetic = orbits::Kinetic<double, 2>;
 using Attraction = orbits::Attraction<double, 2>;
 
+/// One of many weak forces, each a type of its own.
+template <int>
+struct Pull {
+  using Acts = OnPosition<double, 2>;
+  static constexpr const char* name = "pull";
+  double energy(const auto& q) const { return 1e-6 * q[0]; }
+  void add_gradient(const auto&, auto& dHdq) const { dHdq[0] += 1e-6; }
+};
+
 const double mercury_gm = 4 * std::acos(-1.0) * std::acos(-1.0);
 auto mercury() {
   return Scene(orbits::Kinetic<double, 3>{}, orbits::Attraction<double, 3>{.gm = mercury_gm},
@@ -113,6 +122,14 @@ TEST_CASE("An audit and the costs of accuracy advise an exact flow where it leav
   CHECK_FALSE(advised_flow(Scene(Kinetic{}, orbits::RotatingFrame<double, 2>{}),
                            PhasePoint<double, 2>({1, 0}, {0, 1})));
   CHECK(advised_flow(Scene(Kinetic{}, Spring{.k = 1}), PhasePoint<double, 2>({1, 0}, {0, 1})));
+}
+
+TEST_CASE("Of a scene of many effects an exact flow is advised, too", "[exactly]") {
+  const Scene scene(Pull<0>{}, Pull<1>{}, Pull<2>{}, Pull<3>{}, Kinetic{}, Pull<4>{}, Pull<5>{}, Pull<6>{},
+                    Attraction{}, Pull<7>{}, Pull<8>{}, Pull<9>{});
+  const PhasePoint<double, 2> z({1, 0}, {0, 1});
+  CHECK(advised_flow(scene, z).value_or("").starts_with("kinetic + attraction have an exact flow (Kepler)"));
+  CHECK(audit(scene, z, 0.5, {.dt = 0.1, .samples = 2}).exact_flow.starts_with("kinetic + attraction"));
 }
 
 TEST_CASE("Where there is no gradient no exact flow is advised, and no size told", "[exactly]") {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <bit>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -47,17 +46,7 @@ SEMIEXPLICIT_COLD double size_of_effect(const E& effect, const H& whole, const P
   return part_of_gradient(one, all);
 }
 
-/// The effects whose bits of a mask are set, as Exactly<...>.
-template <std::size_t mask, class Left, class Chosen = Exactly<>>
-struct GroupOf {
-  using Type = Chosen;
-};
-template <std::size_t mask, class First, class... Left, class... Chosen>
-struct GroupOf<mask, Exactly<First, Left...>, Exactly<Chosen...>>
-    : GroupOf<(mask >> 1), Exactly<Left...>,
-              std::conditional_t<mask % 2 == 1, Exactly<Chosen..., First>, Exactly<Chosen...>>> {};
-
-/// The flow of such a group; void: it has none, or its effects are there more than once.
+/// The flow of a group of effects; void: it has none, or its effects are there more than once.
 template <class Group, class Whole>
 struct SmallRestFlow;
 template <class... Group, class... Effects>
@@ -85,34 +74,41 @@ SEMIEXPLICIT_COLD std::optional<std::string> advised_flow(
   constexpr std::size_t n = sizeof...(Effects);
   std::optional<std::string> advice;
   double least = 1e-4;
-  const auto consider = [&]<std::size_t mask>(std::integral_constant<std::size_t, mask>) {
-    if constexpr (std::popcount(mask) == 2 || std::popcount(mask) == 3) {
-      using Group = typename detail::GroupOf<mask, detail::Exactly<Effects...>>::Type;
-      using Flow = typename detail::SmallRestFlow<Group, Scene<Effects...>>::Type;
-      if constexpr (!std::is_void_v<Flow>) {
-        std::string names;
-        double rest = 0;
-        std::size_t i = 0;
-        scene.for_each([&](const auto& effect) {
-          if ((mask >> i) % 2 == 1)
-            names += (names.empty() ? "" : " + ") + detail::effect_name(effect);
-          else
-            rest += sizes[i];
-          ++i;
-        });
-        if (!(rest < least)) return;
-        least = rest;
-        advice =
-            names + " have an exact flow (" + Flow::name + "), and the rest is " + detail::in_words(rest, 2) +
-            " of the gradient: stepper_for(scene, exactly<...>()) should take several times fewer gradient "
-            "calls";
-      }
+  using All = std::tuple<Effects...>;
+  const auto consider = [&]<std::size_t... group>(std::index_sequence<group...>) {
+    using Group = detail::Exactly<std::tuple_element_t<group, All>...>;
+    using Flow = typename detail::SmallRestFlow<Group, Scene<Effects...>>::Type;
+    if constexpr (!std::is_void_v<Flow>) {
+      std::string names;
+      double rest = 0;
+      std::size_t i = 0;
+      scene.for_each([&](const auto& effect) {
+        if (((i == group) || ...))
+          names += (names.empty() ? "" : " + ") + detail::effect_name(effect);
+        else
+          rest += sizes[i];
+        ++i;
+      });
+      if (!(rest < least)) return;
+      least = rest;
+      advice =
+          names + " have an exact flow (" + Flow::name + "), and the rest is " + detail::in_words(rest, 2) +
+          " of the gradient: stepper_for(scene, exactly<...>()) should take several times fewer gradient "
+          "calls";
     }
   };
-  if constexpr (n <= 10) [&]<std::size_t... masks>(std::index_sequence<masks...>) {
-      (consider(std::integral_constant<std::size_t, masks>()), ...);
-    }
-  (std::make_index_sequence<(std::size_t{1} << n)>());
+  const auto for_each_of = []<std::size_t... i>(std::index_sequence<i...>, const auto& call) {
+    (call(std::integral_constant<std::size_t, i>()), ...);
+  };
+  constexpr auto all = std::make_index_sequence<n>();
+  for_each_of(all, [&]<std::size_t k>(std::integral_constant<std::size_t, k>) {
+    for_each_of(std::make_index_sequence<k>(), [&]<std::size_t j>(std::integral_constant<std::size_t, j>) {
+      consider(std::index_sequence<j, k>());
+      for_each_of(std::make_index_sequence<j>(), [&]<std::size_t i>(std::integral_constant<std::size_t, i>) {
+        consider(std::index_sequence<i, j, k>());
+      });
+    });
+  });
   return advice;
 }
 

@@ -81,6 +81,21 @@ struct WithHessian : Plain<Scalar> {
   }
 };
 
+/// With one that adds, and leaves out what is 0.
+struct AddsHessian : Plain<double> {
+  void hessian(In<double, 1> q, In<double, 1>, Eigen::Ref<Eigen::Matrix2d> out) const {
+    out(1, 1) += 1;
+    if (std::abs(q[0]) > 0.1) out(0, 0) = std::cos(q[0]);
+  }
+};
+struct AddsProduct : Plain<double> {
+  void hessian_times(In<double, 1> q, In<double, 1>, In<double, 1> dq, In<double, 1> dp, Out<double, 1> hq,
+                     Out<double, 1> hp) const {
+    hq += std::cos(q[0]) * dq;
+    hp += dp;
+  }
+};
+
 /// How far the tangent map by differences is from the one by the Hessian, of all steps of a run; it has seen
 /// another place before.
 template <class Scalar>
@@ -121,6 +136,20 @@ TEST_CASE("The tangent map is symplectic and the limit of differences", "[chaos]
       // It is not the identity, nor the derivative of the step without projection.
       CHECK((tangent.matrix() - Eigen::Matrix<double, 6, 6>::Identity()).norm() > 0.1);
     }
+}
+
+TEST_CASE("A Hessian may add to what it is given, or leave out what is 0", "[chaos]") {
+  const auto scheme = schemes::low_defect6_s13();
+  TangentMap own(AddsHessian{}, scheme);
+  TangentMap exact(WithHessian<double>{}, scheme);
+  TangentVectors vectors(Semiexplicit(AddsProduct{}, scheme), 2);
+  const PhasePoint<double, 1> z(0.8, 0.3);
+  REQUIRE(own.at(PhasePoint<double, 1>(0.4, -0.2), 0.1) == Status::success);
+  REQUIRE(own.at(z, 0.1) == Status::success);
+  REQUIRE(exact.at(z, 0.1) == Status::success);
+  REQUIRE(vectors.advance(z, 0.1).ok());
+  CHECK((own.matrix() - exact.matrix()).norm() <= 1e-14);
+  CHECK((vectors.vectors() - exact.matrix()).norm() <= 1e-13);
 }
 
 TEST_CASE("Without a Hessian the tangent map is approximate, and symplectic still", "[chaos]") {

@@ -11,6 +11,7 @@
 // case mixed_by_value: takes by value what it adds to, so that it adds nothing: write `auto& dHdq`
 // case template_force_by_value: takes by value what it adds to, so that it adds nothing: write `auto& dHdq`
 // case without_size: an effect with Dof = Eigen::Dynamic says its size at run time: write `Eigen::Index dof() const {
+// case size_not_const: dof() of this effect cannot be called: write `Eigen::Index dof() const`
 // case disagree: must agree on the degrees of freedom
 #include <semiexplicit/scene/any_effect.hpp>
 #include <semiexplicit/scene/scene.hpp>
@@ -28,6 +29,9 @@ struct Mine {
 #endif
 #ifndef without_name
   static constexpr const char* name = "mine";
+#endif
+#ifdef size_not_const
+  Eigen::Index dof() { return 2; }
 #endif
   double energy(const auto& q) const { return q[0]; }
 #if defined(gradient_by_value) || defined(any_by_value)

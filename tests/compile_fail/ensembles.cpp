@@ -1,6 +1,9 @@
 // case no_mistake: compiles
 // case outputs_by_value: takes dHdq or dHdp by value, so what it writes is lost: take both as Out<Scalar, Dof>
 // case without_dof: does not say how many degrees of freedom it has: write `static constexpr int Dof = 2;` in it
+// case swapped: takes the time as a whole number, or the member as none: of members write (Eigen::Index member, double t
+// case whole_time: takes the time as a whole number, or the member as none: of members write (Eigen::Index member, double t
+// case of_both: can be called of members and of the whole, and one of both would never be: give two observers
 // case one_by_value: takes dHdq or dHdp by value, so what it writes is lost: take both as Out<Scalar, Dof>
 #include <semiexplicit/ensemble.hpp>
 #include <semiexplicit/schemes/named.hpp>
@@ -24,6 +27,10 @@ struct Pendulum {
   }
 };
 
+struct OfBoth {
+  void operator()(Eigen::Index, double, const auto&) const {}
+  void operator()(double, const EnsembleReport&) const {}
+};
 struct WithoutDof {
   using Scalar = double;
   void gradient(const auto& q, const auto& p, auto& dHdq, auto& dHdp) const { dHdq = q, dHdp = p; }
@@ -36,4 +43,15 @@ int main() {
 #endif
   Ensemble ensemble([]<class S>(const S* k) { return Pendulum<S>{k[0]}; }, Eigen::MatrixXd::Ones(1, 2),
                     starts, schemes::strang());
+#if defined(swapped)
+  ensemble.run({.dt = 0.1, .steps = 1}, [](double, Eigen::Index, const PhasePoint<double, 1>&) {});
+#elif defined(whole_time)
+  ensemble.run({.dt = 0.1, .steps = 1}, [](int, const EnsembleReport&) {});
+#elif defined(of_both)
+  ensemble.run({.dt = 0.1, .steps = 1}, OfBoth{});
+#else
+  ensemble.run(
+      {.dt = 0.1, .steps = 1}, [](Eigen::Index, double, const PhasePoint<double, 1>&) {},
+      [](auto, auto, const auto&) {}, [](double, const EnsembleReport&) {});
+#endif
 }

@@ -8,6 +8,8 @@
 // case template_by_value: take dq or dp by value, so that nothing moves: write `auto& dq, auto& dp`
 // case prepared_by_value: takes an output by value, so what it writes is lost: take it as `auto& dq`
 // case prepared_not_const_by_value: takes an output by value, so what it writes is lost: take it as `auto& dq`
+// case flag_as_function: rest_is_small or quadratic_in_momenta of this ExactFlow is a function: write `static constexpr bool
+// case flag_of_a_value: rest_is_small or quadratic_in_momenta of this ExactFlow is a function: write `static constexpr bool
 #include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 
@@ -18,6 +20,11 @@ template <>
 struct semiexplicit::ExactFlow<Oblateness<double, 2>> {
   static constexpr const char* name = "a kick";
   explicit ExactFlow(const Oblateness<double, 2>&) {}
+#ifdef flag_as_function
+  static constexpr bool rest_is_small() { return false; }
+#elif defined(flag_of_a_value)
+  bool quadratic_in_momenta() const { return true; }
+#endif
 #ifdef increments_by_value
   using Column = Eigen::Vector2d;
   Status increments(double, const Column&, const Column&, Column, Column) const { return Status::success; }

@@ -1,10 +1,18 @@
 // case no_mistake: compiles
-// case gauss: what is asked of it here takes norms of one process's state
+// case gauss_method: what is asked of it here takes norms of one process's state
 // case transformed: what is asked of it here takes norms of one process's state
+// case advised: what is asked of it here takes norms of one process's state
+// case in_ensemble: what is asked of it here takes norms of one process's state
+// case sum_of_columns: sum_over_ranks of this Hamiltonian cannot be called: write `Scalar sum_over_ranks(const Scalar& x) const`
+// case sum_of_whole_numbers: sum_over_ranks of this Hamiltonian cannot be called: write `Scalar sum_over_ranks(const Scalar& x) const`
 // case sum_not_const: sum_over_ranks of this Hamiltonian cannot be called: write `Scalar sum_over_ranks(const Scalar& x) const`
 // case sum_in_place: sum_over_ranks of this Hamiltonian cannot be called: write `Scalar sum_over_ranks(const Scalar& x) const`
 // case sum_of_nothing: sum_over_ranks of this Hamiltonian cannot be called: write `Scalar sum_over_ranks(const Scalar& x) const`
 // case solver_of_one_process: has sum_over_ranks(), so that the solver has to take norms by
+#include <vector>
+
+#include <semiexplicit/accuracy.hpp>
+#include <semiexplicit/ensemble.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 #include <semiexplicit/time.hpp>
 
@@ -17,6 +25,10 @@ struct Block {
   double sum_over_ranks(const double& x) { return x; }
 #elif defined(sum_in_place)
   double sum_over_ranks(double& x) const { return x; }
+#elif defined(sum_of_columns)
+  void sum_over_ranks(double* x, int n) const { (void)x, (void)n; }
+#elif defined(sum_of_whole_numbers)
+  int sum_over_ranks(int x) const { return x; }
 #elif defined(sum_of_nothing)
   void sum_over_ranks(const double&) const {}
 #else
@@ -44,9 +56,14 @@ struct OwnSolver {
 };
 
 int main() {
+  [[maybe_unused]] PhasePoint<double, 2> z({1, 2}, {0, 0});
   Semiexplicit stepper(Block{}, schemes::strang<double>(), OwnSolver{});
-#if defined(gauss)
+#if defined(gauss_method)
   GaussLegendre other(Block{});
+#elif defined(advised)
+  run(Block{}, z, 1.0, Setting{});
+#elif defined(in_ensemble)
+  Ensemble other(Block{}, std::vector{z});
 #elif defined(transformed)
   TimeTransformed other(Block{}, monitors::Distance{}, 1.0);
 #endif

@@ -1,6 +1,7 @@
 // case no_mistake: compiles
 // case observer_of_other_arguments: this observer cannot be called: write `void operator()(const Scalar& t, const State& state)`
 // case observer_wants_mutable_state: this observer cannot be called: write `void operator()(const Scalar& t, const State& state)`
+// case time_as_whole_number: takes the time as a whole number, which rounds it: write `double t`
 // case nested_observer: this observer cannot be called: write `void operator()(const Scalar& t, const State& state)`
 // case solver_without_workspace: this solver has no memory to work in: write `template <class Vec> struct Workspace`
 // case solver_without_solve: this solver has no `template <class Residual, class Vec> SolverReport
@@ -193,6 +194,8 @@ int main() {
   const auto observer = [](const Point&) {};
 #elif defined(observer_wants_mutable_state)
   const auto observer = [](double, Point&) {};
+#elif defined(time_as_whole_number)
+  const auto observer = [](int, const Point&) {};
 #else
   const auto observer = right;
 #endif

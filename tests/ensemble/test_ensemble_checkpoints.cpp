@@ -375,6 +375,28 @@ TEST_CASE("An ensemble is not resumed with other functions of its observers") {
   CHECK(says(saved.resumed(renamed, times()), "'member 4: observer 1 g: a function"));
 }
 
+TEST_CASE("An ensemble of packs alone is not resumed with another Hamiltonian") {
+  const Folder folder;
+  const EnsembleOptions options{.dt = 0.1, .steps = 20, .together = 10};
+  const auto resumed = [&](double k, bool shared, bool save) {
+    const std::vector<PhasePoint<double, 1>> starts(3, PhasePoint<double, 1>(1, 0.2));
+    const auto go = [&](auto ensemble) {
+      EnsembleCheckpoints checkpoints(folder.path / "run.checkpoint", {.every = 1}, ensemble, options);
+      if (save) ensemble.run(options, Interrupt{10}, checkpoints);
+      return refusal([&] { checkpoints.resume(); });
+    };
+    if (shared) return go(Ensemble(Product<detail::Many>{k}, starts, scheme));
+    return go(Ensemble([k](const detail::Many* own) { return Product<detail::Many>{own[0] * k}; },
+                       Eigen::MatrixXd::Ones(1, 3), starts, scheme));
+  };
+  for (const bool shared : {true, false}) {
+    resumed(1, shared, true);
+    CHECK(resumed(1, shared, false) == accepted);
+    CHECK(says(resumed(7, shared, false), "it belongs to another Hamiltonian: where member 0 was saved"));
+    std::filesystem::remove(folder.path / "run.checkpoint");
+  }
+}
+
 TEST_CASE("A function of an observer that throws where the ensemble is saved does not end its run") {
   Saved saved;
   auto far = lattices();

@@ -38,6 +38,7 @@ class AnyHamiltonian : public std::conditional_t<Timed, ExtendedPhaseSpace<Scala
   template <class H>
   requires(!std::same_as<H, AnyHamiltonian>) explicit AnyHamiltonian(const H& hamiltonian)
       : hamiltonian_(&hamiltonian), dof_(dof_of(hamiltonian)) {
+    static_assert(is_in_one_process<H>());
     if constexpr (HasEnergy<H>)
       energy_ = [](const void* h, const Scalar* q, const Scalar* p, Eigen::Index dof) {
         const InColumn<H> at_q(q, dof), at_p(p, dof);

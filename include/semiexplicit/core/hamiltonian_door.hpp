@@ -85,11 +85,14 @@ concept NamesDof = requires(H& h) {
   h.Dof;
 };
 
-/// It sums over ranks as far as its caller can tell, but not as SumsOverRanks asks for.
+/// It sums over ranks as far as its caller can tell, but not as SumsOverRanks asks for, or in other numbers.
 template <class H>
-concept SumsOverRanksOtherwise = !SumsOverRanks<H> && requires(H & h, typename H::Scalar& x) {
-  h.sum_over_ranks(x);
-};
+concept SumsOverRanksOtherwise = !requires(const H& h, const typename H::Scalar& x) {
+  requires std::same_as < std::remove_cvref_t<decltype(h.sum_over_ranks(x))>,
+  typename H::Scalar > ;
+}
+&&(
+    requires { &H::sum_over_ranks; } || requires(H & h, typename H::Scalar& x) { h.sum_over_ranks(x); });
 
 /// Whether all four are deduced, so that none is by value but what still writes to where it is. It is not
 /// tried with other types then: the body of a function whose return type is deduced would have to compile

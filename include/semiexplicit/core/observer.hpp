@@ -3,6 +3,7 @@
 #include <concepts>
 #include <type_traits>
 
+#include <semiexplicit/core/parameters.hpp>
 #include <semiexplicit/core/referred.hpp>
 #include <semiexplicit/core/report.hpp>
 
@@ -52,6 +53,25 @@ concept SavesOthers = requires {
 
 namespace detail {
 
+/// The parameters of a callable that is no template.
+template <class O>
+struct CalledWith : Parameters<O> {};
+template <class O>
+requires requires { &O::operator(); }
+struct CalledWith<O> : Parameters<decltype(&O::operator())> {};
+/// Whether the one that stands at `place` of so many or more is a whole number or a bool, which a time would
+/// be rounded to; or, Time, a number that is none, which would be taken for a place in a list.
+template <class O, std::size_t place, std::size_t least, bool Time = true>
+constexpr bool rounds() {
+  using Found = CalledWith<O>;
+  if constexpr (Found::count >= least) {
+    using T = std::remove_cvref_t<typename Found::template FromLast<Found::count - 1 - place>>;
+    return Time ? std::is_integral_v<T> : std::is_floating_point_v<T>;
+  } else {
+    return false;
+  }
+}
+
 /// Compiles for an observer of such a run; of anything else the compiler says what is missing.
 template <class O, class Scalar, class State>
 consteval bool is_observer() {
@@ -64,6 +84,9 @@ consteval bool is_observer() {
       "or a third parameter `const StepReport&` or `const IntegrationReport&`; the state is const (an action "
       "of events() that is to change it takes the very State& of the stepper, which may have the time in "
       "it)");
+  static_assert(!rounds<Referred<O>, 0, 2>(),
+                "this observer takes the time as a whole number, which rounds it: write `double t`; how many "
+                "steps were taken the IntegrationReport of a third parameter says");
   return Observer<O, Scalar, State>;
 }
 

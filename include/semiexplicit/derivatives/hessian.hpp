@@ -56,6 +56,7 @@ class SecondDerivatives {
     calls_ = 0;
     if constexpr (HasHessian<H>) {
       const InColumn<H> q(z.data(), d), p(z.data() + d, d);
+      hessian.setZero();  // for one that adds, or leaves out what is 0
       h.hessian(q, p, hessian);
     } else {
       at_.vector() = z;

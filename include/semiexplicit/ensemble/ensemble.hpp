@@ -180,6 +180,10 @@ class Ensemble {
     require_member(member);
     return hamiltonians_.plain(member);
   }
+  /// The size of a member's gradient where it is, by which its Hamiltonian is known; see GradientSize.
+  double gradient_size(Eigen::Index member) const {
+    return hamiltonians_.gradient_size(member, state(member));
+  }
   /// The stepper that takes a member's steps alone: for an observer that wants one, as LyapunovExponents.
   auto stepper(Eigen::Index member) const { return Semiexplicit(hamiltonian(member), scheme(), solver()); }
   const Scheme<double>& scheme() const { return members_.scheme(); }
@@ -245,6 +249,16 @@ class Ensemble {
         "this observer of an ensemble cannot be called: of members it takes (Eigen::Index member, "
         "double t, const State& state), of the whole (double t, const EnsembleReport& report); for one "
         "of integrate()'s a member give each(observers)");
+    static_assert(!(of_member<O> && WholeObserver<O>),
+                  "this observer of an ensemble can be called of members and of the whole, and one of both "
+                  "would never be: give two observers");
+    static_assert(
+        !(of_member<O> ? detail::rounds<detail::Referred<O>, 0, 3, false>() ||
+                             detail::rounds<detail::Referred<O>, 1, 3>()
+                       : detail::rounds<detail::Referred<O>, 0, 2>()),
+        "this observer of an ensemble takes the time as a whole number, or the member as none: of members "
+        "write (Eigen::Index member, double t, const State& state), of the whole (double t, const "
+        "EnsembleReport& report)");
     if constexpr (const auto& all = detail::referred(observer); requires {
                     { all.members() } -> std::same_as<Eigen::Index>;
                   }) {

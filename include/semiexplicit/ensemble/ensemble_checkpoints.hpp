@@ -142,8 +142,8 @@ class EnsembleCheckpoints {
     using Values = detail::FunctionValues<typename Members::State>;
     const auto state = ensemble_.state(member);
     Values functions(state, Values::Throwing::nan);
-    if constexpr (detail::MakesPlain<Family>)
-      functions.function("Hamiltonian", GradientSize(ensemble_.hamiltonian(member)));
+    functions.function("Hamiltonian",
+                       [&](const auto&, const auto&) { return ensemble_.gradient_size(member); });
     std::apply([&](const auto&... lists) { (functions("", lists[static_cast<std::size_t>(member)]), ...); },
                observers_);
     use(functions);

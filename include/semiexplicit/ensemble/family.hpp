@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <concepts>
+#include <limits>
 #include <type_traits>
 #include <vector>
 
+#include <semiexplicit/core/gradient_size.hpp>
 #include <semiexplicit/ensemble/pack_point.hpp>
+#include <semiexplicit/steppers/detail/kick.hpp>
 
 namespace semiexplicit::detail {
 
@@ -29,6 +32,27 @@ concept MakesPlain = std::invocable<const Family&, const double*> && HasScalar<M
                      std::same_as < typename MadeOf<Family, double>::Scalar,
 double > ;
 
+/// One member of a Hamiltonian of packs that is the same in all lanes, in plain numbers.
+template <class H>
+struct FirstLane {
+  using Scalar = double;
+  static constexpr int Dof = H::Dof;
+  const H& hamiltonian;
+
+  Eigen::Index dof() const { return dof_of(hamiltonian); }
+  void gradient(In<double, Dof> q, In<double, Dof> p, Out<double, Dof> dHdq, Out<double, Dof> dHdp) const {
+    const Eigen::Index d = q.size();
+    std::vector<Many> at(static_cast<std::size_t>(2 * d)), result = at;
+    for (Eigen::Index i = 0; i < d; ++i)
+      at[static_cast<std::size_t>(i)] = q[i], at[static_cast<std::size_t>(d + i)] = p[i];
+    gradient_on(hamiltonian, at.data(), result.data(), d);
+    for (Eigen::Index i = 0; i < d; ++i) {
+      dHdq[i] = result[static_cast<std::size_t>(i)][0];
+      dHdp[i] = result[static_cast<std::size_t>(d + i)][0];
+    }
+  }
+};
+
 /// The Hamiltonians of all members: a family and its parameters, a column a member.
 template <class Family>
 struct MemberHamiltonians {
@@ -38,10 +62,24 @@ struct MemberHamiltonians {
   /// A member's own, of plain numbers.
   auto plain(Eigen::Index member) const { return family(parameters.col(member).data()); }
 
-  /// The parameters of the members from `first` on, a lane each; or of that one alone in all lanes.
+  /// By its value one member's Hamiltonian is told from another at z.
+  template <class State>
+  double gradient_size(Eigen::Index member, const State& z) const {
+    if constexpr (MakesPlain<Family>) {
+      const auto own = plain(member);
+      return GradientSize(own)(z.q(), z.p());
+    } else {
+      const std::vector<Many> numbers = packs(member, true);
+      const auto own = family(numbers.data());
+      return GradientSize(FirstLane<std::remove_cvref_t<decltype(own)>>{own})(z.q(), z.p());
+    }
+  }
+
+  /// The parameters of the members from `first` on, a lane each; or of that one alone in all lanes. NaN where
+  /// there is none.
   std::vector<Many> packs(Eigen::Index first, bool alone = false) const {
     std::vector<Many> columns(static_cast<std::size_t>(std::max<Eigen::Index>(parameters.rows(), 1)),
-                              Many(0.0));
+                              Many(std::numeric_limits<double>::quiet_NaN()));
     for (Eigen::Index i = 0; i < parameters.rows(); ++i)
       for (Eigen::Index k = 0; k < pack_width; ++k)
         columns[static_cast<std::size_t>(i)][static_cast<std::size_t>(k)] =

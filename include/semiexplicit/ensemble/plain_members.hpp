@@ -23,6 +23,7 @@ class PlainMembers {
   using H = MadeOf<Family, double>;
   using Stepper = Semiexplicit<H, Solver>;
   static constexpr int Dof = HamiltonianDoor<H>::Dof;
+  static_assert(is_in_one_process<H>());
   using State = PhasePoint<double, Dof>;
 
   PlainMembers(const MemberHamiltonians<Family>& all, Eigen::Index size, Scheme<double> scheme, Solver solver)

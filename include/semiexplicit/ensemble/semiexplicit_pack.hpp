@@ -31,6 +31,7 @@ class SemiexplicitPack {
       PackHamiltonian<H>,
       "SemiexplicitPack needs a gradient that takes packs; see PackHamiltonian in ensemble/pack_point.hpp");
   static_assert(detail::is_hamiltonian<H>());
+  static_assert(detail::is_in_one_process<H>());
 
  public:
   static constexpr int Dof = H::Dof;

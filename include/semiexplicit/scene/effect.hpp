@@ -138,6 +138,12 @@ concept HasEffectDof = requires(const E& effect) {
   { effect.dof() } -> std::convertible_to<Eigen::Index>;
 };
 
+template <class E>
+concept NamesEffectDof = requires {
+  requires std::is_member_function_pointer_v<decltype(&E::dof)>;
+}
+|| requires(E& effect) { effect.dof(); };
+
 /// How many degrees of freedom an effect is made for. One of fixed size may know better than its type, as of
 /// how many bodies it holds.
 template <class E>
@@ -218,6 +224,8 @@ consteval bool is_effect() {
     static_assert(E::Acts::Dof != Eigen::Dynamic || HasEffectDof<E>,
                   "an effect with Dof = Eigen::Dynamic says its size at run time: write `Eigen::Index dof() "
                   "const { return n; }` in it");
+    static_assert(HasEffectDof<E> || !NamesEffectDof<E>,
+                  "dof() of this effect cannot be called: write `Eigen::Index dof() const`");
     static_assert(!adds_to_copies<E>(),
                   "this effect takes by value what it adds to, so that it adds nothing: write `auto& dHdq`, "
                   "or Out<Scalar, Dof>");

@@ -85,8 +85,25 @@ concept HasIncrements = requires(const Flow& flow, const Scalar& t, const Vector
   { flow.increments(t, x, x, dx, dx) } -> std::same_as<Status>;
 };
 
+/// Compiles unless a flag of a flow is a function, which would be taken for true, or for absent.
+template <class Flow>
+consteval bool flags_are_constants() {
+  const auto is_function = []<class T>(std::type_identity<T>) {
+    return std::is_member_function_pointer_v<T> || std::is_function_v<std::remove_pointer_t<T>>;
+  };
+  bool functions = false;
+  if constexpr (requires { &Flow::rest_is_small; })
+    functions = functions || is_function(std::type_identity<decltype(&Flow::rest_is_small)>());
+  if constexpr (requires { &Flow::quadratic_in_momenta; })
+    functions = functions || is_function(std::type_identity<decltype(&Flow::quadratic_in_momenta)>());
+  return !functions;
+}
+
 template <class Flow>
 constexpr bool rest_is_small() {
+  static_assert(flags_are_constants<Flow>(),
+                "rest_is_small or quadratic_in_momenta of this ExactFlow is a function: write `static "
+                "constexpr bool rest_is_small = false;`");
   if constexpr (requires { Flow::rest_is_small; })
     return Flow::rest_is_small;
   else

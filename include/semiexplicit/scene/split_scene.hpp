@@ -1,6 +1,7 @@
 #pragma once
 
 #include <concepts>
+#include <optional>
 #include <string>
 #include <tuple>
 #include <type_traits>
@@ -105,6 +106,21 @@ class SplitScene<Scene<Effects...>, Group...> {
         kicked_(kicked_of(scene_)),
         doubled_(doubled_of(scene_)) {}
 
+  /// A flow may refer to the effects that it was made of: that of a copy is made of the copy's.
+  SplitScene(const SplitScene& other)
+      : scene_(other.scene_),
+        flow_(made(scene_, typename FlowOf<Group...>::Order{})),
+        kicked_(other.kicked_),
+        doubled_(other.doubled_) {}
+  SplitScene& operator=(const SplitScene& other) {
+    scene_ = other.scene_;
+    flow_.emplace(made(scene_, typename FlowOf<Group...>::Order{}));
+    kicked_ = other.kicked_;
+    doubled_ = other.doubled_;
+    return *this;
+  }
+  ~SplitScene() = default;
+
   Eigen::Index dof() const { return scene_.dof(); }
   Scalar energy(const In<Scalar, Dof>& q, const In<Scalar, Dof>& p) const { return scene_.energy(q, p); }
   void gradient(const In<Scalar, Dof>& q, const In<Scalar, Dof>& p, Out<Scalar, Dof> dHdq,
@@ -114,10 +130,10 @@ class SplitScene<Scene<Effects...>, Group...> {
 
   template <class X, class DX>
   Status flow(const Scalar& t, const X& q, const X& p, DX& dq, DX& dp) const {
-    return flow_.increments(t, q, p, dq, dp);
+    return flow_->increments(t, q, p, dq, dp);
   }
   auto prepared(const Scalar& t) const requires requires(const Flow& f) { f.prepared(t); }
-  { return flow_.prepared(t); }
+  { return flow_->prepared(t); }
   std::string flow_name() const {
     std::string text;
     for_each_exact([&](const auto& effect) { text += (text.empty() ? "" : " + ") + effect_name(effect); });
@@ -164,7 +180,7 @@ class SplitScene<Scene<Effects...>, Group...> {
   }
 
   Whole scene_;
-  Flow flow_;
+  std::optional<Flow> flow_;
   decltype(kicked_of(std::declval<const Whole&>())) kicked_;
   decltype(doubled_of(std::declval<const Whole&>())) doubled_;
 };

@@ -151,6 +151,7 @@ class HessianProduct {
                                                      Scalar* product, Eigen::Index d) {
     const InColumn<H> q(z, d), p(z + d, d), dq(v, d), dp(v + d, d);
     OutColumn<H> hq(product, d), hp(product + d, d);
+    hq.setZero(), hp.setZero();  // for one that adds, or leaves out what is 0
     h.hessian_times(q, p, dq, dp, hq, hp);
   }
   /// For large systems: g++ vectorises the loops on their own, and not within the sweep.

@@ -129,6 +129,20 @@ struct Rotation {
   void visit_memory(Visitor&&) {}
 };
 
+/// An observer that lets copies of its numbers be visited.
+struct Copied {
+  static constexpr const char* name = "Copied";
+  double sum = 0;
+  void operator()(double, const Point& z) { sum += z.q()[0]; }
+  template <class List>
+  void describe(List&) const {}
+  template <class Visitor>
+  void visit_memory(Visitor&& visit) {
+    Eigen::Vector2d all(sum, 1);
+    visit(all);
+  }
+};
+
 /// Saves a run that was made with one stepper and observer, and says what is said of resuming it with others.
 struct Saved {
   Folder folder;
@@ -219,6 +233,30 @@ TEST_CASE("A user's own solver, stepper and observer are resumed with their own 
   const Saved mean(usual(), Mean{});
   CHECK(mean.resumed(usual(), Mean{}) == accepted);
   CHECK(says(mean.resumed(usual(), Mean{.power = 2}), "'observer 1 power: 1' there"));
+}
+
+TEST_CASE("What is not put back, or saved of another stepper, is refused", "[checkpoint]") {
+  const Saved copied(usual(), Copied{});
+  CHECK(says(copied.resumed(usual(), Copied{}), "visits copies of its numbers, or changes them"));
+
+  const Folder folder;
+  IntegrationOptions<double> options{.dt = 0.05, .steps = 20};
+  auto stepper = usual(), copy = usual();
+  Point z(-3, 0);
+  Checkpoints checkpoints(folder.path / "run.checkpoint", {.every = 10}, stepper, options);
+  CHECK(refuses([&] { integrate(copy, z, options, checkpoints); }, "save another stepper, or a copy"));
+  integrate(stepper, z, options, checkpoints);
+
+  // A run that begins with the state of resume(), as if it were its first.
+  Point again(-3, 0);
+  Checkpoints other(folder.path / "run.checkpoint", {.every = 10}, stepper, options);
+  const IntegrationReport done = other.resume(again);
+  REQUIRE(done.steps == 20);
+  options.steps = 40;
+  CHECK(says(complaint<std::logic_error>([&] { integrate(stepper, again, options, other); }),
+             "put the state back to step 20"));
+  options.done = done;
+  CHECK(integrate(stepper, again, options, other).steps == 40);
 }
 
 TEST_CASE("Every option of the library's solvers and steppers counts", "[checkpoint]") {

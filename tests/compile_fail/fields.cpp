@@ -5,8 +5,19 @@
 // case summed_by_value: takes by value what it adds to, so that it adds nothing: write `auto& a`
 // case electric_by_value: takes by value what it adds to, so that it adds nothing: write `auto& dHdq`
 // case driven_by_value: takes by value what it adds to, so that it adds nothing: write `auto& a`
+// case potential_time_last: takes a number behind the place, which would always be its default: the time comes first
+// case two_components: the potential of this FieldFrom has not three components
+// case plane_potential: acts in another number of dimensions than 3, or on other numbers than the charge's
+// case potential_of_floats: acts in another number of dimensions than 3, or on other numbers than the charge's
+// case of_both: is an electric potential and a magnetic field, and one of both would be left out: make two of it
+// case whole_numbers: this effect computes with whole numbers: write 1.0 for 1, or name its numbers, as <double>
+#include <array>
+
+#include <semiexplicit/scene.hpp>
+#include <semiexplicit/semiexplicit.hpp>
 #include <semiexplicit/systems/charges.hpp>
 #include <semiexplicit/systems/field_from.hpp>
+#include <semiexplicit/systems/orbits.hpp>
 #include <semiexplicit/systems/relativistic_charges.hpp>
 
 using namespace semiexplicit;
@@ -49,8 +60,32 @@ struct Electric {
 #endif
 };
 
+struct OfBoth : Electric {
+  void add_potential(const auto& x, auto& a) const { a[1] += x[0]; }
+  void add_gradient(const auto& q, auto& dHdq) const { Electric::add_gradient(q, dHdq); }
+  void add_gradient(const auto&, const auto& v, double factor, auto& out) const { out[0] += factor * v[1]; }
+};
+
 int main() {
-#ifdef relativistic_by_value
+  const UniformField whole(1);  // is 1.0
+  static_assert(std::is_same_v<decltype(whole), const UniformField<double>>);
+  static_assert(std::is_same_v<decltype(BottleField(1, 10.0f)), BottleField<float>>);
+  static_assert(std::is_same_v<decltype(UniformField(UniformField(1))), UniformField<double>>);
+#if defined(potential_time_last)
+  const FieldFrom field([](const auto& x, double t = 0) { return std::array{t * x[0], x[0], x[0]}; });
+#elif defined(two_components)
+  MagneticKinetic kinetic(1.0, 1.0, FieldFrom([](const auto& x) { return std::array{x[0], x[1]}; }));
+  Vector<double, 3> z(1, 2, 3), out(0, 0, 0);
+  kinetic.add_gradient(z, z, out, out);
+#elif defined(plane_potential)
+  RelativisticCharge charge(1.0, 1.0, 1.0, effects::orbits::Attraction<>{});
+#elif defined(potential_of_floats)
+  RelativisticCharge charge(1.0, 1.0, 1.0, effects::orbits::Attraction<float, 3>{});
+#elif defined(of_both)
+  RelativisticCharge charge(1.0, 1.0, 1.0, OfBoth{});
+#elif defined(whole_numbers)
+  const Scene scene(effects::orbits::Attraction<int, 2>{});
+#elif defined(relativistic_by_value)
   RelativisticKinetic kinetic(1.0, 1.0, 1.0, Mine{});
 #elif defined(summed_by_value)
   FieldSum sum;

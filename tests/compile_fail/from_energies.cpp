@@ -4,6 +4,7 @@
 // case typed_arguments: from_energy: the energy does not take columns of any numbers
 // case one_argument: from_energy: the energy does not take columns of any numbers
 // case changes_itself: from_energy: the energy does not take columns of any numbers
+// case time_last: the energy takes a number behind q and p, which would always be its default: the time comes first
 // case no_return: from_energy: the energy gives no number of those it takes
 // case many_typed_arguments: from_energy: the energy does not take columns of any numbers
 // case many_no_return: from_energy: the energy gives no number of those it takes
@@ -20,6 +21,8 @@ int main() {
 #endif
 #if defined(typed_arguments) || defined(many_typed_arguments)
   const auto h = from_energy<d>([](In<double, d> q, In<double, d> p) { return q[0] * p[0]; });
+#elif defined(time_last)
+  const auto h = from_energy<d>([](const auto& q, const auto& p, double t = 0) { return q[0] * p[0] + t; });
 #elif defined(one_argument)
   const auto h = from_energy<d>([](const auto& z) { return z[0]; });
 #elif defined(changes_itself)

@@ -23,6 +23,10 @@
 // case driven_of_vectors: cannot be called with the time: write `void gradient(const Scalar& t, In<Scalar
 // case driven_not_const: cannot be called with the time: write `void gradient(const Scalar& t, In<Scalar
 // case driven_without_time: does not depend on the time: give the stepper H itself
+// case time_last: ends with a number, which would always be its default: the time comes first
+// case gradient_answers: returns a bool or a Status, and nobody asks: let it return nothing, and throw, or write NaN
+// case separable_function: separable of this Hamiltonian is a function: write `static constexpr bool separable = true;`
+// case referred_lambda_by_value: takes dHdq or dHdp by value, so what it writes is lost: take both as
 // case driven_returns_float: returns another number than a Scalar: let it return dH/dt as a Scalar, or nothing
 // case driven_returns_integer: returns another number than a Scalar: let it return dH/dt as a Scalar, or nothing
 // case time_derivative_not_const: time_derivative of this Hamiltonian cannot be called: write `Scalar time_derivative(const
@@ -94,10 +98,20 @@ struct Mine {
   void gradient(In<float, 2> q, In<float, 2> p, Out<float, 2> dHdq, Out<float, 2> dHdp) const {
     dHdq = p, dHdp = q;
   }
+#elif defined(time_last)
+  void gradient(Column q, Column p, Half dHdq, Half dHdp, double t = 0) const { dHdq = t * p, dHdp = q; }
+#elif defined(gradient_answers)
+  bool gradient(Column q, Column p, Half dHdq, Half dHdp) const {
+    dHdq = p, dHdp = q;
+    return false;
+  }
 #elif defined(time_dependent)
   void gradient(double t, Column q, Column p, Half dHdq, Half dHdp) const { dHdq = t * p, dHdp = q; }
 #else
   void gradient(Column q, Column p, Half dHdq, Half dHdp) const { dHdq = p, dHdp = q; }
+#endif
+#ifdef separable_function
+  static constexpr bool separable() { return false; }
 #endif
 #ifdef hessian_by_value
   void hessian_times(Column, Column, Column dq, Column dp, Eigen::Vector2d hq, Eigen::Vector2d hp) const {
@@ -159,6 +173,12 @@ int main() {
   auto mine = make_hamiltonian<double, 2>(
       [](const auto& q, const auto& p) { return q.dot(p); },
       [](const auto& q, const auto& p, Eigen::Vector2d dHdq, Eigen::Vector2d dHdp) { dHdq = p, dHdp = q; });
+#elif defined(referred_lambda_by_value)
+  const auto lambda = [](const auto& q, const auto& p, Eigen::Vector2d dHdq, Eigen::Vector2d dHdp) {
+    dHdq = p, dHdp = q;
+  };
+  auto mine =
+      make_hamiltonian<double, 2>([](const auto& q, const auto& p) { return q.dot(p); }, std::ref(lambda));
 #elif defined(mixed_lambda_by_value)
   auto mine = make_hamiltonian<double, 2>(
       [](const auto& q, const auto& p) { return q.dot(p); },

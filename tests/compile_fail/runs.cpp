@@ -14,6 +14,13 @@
 // case stepper_without_step: this stepper has no step: write `StepReport step(State& state, const Scalar& dt)`
 // case step_of_a_copy: takes the state by value, so that it stays where it is: write `StepReport step(State&
 // case step_of_a_copy_on_lvalues: takes the state by value, so that it stays where it is: write `StepReport step(State&
+// case step_of_any_copy: takes the state by value, so that it stays where it is: write `StepReport step(State&
+// case step_of_a_longer_copy: takes the state by value, so that it stays where it is: write `StepReport step(State&
+// case step_of_whole_dt: takes dt as a whole number, which rounds it: write `StepReport step(State& state, const Scalar& dt)`
+// case estimate_of_a_copy: takes the state by value, so that it stays where it is: write `StepReport step(State&
+// case inner_without_memory: shows its memory: write `template <class Visitor> void visit_memory(
+// case fresh_as_data: fresh() of this observer cannot be called: write `bool fresh() const`
+// case surface_of_whole_numbers: this surface cannot be called, or tells no more than true and false, or whole numbers: write
 // case step_until_of_a_copy: takes the state by value, so that it stays where it is: write `StepReport step(State&
 // case step_until_alone: has a step_until() as one that chooses its steps, and lacks another part of ChoosesSteps
 // case state_of_other_size: the state is of another type than the one that the stepper moves
@@ -37,10 +44,10 @@
 // case monitor_without_gradient: this monitor function cannot be called: write `double operator()(const auto& q, auto&& dgdq) const`
 // case transformed_without_energy: has no public energy, by which the run is to be judged: write `Scalar energy(
 // case surface_without_on_event: events() takes kinds of events: write `on_event(surface, action)`
-// case surface_of_one_argument: this surface cannot be called, or tells no more than true and false: write `[](const auto& q, const auto& p) { return q[0]; }`
-// case surface_of_no_number: this surface cannot be called, or tells no more than true and false: write `[](const auto& q, const auto& p) { return q[0]; }`
-// case surface_of_a_kept_bool: this surface cannot be called, or tells no more than true and false: write `[](const auto& q, const auto& p) { return q[0]; }`
-// case section_of_one_argument: this surface cannot be called, or tells no more than true and false: write `[](const auto& q, const auto& p) { return q[0]; }`
+// case surface_of_one_argument: this surface cannot be called, or tells no more than true and false, or whole numbers: write `[](const auto& q, const auto& p) { return q[0]; }`
+// case surface_of_no_number: this surface cannot be called, or tells no more than true and false, or whole numbers: write `[](const auto& q, const auto& p) { return q[0]; }`
+// case surface_of_a_kept_bool: this surface cannot be called, or tells no more than true and false, or whole numbers: write `[](const auto& q, const auto& p) { return q[0]; }`
+// case section_of_one_argument: this surface cannot be called, or tells no more than true and false, or whole numbers: write `[](const auto& q, const auto& p) { return q[0]; }`
 // case reversible_steps_of_no_stepper: this stepper has no step: write `StepReport step(State& state, const Scalar& dt)`
 // case observer_behind_checkpoints: an observer that a checkpoint can keep stands behind Checkpoints
 // case changed_by_events_within_every: events that change the state are an argument of integrate() itself
@@ -112,8 +119,14 @@ struct MyStepper {
   using State = Point;
 #endif
 #ifndef stepper_without_step
-#ifdef step_of_a_copy
+#if defined(step_of_a_copy) || defined(estimate_of_a_copy)
   StepReport step(Point z, const double& dt) {
+#elif defined(step_of_any_copy)
+  StepReport step(auto z, const double& dt) {
+#elif defined(step_of_a_longer_copy)
+  StepReport step(Point z, const double& dt, int = 1) {
+#elif defined(step_of_whole_dt)
+  StepReport step(Point& z, int dt) {
 #elif defined(step_of_a_copy_on_lvalues)
   StepReport step(Point z, const double& dt) & noexcept {
 #else
@@ -161,6 +174,10 @@ struct CountsSteps {
   void describe(auto&) const {}
 #ifdef inner_visitor_by_value
   void visit_memory(auto visit) { visit(steps); }
+#elif defined(inner_without_memory)
+#elif defined(fresh_as_data)
+  void visit_memory(auto&& visit) { visit(steps); }
+  bool fresh = true;
 #elif defined(inner_memory_by_value)
   void visit_memory(CheckpointMemory visit) { visit(steps); }
 #else
@@ -213,14 +230,17 @@ int main() {
   Checkpoints checkpoints("file", {}, stepper, options);
 #elif defined(stepper_without_state) || defined(stepper_without_step) || defined(step_of_a_copy) ||     \
     defined(step_of_a_copy_on_lvalues) || defined(step_until_of_a_copy) || defined(step_until_alone) || \
+    defined(step_of_any_copy) || defined(step_of_a_longer_copy) || defined(step_of_whole_dt) ||         \
     defined(hamiltonian_not_const) || defined(dof_not_const) || defined(dof_of_an_argument)
   MyStepper stepper;
   integrate(stepper, z, options, right);
-#elif defined(inner_visitor_by_value) || defined(inner_memory_by_value)
+#elif defined(estimate_of_a_copy)
+  auto estimate = with_error_estimate(MyStepper{});
+#elif defined(inner_visitor_by_value) || defined(inner_memory_by_value) || defined(inner_without_memory)
   Semiexplicit stepper(systems::Product<double>(), scheme);
   auto sparse = every(4, CountsSteps{});
   Checkpoints checkpoints("file", {}, stepper, options, sparse);
-#elif defined(fresh_not_const) || defined(fresh_of_another_meaning)
+#elif defined(fresh_not_const) || defined(fresh_as_data) || defined(fresh_of_another_meaning)
   Semiexplicit stepper(systems::Product<double>(), scheme);
   integrate(stepper, z, options, CountsSteps{});
 #elif defined(solver_without_options)
@@ -251,6 +271,8 @@ int main() {
   auto watch = events(H, on_event([](const auto& q) { return q[0]; }, right));
 #elif defined(surface_of_no_number)
   auto watch = events(H, on_event([](const auto& q, const auto&) { return q[0] > 0; }, right));
+#elif defined(surface_of_whole_numbers)
+  auto watch = events(H, on_event([](const auto& q, const auto&) { return int(q[0]); }, right));
 #elif defined(surface_of_a_kept_bool)
   const bool kept = true;
   auto watch = events(H, on_event([&](const auto&, const auto&) -> const bool& { return kept; }, right));

@@ -181,6 +181,23 @@ TEST_CASE("Invariants refuse the states of a system of another size", "[observer
                 "Invariants: the state has 5 degrees of freedom and the Hamiltonian 7"));
 }
 
+TEST_CASE("Observers of fixed size refuse longer states, and Invariants a name that is there",
+          "[observers]") {
+  PhasePoint<double, Eigen::Dynamic> three(3);
+  three.q() << 1, 2, 3;
+  Record<double, 2> record;
+  CHECK(refuses([&] { record(0.0, three); }, "Record: the state has 3 degrees of freedom"));
+  Invariants<double, 2> two;
+  two.add("f", [](const auto& q, const auto&) { return q.norm(); });
+  CHECK(refuses([&] { two(0.0, three); }, "Invariants: the state has 3 degrees of freedom"));
+  CHECK(refuses([&] { two.add("f", [](const auto& q, const auto&) { return q[0]; }); },
+                "a function named 'f' already"));
+  two(0.0, PhasePoint<double, 2>({1, 2}, {0, 0}));
+  CHECK_FALSE(two.fresh());
+  two.add("g", [](const auto& q, const auto&) { return q[0]; });
+  CHECK(two.fresh());  // a run that is resumed would take its error from there
+}
+
 TEST_CASE("A first value that is zero up to rounding is not what errors are relative to", "[observers]") {
   // A light ray: H = 0, and -1.5e-16 in numbers, of terms of size one.
   const effects::black_hole::Schwarzschild<> hole;

@@ -117,8 +117,15 @@ void restore_all_or_nothing(CheckpointMemory& from, const Visit& visit, const Re
   CheckpointMemory now;
   visit(now);
   try {
+    const std::size_t begin = from.position();
     visit(from);
     require();
+    CheckpointMemory again;
+    visit(again);
+    if (from.bytes().compare(begin, from.position() - begin, again.bytes()) != 0)
+      throw std::invalid_argument(
+          "what was put back is not there: visit_memory() of a stepper or an observer visits copies of its "
+          "numbers, or changes them; let it visit the members themselves");
   } catch (...) {
     CheckpointMemory before(now.bytes(), CheckpointMemory::Read::restore);
     visit(before);
@@ -197,11 +204,17 @@ class Checkpoints {
     if (!found || done.steps == 0) return {};
     done_seconds_ = done.seconds;
     last_ = done.steps;
+    resumed_ = checksum_of(z);
     return done;
   }
 
   void operator()(const Scalar&, const State& z, const IntegrationReport& so_far) {
     if (so_far.at_event) return;  // a run is resumed at the end of a step
+    if (so_far.steps == 0 && resumed_ && *resumed_ == checksum_of(z))
+      throw std::logic_error("Checkpoints: resume() put the state back to step " + std::to_string(last_) +
+                             ", and the run begins with it at step 0; give what resume() returns as "
+                             "IntegrationOptions::done");
+    resumed_.reset();
     start_.require(so_far.steps, [&] { return checksum_of(z); });
     if (so_far.steps < std::exchange(seen_, so_far.steps)) {  // another run
       last_ = so_far.steps;
@@ -229,6 +242,15 @@ class Checkpoints {
     file_.write(memory.bytes());
     last_ = so_far.steps;
     last_time_ = Clock::now();
+  }
+
+  /// Whether this is the stepper that it saves.
+  template <class Other>
+  bool saves([[maybe_unused]] const Other& stepper) const {
+    if constexpr (std::same_as<Other, S>)
+      return &stepper == &stepper_;
+    else
+      return false;
   }
 
   /// Lines "what: value" of all that the run was made with, by which its checkpoints are known.
@@ -337,6 +359,7 @@ class Checkpoints {
   std::tuple<Observers&...> observers_;
   detail::StartOfRun start_;
   double done_seconds_ = 0;
+  std::optional<std::uint64_t> resumed_;  ///< the state of resume(), before a run was seen
   std::int64_t last_ = 0, seen_ = 0, next_look_ = 0, look_every_ = 1;
   Clock::time_point begin_ = Clock::now(), last_time_ = begin_, last_look_ = begin_;
 };

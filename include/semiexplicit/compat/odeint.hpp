@@ -40,6 +40,7 @@ struct OdeintSystem {};
 template <Stepper S>
 requires std::same_as<typename S::State, PhasePoint<typename S::Scalar, S::Dof>>
 class OdeintStepper {
+  static_assert(detail::is_stepper<S>());
   static_assert(!ChoosesSteps<S>,
                 "odeint's dt is a time, and this stepper chooses the times of its steps: "
                 "take its inner stepper, or integrate()");

@@ -66,9 +66,10 @@ concept TellsWhetherFresh = requires(const T& observer) {
 template <class O>
 bool is_fresh(const O& observer) {
   using T = Referred<O>;
-  static_assert(
-      TellsWhetherFresh<T> || !Checkpointable<T> || !requires(T & mine) { mine.fresh(); },
-      "fresh() of this observer cannot be called: write `bool fresh() const`");
+  static_assert(TellsWhetherFresh<T> || !Checkpointable<T> ||
+                    !(
+                        requires(T & mine) { mine.fresh(); } || requires { &T::fresh; }),
+                "fresh() of this observer cannot be called: write `bool fresh() const`");
   if constexpr (Checkpointable<T> && TellsWhetherFresh<T>)
     return referred(observer).fresh();
   else
@@ -106,7 +107,7 @@ consteval bool is_describable() {
 /// An observer that another one calls: its options and its memory, where it has any.
 template <class T>
 consteval bool remembers() {
-  if constexpr (HasMemory<T> || VisitsByValue<T>)
+  if constexpr (HasMemory<T> || VisitsByValue<T> || Describable<T>)
     return is_checkpointable<T>();
   else
     return false;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <type_traits>
 #include <utility>
 
@@ -41,7 +42,8 @@ consteval auto parameters_of_lambda() {
 /// Of a Hamiltonian made of two lambdas, the second's.
 template <class Scalar, int Dof, class Energy, class Gradient>
 struct GradientParameters<LambdaHamiltonian<Scalar, Dof, Energy, Gradient>>
-    : decltype(parameters_of_lambda<Gradient, Out<Scalar, Dof>>()) {};
+    : decltype(parameters_of_lambda<std::remove_cvref_t<std::unwrap_reference_t<Gradient>>,
+                                    Out<Scalar, Dof>>()) {};
 
 /// A column of a number of entries that is fixed and not H::Dof, or of other numbers.
 template <class T, class H>
@@ -66,6 +68,15 @@ constexpr bool gradient_does_not_fit() {
   else
     return false;
 }
+/// The time, or another number, behind the outputs, where a default stands in for it.
+template <class H>
+constexpr bool gradient_ends_with_a_number() {
+  using Found = GradientParameters<H>;
+  if constexpr (Found::count >= 5)
+    return std::is_floating_point_v<std::remove_cvref_t<typename Found::template FromLast<0>>>;
+  else
+    return false;
+}
 template <class H>
 concept HasMutableGradient = requires(H& h, const InColumn<H>& q, const InColumn<H>& p, OutColumn<H>& dHdq,
                                       OutColumn<H>& dHdp) {
@@ -83,6 +94,17 @@ concept NamesEnergy = requires {
 template <class H>
 concept NamesDof = requires(H& h) {
   h.Dof;
+};
+
+template <class H>
+concept SaysSeparableByFunction = requires {
+  requires std::is_function_v<std::remove_pointer_t<decltype(&H::separable)>>;
+};
+/// The gradient says whether there is one.
+template <class H>
+concept AnswersByGradient = requires(const H& h, const InColumn<H>& at, OutColumn<H>& out) {
+  requires std::same_as < std::remove_cvref_t<decltype(h.gradient(at, at, out, out))>,
+  bool > || std::is_enum_v<std::remove_cvref_t<decltype(h.gradient(at, at, out, out))>>;
 };
 
 /// It sums over ranks as far as its caller can tell, but not as SumsOverRanks asks for, or in other numbers.
@@ -203,6 +225,12 @@ consteval bool is_hamiltonian() {
                   "the gradient of this Hamiltonian takes columns of another size or of other numbers than "
                   "its Dof and Scalar: write In<Scalar, Dof> and Out<Scalar, Dof>");
     return false;
+  } else if constexpr (gradient_ends_with_a_number<H>()) {
+    static_assert(
+        !gradient_ends_with_a_number<H>(),
+        "the gradient of this Hamiltonian ends with a number, which would always be its default: the "
+        "time comes first, `void gradient(const Scalar& t, In<Scalar, Dof> q, ...) const`");
+    return false;
   } else if constexpr (TimeDependentHamiltonian<H>) {
     static_assert(DependsOnTimeSoWrapItInAutonomous<H> && !TimeDependentHamiltonian<H>,
                   "this Hamiltonian depends on the time: give the stepper Autonomous(H), see "
@@ -230,6 +258,13 @@ consteval bool is_hamiltonian() {
                   "hessian, hessian_times, position_gradient or momentum_gradient of this Hamiltonian takes "
                   "an output by value, so what it writes is lost: take it as Out<Scalar, Dof>, a Hessian as "
                   "Eigen::Ref");
+    static_assert(!SaysSeparableByFunction<H>,
+                  "separable of this Hamiltonian is a function: write `static constexpr bool separable = "
+                  "true;`");
+    static_assert(
+        !AnswersByGradient<H>,
+        "the gradient of this Hamiltonian returns a bool or a Status, and nobody asks: let it return "
+        "nothing, and throw, or write NaN, where there is none");
     static_assert(!SumsOverRanksOtherwise<H>,
                   "sum_over_ranks of this Hamiltonian cannot be called: write `Scalar sum_over_ranks(const "
                   "Scalar& x) const`");
@@ -242,7 +277,8 @@ consteval bool is_hamiltonian() {
 /// The same for one that depends on the time, which Autonomous takes.
 template <class H>
 consteval bool is_time_dependent() {
-  if constexpr (!HasScalar<H> || !HasDof<H> || gradient_does_not_fit<H>()) {
+  if constexpr (!HasScalar<H> || !HasDof<H> || gradient_does_not_fit<H>() ||
+                gradient_ends_with_a_number<H>()) {
     return is_hamiltonian<H>();
   } else if constexpr (TimeDependentHamiltonian<H>) {
     return gradient_writes<H>();

@@ -59,6 +59,8 @@ class CheckpointMemory {
   void operator()(std::string& text) { sequence(text); }
 
   const std::string& bytes() const { return bytes_; }
+  /// How many of them have been read.
+  std::size_t position() const { return at_; }
   /// Whether all that was saved has been read.
   bool at_end() const { return at_ == bytes_.size(); }
 

@@ -62,6 +62,16 @@ constexpr bool writes_into_copies() {
   (std::make_index_sequence<outputs>());
 }
 
+/// Whether F, which does not take the time first (`driven`), takes one more argument behind its own, for
+/// which a default stands in.
+template <bool driven, class F, class... Arguments>
+constexpr bool takes_time_last() {
+  if constexpr (driven)
+    return false;  // its body would not compile with them
+  else
+    return std::is_invocable_v<const F&, Arguments...>;
+}
+
 /// A column of somebody's own type, which is an Eigen column.
 template <class Column>
 struct Derived : Column {

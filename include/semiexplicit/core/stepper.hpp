@@ -82,20 +82,48 @@ concept ChoosesSteps = Stepper<S> && requires(S& s, const S& c, typename S::Stat
 
 namespace detail {
 
+template <class Found>
+constexpr bool takes_state_by_value() {
+  if constexpr (Found::count >= 2)
+    return !std::is_reference_v<typename Found::template FromLast<Found::count - 1>>;
+  else
+    return false;
+}
+template <class Found>
+constexpr bool takes_dt_as_whole_number() {
+  if constexpr (Found::count >= 2)
+    return std::is_integral_v<std::remove_cvref_t<typename Found::template FromLast<Found::count - 2>>>;
+  else
+    return false;
+}
+/// The parameters of step(), which may be a template of the state, and of dt.
+template <class S>
+consteval auto parameters_of_step() {
+  using State = typename S::State;
+  if constexpr (requires { &S::step; })
+    return Parameters<decltype(&S::step)>{};
+  else if constexpr (requires { &S::template step<State>; })
+    return Parameters<decltype(&S::template step<State>)>{};
+  else if constexpr (requires { &S::template step<State, typename S::Scalar>; })
+    return Parameters<decltype(&S::template step<State, typename S::Scalar>)>{};
+  else
+    return Parameters<void>{};
+}
+template <class S>
+consteval auto parameters_of_step_until() {
+  using State = typename S::State;
+  if constexpr (requires { &S::step_until; })
+    return Parameters<decltype(&S::step_until)>{};
+  else if constexpr (requires { &S::template step_until<State>; })
+    return Parameters<decltype(&S::template step_until<State>)>{};
+  else
+    return Parameters<void>{};
+}
 /// Whether a step moves a copy of the state.
 template <class S>
 constexpr bool moves_a_copy() {
-  bool moves = false;
-  if constexpr (requires { &S::step; }) {
-    using Found = Parameters<decltype(&S::step)>;
-    if constexpr (Found::count == 2) moves = !std::is_reference_v<typename Found::template FromLast<1>>;
-  }
-  if constexpr (requires { &S::step_until; }) {
-    using Found = Parameters<decltype(&S::step_until)>;
-    if constexpr (Found::count == 3)
-      moves = moves || !std::is_reference_v<typename Found::template FromLast<2>>;
-  }
-  return moves;
+  return takes_state_by_value<decltype(parameters_of_step<S>())>() ||
+         takes_state_by_value<decltype(parameters_of_step_until<S>())>();
 }
 
 /// The optional members of a stepper, written so that they would be taken for absent.
@@ -129,15 +157,23 @@ consteval bool is_stepper() {
     static_assert(!moves_a_copy<S>(),
                   "the step of this stepper takes the state by value, so that it stays where it is: write "
                   "`StepReport step(State& state, const Scalar& dt)`");
+  if constexpr (NamesScalarAndState<S>)
+    static_assert(!takes_dt_as_whole_number<decltype(parameters_of_step<S>())>(),
+                  "the step of this stepper takes dt as a whole number, which rounds it: write `StepReport "
+                  "step(State& state, const Scalar& dt)`");
   static_assert(!NamesHamiltonianOtherwise<S>,
                 "hamiltonian() of this stepper cannot be called: write `const H& hamiltonian() const`");
   static_assert(!NamesDofOtherwise<S>,
                 "dof() of this stepper cannot be called, or is no number: write `Eigen::Index dof() const`");
-  static_assert(
-      ChoosesSteps<S> || !requires { &S::step_until; },
-      "this stepper has a step_until() as one that chooses its steps, and lacks another part of "
-      "ChoosesSteps (core/stepper.hpp): begin, time, taken, step_until, reached, clock, rewind, "
-      "stepper, `using Clock` and `using Fixed`");
+  static_assert(ChoosesSteps<S> || !(
+                                       requires { &S::step_until; } ||
+                                       requires {
+                                         typename S::Fixed;
+                                         typename S::Clock;
+                                       }),
+                "this stepper has a step_until() as one that chooses its steps, and lacks another part of "
+                "ChoosesSteps (core/stepper.hpp): begin, time, taken, step_until, reached, clock, rewind, "
+                "stepper, `using Clock` and `using Fixed`");
   return Stepper<S> && !std::is_const_v<S>;
 }
 /// The same for one that moves such a state.

@@ -8,6 +8,7 @@
 
 #include <semiexplicit/core/hamiltonian.hpp>
 #include <semiexplicit/core/inlined.hpp>
+#include <semiexplicit/core/parameters.hpp>
 #include <semiexplicit/derivatives/columns.hpp>
 #include <semiexplicit/derivatives/dual.hpp>
 #include <semiexplicit/derivatives/terms.hpp>
@@ -70,6 +71,11 @@ class EnergyHamiltonian {
   using Half = In<Scalar, Dof>;
   using HalfGradient = Out<Scalar, Dof>;
   static constexpr bool driven = std::invocable<const Energy&, const Scalar&, const Half&, const Half&>;
+
+  static_assert(
+      !detail::takes_time_last<driven, Energy, const Half&, const Half&, const Scalar&>(),
+      "from_energy: the energy takes a number behind q and p, which would always be its default: the "
+      "time comes first, (t, q, p)");
 
   EnergyHamiltonian(Eigen::Index dof, Energy energy) : dof_(dof), energy_(std::move(energy)) {
     if (dof < 1)

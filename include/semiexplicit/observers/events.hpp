@@ -30,10 +30,11 @@ template <class Surface, class State>
 consteval bool is_surface() {
   constexpr bool fits = requires(const Surface& s, const State& z) {
     { s(z.q(), z.p()) } -> std::convertible_to<typename State::Scalar>;
-    requires !is_bool<decltype(s(z.q(), z.p()))>;
+    requires !std::is_integral_v<std::remove_cvref_t<decltype(s(z.q(), z.p()))>>;
   };
   static_assert(fits,
-                "this surface cannot be called, or tells no more than true and false: write `[](const auto& "
+                "this surface cannot be called, or tells no more than true and false, or whole numbers: "
+                "write `[](const auto& "
                 "q, const auto& p) { return q[0]; }`, a number that is 0 on the surface");
   return fits;
 }

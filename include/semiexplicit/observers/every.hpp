@@ -36,7 +36,7 @@ class Every {
 
  public:
   static constexpr const char* name = "every";
-  static constexpr bool interpolates = Interpolates<Observer>;
+  static constexpr bool interpolates = Interpolates<Observer>, saves_others = SavesOthers<Observer>;
 
   Every(std::int64_t n, Observer&& observer) : n_(n), observer_(std::forward<Observer>(observer)) {
     if (n < 1) throw std::invalid_argument("every: n is below 1; give how many steps lie between two calls");

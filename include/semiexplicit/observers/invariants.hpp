@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <stdexcept>
@@ -50,7 +51,12 @@ class Invariants {
       });
   }
 
+  /// One more function, by a name of its own, else std::invalid_argument is thrown.
   Invariants& add(std::string called, Function value) {
+    for (const Row& row : rows_)
+      if (row.name == called)
+        throw std::invalid_argument("Invariants: there is a function named '" + called +
+                                    "' already; give this one a name of its own");
     rows_.push_back({.name = std::move(called), .value = std::move(value)});
     return *this;
   }
@@ -58,6 +64,8 @@ class Invariants {
   template <class State>
   void operator()(const Scalar& t, const State& state) {
     using std::abs;
+    if constexpr (Dof != Eigen::Dynamic)
+      detail::require_same_dof("Invariants", state.q().size(), "functions' columns", Dof);
     for (Row& row : rows_) {
       const Scalar now = row.value(state.q(), state.p());
       if (!row.started) begin(row, now, state);
@@ -77,7 +85,9 @@ class Invariants {
   }
 
   /// Whether it has no first values yet: a run that goes on would take its errors from there.
-  bool fresh() const { return !rows_.empty() && !rows_.front().started; }
+  bool fresh() const {
+    return std::any_of(rows_.begin(), rows_.end(), [](const Row& row) { return !row.started; });
+  }
 
   /// The functions by their names and values; see Describable.
   template <class List>

@@ -209,6 +209,9 @@ consteval bool is_effect() {
       !HasActs<E> || HasName<E>,
       "an effect has a name: static constexpr const char* name = \"wind\"; or std::string name() const");
   if constexpr (HasActs<E>) {
+    static_assert(
+        !std::is_integral_v<EffectScalar<E>>,
+        "this effect computes with whole numbers: write 1.0 for 1, or name its numbers, as <double>");
     if constexpr (ActsAs<E, OnBoth>)
       static_assert(HasCoupledMembers<E>,
                     "an effect OnBoth needs energy(q, p) const and add_gradient(q, p, dHdq, dHdp) const");

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <concepts>
 #include <tuple>
 #include <type_traits>
 #include <utility>
@@ -16,6 +17,11 @@
 namespace semiexplicit::effects::charges {
 
 namespace detail {
+
+/// What numbers are computed with: 1 is meant as 1.0.
+template <class... Numbers>
+using NumberOf = std::conditional_t<std::is_integral_v<std::common_type_t<Numbers...>>, double,
+                                    std::common_type_t<Numbers...>>;
 
 /// A field about the third axis, A = g(x, y, z) (-y, x, 0). `Profile` gives slopes(x) with g and its
 /// derivatives by each coordinate.
@@ -54,6 +60,8 @@ struct UniformField : detail::AxialPotential<UniformField<Scalar>> {
   Scalar b;
   auto slopes(const auto&) const { return detail::Slopes<Scalar>{b / 2, Scalar(0), Scalar(0), Scalar(0)}; }
 };
+template <std::integral Number>
+UniformField(Number) -> UniformField<double>;
 
 /// The field of a magnetic dipole at the origin, its moment along the third axis: A = M (-y, x, 0)/r³, with M
 /// = μ₀/(4π) times the moment (field · length³). On the equator B = -M/r³.
@@ -67,6 +75,8 @@ struct DipoleField : detail::AxialPotential<DipoleField<Scalar>> {
     return detail::Slopes<std::remove_cv_t<decltype(g)>>{g, by * x[0], by * x[1], by * x[2]};
   }
 };
+template <std::integral Number>
+DipoleField(Number) -> DipoleField<double>;
 
 /// A magnetic bottle about the origin, free of sources: B_z = B(1 + (z² - ρ²/2)/L²), B_ρ = -B ρz/L². A charge
 /// is thrown back where the field on its line is B/sin²α, α the angle of its velocity to the field in the
@@ -84,6 +94,11 @@ struct BottleField : detail::AxialPotential<BottleField<Scalar>> {
     return detail::Slopes<std::remove_cv_t<decltype(g)>>{g, -by * x[0], -by * x[1], 4 * by * x[2]};
   }
 };
+template <std::integral Number>
+BottleField(Number, Number) -> BottleField<double>;
+template <class... Numbers>
+requires(std::is_arithmetic_v<Numbers>&&...) BottleField(Numbers...)
+->BottleField<detail::NumberOf<Numbers...>>;
 
 /// |p - eA(q)|²/(2m) in the sum of any number of magnetic fields, or in none: with a field it couples q and
 /// p. A field of your own has `add_potential(x, a)`, a += A(x), and `add_gradient(x, v, factor, out)`, out +=

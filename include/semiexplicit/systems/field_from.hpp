@@ -2,10 +2,12 @@
 
 #include <concepts>
 #include <memory>
+#include <tuple>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
+#include <semiexplicit/core/parameters.hpp>
 #include <semiexplicit/core/vector.hpp>
 #include <semiexplicit/derivatives/dual.hpp>
 #include <semiexplicit/systems/detail/field_door.hpp>
@@ -40,6 +42,11 @@ class FieldFrom {
   using ScalarOf = std::decay_t<decltype(std::declval<const X&>()[0])>;
   static constexpr bool driven = std::invocable<const Potential&, const Dual<double>&, const Place<double>&>;
 
+  static_assert(
+      !semiexplicit::detail::takes_time_last<driven, Potential, const Place<double>&, const double&>(),
+      "the potential of this FieldFrom takes a number behind the place, which would always be its "
+      "default: the time comes first, (t, x)");
+
  public:
   explicit FieldFrom(Potential potential) : potential_(std::move(potential)) {}
 
@@ -70,7 +77,14 @@ class FieldFrom {
   }
 
  private:
-  static const auto& at(const auto& list, int i) { return list[static_cast<std::size_t>(i)]; }
+  template <class List>
+  static const auto& at(const List& list, int i) {
+    if constexpr (requires { std::tuple_size<List>::value; })
+      static_assert(std::tuple_size_v<List> == 3, "the potential of this FieldFrom has not three components");
+    else if constexpr (requires { List::SizeAtCompileTime; })
+      static_assert(List::SizeAtCompileTime == 3, "the potential of this FieldFrom has not three components");
+    return list[static_cast<std::size_t>(i)];
+  }
   static void add(const auto& potential, auto& a) {
     for (int i = 0; i < 3; ++i) a[i] += at(potential, i);
   }

@@ -150,6 +150,7 @@ Geodesic(M) -> Geodesic<M>;
 template <class Scalar = double>
 struct KerrMetric {
   Scalar mass = Scalar(1), spin = Scalar(0);
+  static_assert(!std::is_integral_v<Scalar>, "a metric of whole numbers: write 1.0, or KerrMetric<double>");
 
   auto operator()(const auto& x) const {
     using std::cos;
@@ -180,6 +181,7 @@ template <class Scalar = double>
 struct ErnstMetric {
   Scalar mass = Scalar(1);
   Scalar field = Scalar(0);  ///< B, one over a length
+  static_assert(!std::is_integral_v<Scalar>, "a metric of whole numbers: write 1.0, or ErnstMetric<double>");
 
   auto operator()(const auto& x) const {
     using std::sin;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <concepts>
 #include <type_traits>
 
 #include <semiexplicit/systems/charges.hpp>
@@ -69,6 +70,11 @@ struct SolenoidField : detail::AxialPotential<SolenoidField<Scalar>> {
     return {part, first, -3 * part * first * d1, 3 * (5 * part * part - 1) * by_d2};
   }
 };
+template <std::integral Number>
+SolenoidField(Number, Number, Number) -> SolenoidField<double>;
+template <class... Numbers>
+requires(std::is_arithmetic_v<Numbers>&&...) SolenoidField(Numbers...)
+->SolenoidField<detail::NumberOf<Numbers...>>;
 
 /// A planar undulator along the third axis, with the field up and down along the second one:
 ///
@@ -99,6 +105,11 @@ struct UndulatorField {
     out[2] += by * cosh(k * x[1]) * cos(k * x[2]);
   }
 };
+template <std::integral Number>
+UndulatorField(Number, Number) -> UndulatorField<double>;
+template <class... Numbers>
+requires(std::is_arithmetic_v<Numbers>&&...) UndulatorField(Numbers...)
+->UndulatorField<detail::NumberOf<Numbers...>>;
 
 /// A magnetic quadrupole along the third axis, without ends: B = G (y, x, 0), A = -G/2 (x² - y²) (0, 0, 1).
 /// With κ = eG/p a charge along the axis is focused along x as cos(√κ z) and driven away along y as cosh(√κ
@@ -115,6 +126,8 @@ struct QuadrupoleField {
     out[1] += by * x[1];
   }
 };
+template <std::integral Number>
+QuadrupoleField(Number) -> QuadrupoleField<double>;
 
 /// The field of a bending magnet, without ends: B along the second axis, uniform. It is given by the
 /// component of A along a line of the constant curvature κ that ChargeAlongPath follows, at the distance x to
@@ -137,5 +150,12 @@ struct BendField {
  private:
   auto along(const auto& x) const { return -b * x[0] * (1 + curvature * x[0] / 2) / (1 + curvature * x[0]); }
 };
+template <std::integral Number>
+BendField(Number) -> BendField<double>;
+template <std::integral Number>
+BendField(Number, Number) -> BendField<double>;
+template <class... Numbers>
+requires(std::is_arithmetic_v<Numbers>&&...) BendField(Numbers...)
+->BendField<detail::NumberOf<Numbers...>>;
 
 }  // namespace semiexplicit::effects::charges

@@ -229,7 +229,7 @@ SEMIEXPLICIT_INLINE void projection_residual(const H& hamiltonian, const Scheme<
   const ProjectionEnds<Number> ends{z, m, a, b, moved, f, summed};
   if constexpr (HasLocalGradient<H> && std::same_as<Number, Scalar> && std::same_as<Size, Eigen::Index>)
     if (const Waves waves(d, static_cast<Eigen::Index>(scheme.kicks()) + 2, kick_block);
-        waves.pay() && hamiltonian.reach() <= kick_block) {
+        waves.pay() && hamiltonian.reach() >= 0 && hamiltonian.reach() <= kick_block) {
       if (summed)
         projection_in_waves(hamiltonian, scheme, dt, ends, waves, d, moved);
       else

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <concepts>
 #include <utility>
 
 #include <semiexplicit/core/parameters.hpp>
@@ -40,12 +41,29 @@ consteval bool field_adds() {
   return !lost;
 }
 
+template <class Field, class Scalar>
+concept IsMagnetic = requires(const Field& field, const Scalar& t, const Vector<Scalar, 3>& x,
+                              Vector<Scalar, 3>& a) {
+  field.add_potential(x, a);
+}
+|| requires(const Field& field, const Scalar& t, const Vector<Scalar, 3>& x, Vector<Scalar, 3>& a) {
+  field.add_potential(t, x, a);
+};
+
 /// The same of one that may be an electric potential, an effect OnPosition.
 template <class Field, class Scalar>
 consteval bool is_field() {
-  if constexpr (PositionEffect<Field>)
+  if constexpr (PositionEffect<Field>) {
+    static_assert(
+        Field::Acts::Dof == 3 && std::same_as<typename Field::Acts::Scalar, Scalar>,
+        "this electric potential acts in another number of dimensions than 3, or on other numbers than "
+        "the charge's: give OnPosition<Scalar, 3>, as Attraction<double, 3>");
+    static_assert(
+        !IsMagnetic<Field, Scalar>,
+        "this class is an electric potential and a magnetic field, and one of both would be left out: "
+        "make two of it");
     return semiexplicit::detail::is_effect<Field>();
-  else
+  } else
     return field_adds<Field, Scalar>();
 }
 

@@ -8,6 +8,7 @@
 // case template_by_value: take dq or dp by value, so that nothing moves: write `auto& dq, auto& dp`
 // case prepared_by_value: takes an output by value, so what it writes is lost: take it as `auto& dq`
 // case prepared_not_const_by_value: takes an output by value, so what it writes is lost: take it as `auto& dq`
+// case stale_prepared: has increments() of its own and inherits prepared(), which is asked instead: write both
 // case flag_as_function: rest_is_small or quadratic_in_momenta of this ExactFlow is a function: write `static constexpr bool
 // case flag_of_a_value: rest_is_small or quadratic_in_momenta of this ExactFlow is a function: write `static constexpr bool
 #include <semiexplicit/scene.hpp>
@@ -16,8 +17,17 @@
 using namespace semiexplicit;
 using namespace effects::orbits;
 
+struct Base {
+  struct Prepared {
+    Status increments(const auto&, const auto&, auto&, auto&) const { return Status::success; }
+  };
+#ifdef stale_prepared
+  Prepared prepared(const double&) const { return {}; }
+#endif
+};
+
 template <>
-struct semiexplicit::ExactFlow<Oblateness<double, 2>> {
+struct semiexplicit::ExactFlow<Oblateness<double, 2>> : Base {
   static constexpr const char* name = "a kick";
   explicit ExactFlow(const Oblateness<double, 2>&) {}
 #ifdef flag_as_function

@@ -8,6 +8,8 @@
 // case by_value: coupled_rest of this Hamiltonian cannot be called: write `const C& coupled_rest() const`
 // case coupled_not_const: coupled_rest of this Hamiltonian cannot be called: write `const C& coupled_rest() const`
 // case no_hamiltonian: coupled_rest of this Hamiltonian cannot be called: write `const C& coupled_rest() const`
+// case stale_prepared: has a flow() of its own and inherits prepared(), which is asked instead: write both
+// case quadratic_function: flow_is_quadratic of this Hamiltonian is a function: write `static constexpr bool
 // case coupled_into_copies: takes dHdq or dHdp by value, so what it writes is lost: take both as Out<Scalar, Dof>
 #include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
@@ -42,6 +44,13 @@ struct Anharmonic {
   }
   Status flow(double, const auto&, const auto&, auto&, auto&) const { return Status::success; }
   std::string flow_name() const { return "oscillator"; }
+  struct Prepared {
+    Status increments(const auto&, const auto&, auto&, auto&) const { return Status::success; }
+  };
+  Prepared prepared(double) const { return {}; }
+#ifdef quadratic_function
+  static constexpr bool flow_is_quadratic() { return false; }
+#endif
 
 #if defined(not_const)
   void rest_position_gradient(Read q, Write dHdq) { dHdq[0] = q[0] * q[0] * q[0]; }
@@ -71,7 +80,17 @@ struct Anharmonic {
   Coupling coupling;
 };
 
+struct Pulled : Anharmonic {
+  Status flow(double, const auto&, const auto&, auto& dq, auto&) const {
+    dq[0] = 1;
+    return Status::success;
+  }
+};
+
 int main() {
+#ifdef stale_prepared
+  FlowSplitting other(Pulled{}, schemes::aba82<double>());
+#endif
   FlowSplitting stepper(Anharmonic{}, schemes::aba82<double>());
   PhasePoint<double, 1> z(1, 0);
   (void)stepper.step(z, 0.1);

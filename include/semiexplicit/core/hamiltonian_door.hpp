@@ -98,7 +98,7 @@ concept NamesDof = requires(H& h) {
 
 template <class H>
 concept SaysSeparableByFunction = requires {
-  requires std::is_function_v<std::remove_pointer_t<decltype(&H::separable)>>;
+  requires points_to_function<decltype(&H::separable)>;
 };
 /// The gradient says whether there is one.
 template <class H>

@@ -40,6 +40,34 @@ SEMIEXPLICIT_PARAMETERS_OF(const& noexcept)
 template <class R, class... T, bool Noexcept>
 struct Parameters<R (*)(T...) noexcept(Noexcept)> : Parameters<R(T...)> {};
 
+/// Whether a pointer to a member, static or not, is one to a function.
+template <class Pointer>
+inline constexpr bool points_to_function =
+    std::is_member_function_pointer_v<Pointer> || std::is_function_v<std::remove_pointer_t<Pointer>>;
+
+/// The class that declares a member, by a pointer to it.
+template <class Pointer>
+struct DeclaredBy {};
+template <class Member, class Class>
+struct DeclaredBy<Member Class::*> {
+  using Type = Class;
+};
+/// Whether the member `Newer` is declared by a class that derives from the one of `Older`: what goes with it
+/// there may be stale.
+template <class Newer, class Older>
+constexpr bool overrides_beside() {
+  if constexpr (requires {
+                  typename DeclaredBy<Newer>::Type;
+                  typename DeclaredBy<Older>::Type;
+                }) {
+    using Derived = typename DeclaredBy<Newer>::Type;
+    using Base = typename DeclaredBy<Older>::Type;
+    return !std::is_same_v<Derived, Base> && std::is_base_of_v<Base, Derived>;
+  } else {
+    return false;
+  }
+}
+
 /// An Eigen matrix by value, or by T&&, for which one is made: what is written into it is lost.
 template <class T>
 constexpr bool is_matrix_by_value() {

@@ -78,6 +78,21 @@ using FlowOf = FlowInAnyOrder<Exactly<>, Exactly<Group...>>;
 template <class E, class... Effects>
 inline constexpr std::size_t count_of = (std::size_t(std::same_as<E, Effects>) + ... + 0);
 
+/// Whether prepared() is that of a base class, and increments() another one's.
+template <class Flow, class Column>
+constexpr bool prepares_for_base() {
+  if constexpr (requires { &Flow::prepared; }) {
+    using Older = decltype(&Flow::prepared);
+    if constexpr (requires { &Flow::increments; })
+      return overrides_beside<decltype(&Flow::increments), Older>();
+    else if constexpr (requires { &Flow::template increments<Column, Column>; })
+      return overrides_beside<decltype(&Flow::template increments<Column, Column>), Older>();
+    else if constexpr (requires { &Flow::template increments<Column, Column, Column, Column>; })
+      return overrides_beside<decltype(&Flow::template increments<Column, Column, Column, Column>), Older>();
+  }
+  return false;
+}
+
 /// The members of a flow.
 template <class Flow, class Scalar, int Dof>
 concept HasIncrements = requires(const Flow& flow, const Scalar& t, const Vector<Scalar, Dof>& x,
@@ -85,23 +100,16 @@ concept HasIncrements = requires(const Flow& flow, const Scalar& t, const Vector
   { flow.increments(t, x, x, dx, dx) } -> std::same_as<Status>;
 };
 
-/// Compiles unless a flag of a flow is a function, which would be taken for true, or for absent.
+/// Whether a flag of a flow is a function, which would be taken for true, or for absent.
 template <class Flow>
-consteval bool flags_are_constants() {
-  const auto is_function = []<class T>(std::type_identity<T>) {
-    return std::is_member_function_pointer_v<T> || std::is_function_v<std::remove_pointer_t<T>>;
-  };
-  bool functions = false;
-  if constexpr (requires { &Flow::rest_is_small; })
-    functions = functions || is_function(std::type_identity<decltype(&Flow::rest_is_small)>());
-  if constexpr (requires { &Flow::quadratic_in_momenta; })
-    functions = functions || is_function(std::type_identity<decltype(&Flow::quadratic_in_momenta)>());
-  return !functions;
+concept HasFunctionForFlag = requires {
+  requires points_to_function<decltype(&Flow::rest_is_small)>;
 }
+|| requires { requires points_to_function<decltype(&Flow::quadratic_in_momenta)>; };
 
 template <class Flow>
 constexpr bool rest_is_small() {
-  static_assert(flags_are_constants<Flow>(),
+  static_assert(!HasFunctionForFlag<Flow>,
                 "rest_is_small or quadratic_in_momenta of this ExactFlow is a function: write `static "
                 "constexpr bool rest_is_small = false;`");
   if constexpr (requires { Flow::rest_is_small; })

@@ -65,6 +65,9 @@ consteval bool can_be_exact(std::type_identity<Scene<Effects...>>) {
         const auto increments = [](const auto& h, auto& out)
             -> decltype(void(h.increments(std::declval<const Scalar&>(), std::declval<const Column&>(),
                                           std::declval<const Column&>(), out, out))) {};
+        static_assert(!prepares_for_base<Flow, Column>(),
+                      "this ExactFlow has increments() of its own and inherits prepared(), which is asked "
+                      "instead: write both");
         static_assert(!loses_output<decltype(increments), Flow, Column>(),
                       "the increments of this ExactFlow take dq or dp by value, so that nothing moves: "
                       "write `auto& dq, auto& dp`, or Vector<Scalar, Dof>&");

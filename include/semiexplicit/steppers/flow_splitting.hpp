@@ -72,6 +72,25 @@ struct PreparedFlowOf<H> {
   using Type =
       std::remove_cvref_t<decltype(std::declval<const H&>().prepared(std::declval<typename H::Scalar>()))>;
 };
+/// Whether prepared() is that of a base class, and flow() another one's.
+template <class H>
+constexpr bool prepares_flow_of_base() {
+  using Column = Vector<typename H::Scalar, H::Dof>;
+  if constexpr (requires { &H::prepared; }) {
+    using Older = decltype(&H::prepared);
+    if constexpr (requires { &H::flow; })
+      return overrides_beside<decltype(&H::flow), Older>();
+    else if constexpr (requires { &H::template flow<Column, Column>; })
+      return overrides_beside<decltype(&H::template flow<Column, Column>), Older>();
+    else if constexpr (requires { &H::template flow<Column, Column, Column, Column>; })
+      return overrides_beside<decltype(&H::template flow<Column, Column, Column, Column>), Older>();
+  }
+  return false;
+}
+template <class H>
+concept SaysQuadraticByFunction = requires {
+  requires points_to_function<decltype(&H::flow_is_quadratic)>;
+};
 /// Whether the flow, prepared or not, or a gradient of the rest takes an output by value.
 template <class H>
 constexpr bool part_writes_into_copies() {
@@ -177,6 +196,12 @@ class FlowSplitting {
   static_assert(!detail::part_writes_into_copies<H>(),
                 "flow, rest_position_gradient or rest_momentum_gradient of this Hamiltonian takes an output "
                 "by value, so what it writes is lost: take it as `auto& dq`, or Out<Scalar, Dof>");
+  static_assert(!detail::prepares_flow_of_base<H>(),
+                "this Hamiltonian has a flow() of its own and inherits prepared(), which is asked instead: "
+                "write both");
+  static_assert(!detail::SaysQuadraticByFunction<H>,
+                "flow_is_quadratic of this Hamiltonian is a function: write `static constexpr bool "
+                "flow_is_quadratic = true;`");
   static_assert(detail::coupled_rest_writes<H>());
   using State = PhasePoint<Scalar, Dof>;
   static constexpr const char* name = "FlowSplitting";

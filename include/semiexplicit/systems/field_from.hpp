@@ -82,7 +82,8 @@ class FieldFrom {
     if constexpr (requires { std::tuple_size<List>::value; })
       static_assert(std::tuple_size_v<List> == 3, "the potential of this FieldFrom has not three components");
     else if constexpr (requires { List::SizeAtCompileTime; })
-      static_assert(List::SizeAtCompileTime == 3, "the potential of this FieldFrom has not three components");
+      static_assert(List::SizeAtCompileTime == 3 || List::SizeAtCompileTime == Eigen::Dynamic,
+                    "the potential of this FieldFrom has not three components");
     return list[static_cast<std::size_t>(i)];
   }
   static void add(const auto& potential, auto& a) {

@@ -121,11 +121,17 @@ class FirstOrder {
     };
     // Of relativity the terms of second order are measured to be two to four squares, of J2 up to one, and
     // more where the orbit is nearly circular; of spin 24 of a circle, 15 at e = 0.05, 10 at 0.2, 3.3 at 0.6.
-    if (c.on("1pn")) take("1PN", relativity_, relativity, 1, 3);
+    const double of_spin = 3 + 21 * std::pow(1 - e, 4);
+    double of_relativity = 0;
+    if (c.on("1pn")) of_relativity = take("1PN", relativity_, relativity, 1, 3);
     if (c.on("j2")) strongest = take("J2", j2_, 1.5 * c["j2"] * std::pow(c["radius"], 2), 2, 1);
-    if (c.on("spin_orbit"))
-      strongest = std::max(strongest, take("spin", spin_, 2 * c["gs"] / (c["c"] * c["c"] * std::sqrt(gm_)),
-                                           1.5, 3 + 21 * std::pow(1 - e, 4)));
+    if (c.on("spin_orbit")) {
+      const double spin = take("spin", spin_, 2 * c["gs"] / (c["c"] * c["c"] * std::sqrt(gm_)), 1.5, of_spin);
+      strongest = std::max(strongest, spin);
+      // Where both turn the orbit the same way it is the square of their sum.
+      if (c["gs"] * std::cos(tilt) < 0)
+        second = std::max(second, std::pow(std::sqrt(3.0) * of_relativity + std::sqrt(of_spin) * spin, 2));
+    }
     if (c.on("2pn")) {  // of that order itself; a node that something else turns it moves by up to 4 squares
       const double square = std::pow(relativity / p, 2);
       second = std::max(second, 3 * square);

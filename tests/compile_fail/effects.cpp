@@ -11,6 +11,8 @@
 // case mixed_by_value: takes by value what it adds to, so that it adds nothing: write `auto& dHdq`
 // case template_force_by_value: takes by value what it adds to, so that it adds nothing: write `auto& dHdq`
 // case without_size: an effect with Dof = Eigen::Dynamic says its size at run time: write `Eigen::Index dof() const {
+// case force_beside_energy: has a force of its own, add_force, which is asked for OnMotion only: make two effects of it
+// case energy_beside_force: this effect OnMotion has an energy with its gradient, which is not asked: make two effects of it
 // case size_not_const: dof() of this effect cannot be called: write `Eigen::Index dof() const`
 // case disagree: must agree on the degrees of freedom
 #include <semiexplicit/scene/any_effect.hpp>
@@ -30,6 +32,9 @@ struct Mine {
 #ifndef without_name
   static constexpr const char* name = "mine";
 #endif
+#ifdef force_beside_energy
+  void add_force(const auto&, const auto&, auto& force) const { force[0] += 1; }
+#endif
 #ifdef size_not_const
   Eigen::Index dof() { return 2; }
 #endif
@@ -48,6 +53,10 @@ struct Mine {
 struct Wind {
   using Acts = OnMotion<double, 2>;
   static constexpr const char* name = "wind";
+#ifdef energy_beside_force
+  double energy(const auto& q) const { return q[0]; }
+  void add_gradient(const auto&, auto& dHdq) const { dHdq[0] += 1; }
+#endif
 #ifdef force_by_value
   void add_force(In<double, 2>, In<double, 2>, Eigen::Vector2d force) const { force[0] += 1; }
 #elif defined(template_force_by_value)

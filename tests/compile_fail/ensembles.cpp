@@ -2,6 +2,8 @@
 // case outputs_by_value: takes dHdq or dHdp by value, so what it writes is lost: take both as Out<Scalar, Dof>
 // case without_dof: does not say how many degrees of freedom it has: write `static constexpr int Dof = 2;` in it
 // case swapped: takes the time as a whole number, or the member as none: of members write (Eigen::Index member, double t
+// case any_swapped: takes the time as a whole number, or the member as none: of members write (Eigen::Index member, double t
+// case long_swapped: takes the time as a whole number, or the member as none: of members write (Eigen::Index member, double t
 // case whole_time: takes the time as a whole number, or the member as none: of members write (Eigen::Index member, double t
 // case of_both: can be called of members and of the whole, and one of both would never be: give two observers
 // case one_by_value: takes dHdq or dHdp by value, so what it writes is lost: take both as Out<Scalar, Dof>
@@ -45,6 +47,10 @@ int main() {
                     starts, schemes::strang());
 #if defined(swapped)
   ensemble.run({.dt = 0.1, .steps = 1}, [](double, Eigen::Index, const PhasePoint<double, 1>&) {});
+#elif defined(any_swapped)
+  ensemble.run({.dt = 0.1, .steps = 1}, [](double, int, const auto&) {});
+#elif defined(long_swapped)
+  ensemble.run({.dt = 0.1, .steps = 1}, [](double, int, const auto&, const auto&) {});
 #elif defined(whole_time)
   ensemble.run({.dt = 0.1, .steps = 1}, [](int, const EnsembleReport&) {});
 #elif defined(of_both)
@@ -52,6 +58,8 @@ int main() {
 #else
   ensemble.run(
       {.dt = 0.1, .steps = 1}, [](Eigen::Index, double, const PhasePoint<double, 1>&) {},
-      [](auto, auto, const auto&) {}, [](double, const EnsembleReport&) {});
+      [](auto, auto, const auto&) {}, [](double, const EnsembleReport&) {}, [](int, float, const auto&) {},
+      [](std::size_t, const double&, auto, const auto&) {},
+      [](auto, auto t, const auto&, const IntegrationReport&) { return t + 1 > 0; });
 #endif
 }

@@ -2,6 +2,8 @@
 // case observer_of_other_arguments: this observer cannot be called: write `void operator()(const Scalar& t, const State& state)`
 // case observer_wants_mutable_state: this observer cannot be called: write `void operator()(const Scalar& t, const State& state)`
 // case time_as_whole_number: takes the time as a whole number, which rounds it: write `double t`
+// case any_time_as_whole_number: takes the time as a whole number, which rounds it: write `double t`
+// case class_time_as_whole_number: takes the time as a whole number, which rounds it: write `double t`
 // case nested_observer: this observer cannot be called: write `void operator()(const Scalar& t, const State& state)`
 // case solver_without_workspace: this solver has no memory to work in: write `template <class Vec> struct Workspace`
 // case solver_without_solve: this solver has no `template <class Residual, class Vec> SolverReport
@@ -189,6 +191,10 @@ struct CountsSteps {
   int steps = 0;
 };
 
+struct WholeTime {
+  template <class State>
+  void operator()(std::int64_t, const State&) const {}
+};
 struct NoEnergy {
   using Scalar = double;
   static constexpr int Dof = 1;
@@ -211,6 +217,10 @@ int main() {
   const auto observer = [](const Point&) {};
 #elif defined(observer_wants_mutable_state)
   const auto observer = [](double, Point&) {};
+#elif defined(any_time_as_whole_number)
+  const auto observer = [](long, const auto&, const IntegrationReport&) {};
+#elif defined(class_time_as_whole_number)
+  const WholeTime observer;
 #elif defined(time_as_whole_number)
   const auto observer = [](int, const Point&) {};
 #else

@@ -4,6 +4,7 @@
 #include <sstream>
 #include <string>
 #include <type_traits>
+#include <vector>
 
 #include <semiexplicit/accuracy.hpp>
 #include <semiexplicit/scene.hpp>
@@ -44,6 +45,45 @@ struct semiexplicit::ExactFlow<semiexplicit::effects::orbits::Kinetic<double, 2>
 
 namespace test_exactly {
 
+/// (q_0² + p_0²)/2, of which the third coordinate is no part; its flow writes nothing there, and refers to
+/// the effect that it was made of.
+struct Turn {
+  using Acts = semiexplicit::OnBoth<double, 2>;
+  static constexpr const char* name = "turn";
+  double rate = 1;
+  double energy(const auto& q, const auto& p) const { return rate * (q[0] * q[0] + p[0] * p[0]) / 2; }
+  void add_gradient(const auto& q, const auto& p, auto& dHdq, auto& dHdp) const {
+    dHdq[0] += rate * q[0];
+    dHdp[0] += rate * p[0];
+  }
+};
+
+}  // namespace test_exactly
+
+template <>
+struct semiexplicit::ExactFlow<test_exactly::Turn> {
+  static constexpr const char* name = "rotation";
+  explicit ExactFlow(const test_exactly::Turn& of) : turn(of) {}
+  struct Prepared {
+    const ExactFlow* flow = nullptr;
+    double t = 0;
+    Status increments(const auto& q, const auto& p, auto& dq, auto& dp) const {
+      return flow->increments(t, q, p, dq, dp);
+    }
+  };
+  Prepared prepared(const double& t) const { return {this, t}; }
+  Status increments(const double& t, const auto& q, const auto& p, auto& dq, auto& dp) const {
+    const double half = std::sin(turn.rate * t / 2), sine = 2 * half * std::cos(turn.rate * t / 2),
+                 less = 2 * half * half;
+    dq[0] = sine * p[0] - less * q[0];
+    dp[0] = -sine * q[0] - less * p[0];
+    return Status::success;
+  }
+  const test_exactly::Turn& turn;
+};
+
+namespace test_exactly {
+
 // Which effects of a scene are moved exactly, kicked and doubled; and the words for it.
 
 namespace {
@@ -52,6 +92,14 @@ using namespace semiexplicit;
 namespace orbits = effects::orbits;
 using Kinetic = orbits::Kinetic<double, 2>;
 using Attraction = orbits::Attraction<double, 2>;
+
+/// A force on what Turn leaves at rest.
+struct Weak {
+  using Acts = OnPosition<double, 2>;
+  static constexpr const char* name = "weak";
+  double energy(const auto& q) const { return 1e-3 * q[1]; }
+  void add_gradient(const auto&, auto& dHdq) const { dHdq[1] += 1e-3; }
+};
 
 /// One of many weak forces, each a type of its own.
 template <int>
@@ -122,6 +170,29 @@ TEST_CASE("An audit and the costs of accuracy advise an exact flow where it leav
   CHECK_FALSE(advised_flow(Scene(Kinetic{}, orbits::RotatingFrame<double, 2>{}),
                            PhasePoint<double, 2>({1, 0}, {0, 1})));
   CHECK(advised_flow(Scene(Kinetic{}, Spring{.k = 1}), PhasePoint<double, 2>({1, 0}, {0, 1})));
+}
+
+TEST_CASE("A flow may leave out what it does not move, and refer to its effect", "[exactly]") {
+  const auto make = [](double rate) { return stepper_for(Scene(Turn{rate}, Weak{}), exactly<Turn>()); };
+  const auto end = [](auto& stepper) {
+    PhasePoint<double, 2> z({1, 0.5}, {0, 0});
+    integrate(stepper, z, {.dt = 0.1, .steps = 100});
+    return z;
+  };
+  auto first = make(2), copy = first;
+  const auto z = end(first);
+  CHECK(z.q()[0] == Approx(std::cos(20.0)));
+  CHECK(z.q()[1] == 0.5);
+  CHECK(z.p()[1] == Approx(-0.01));
+  // What was prepared for one stepper serves no copy of it.
+  copy = first;
+  first = make(3);
+  CHECK(end(copy).vector() == z.vector());
+  std::vector<decltype(first)> many;
+  for (int i = 0; i < 3; ++i) {
+    many.push_back(make(2));
+    CHECK(end(many.front()).vector() == z.vector());
+  }
 }
 
 TEST_CASE("Of a scene of many effects an exact flow is advised, too", "[exactly]") {

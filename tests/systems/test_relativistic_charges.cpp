@@ -5,12 +5,15 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <vector>
 
 #include <semiexplicit/derivatives.hpp>
 #include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 #include <semiexplicit/systems.hpp>
 #include <semiexplicit/time.hpp>
+
+#include "refusal.hpp"
 
 namespace test_relativistic_charges {
 
@@ -31,6 +34,14 @@ void require_gradient(const E& effect) {
 }
 
 }  // namespace
+
+TEST_CASE("A potential of two components is refused, also where the type does not tell") {
+  const charges::MagneticKinetic kinetic(1.0, 1.0, charges::FieldFrom([](const auto& x) {
+                                           return std::vector{-x[1] / 2, x[0] / 2};
+                                         }));
+  const PhasePoint<double, 3> z({1, 0, 0}, {0, 1, 0});
+  CHECK(refuses([&] { kinetic.energy(z.q(), z.p()); }, "the potential has 2 components"));
+}
 
 TEST_CASE("gradients of fast charges in all fields are those of their energies, and A by itself is enough") {
   const charges::SolenoidField solenoid(0.7, 1.3, 0.4);

@@ -688,6 +688,36 @@ TEST_CASE("Vortices and the vector field serve as monitors of reversible steps",
   CHECK(report.gradients >= 100 * (one.gradients + 1));  // its own calls are counted
 }
 
+TEST_CASE("A run of reversible steps is not resumed with a copy of the stepper that came back",
+          "[reversible steps]") {
+  const Folder folder;
+  const IntegrationOptions<double> options{.dt = 0.05, .t_end = 20.0};
+  const auto make = [] {
+    return ReversibleSteps(GaussLegendre(Kepler(), {.stages = 4}), monitors::Distance{});
+  };
+  const Point start = kepler_orbit(0.9, 1);
+  const auto stop = [](double, const auto&, const IntegrationReport& run) { return run.steps < 60; };
+  auto z = start;
+  auto stepper = make();
+  Checkpoints saved(folder.path / "run.checkpoint", {.every = 50}, stepper, options);
+  integrate(stepper, z, options, saved, stop);
+  const auto resumed = [&](auto& run, auto& at) {
+    Checkpoints again(folder.path / "run.checkpoint", {.every = 50}, run, options);
+    auto gone_on = options;
+    gone_on.done = again.resume(at);
+    CHECK(gone_on.done.steps == 50);
+    CHECK(gone_on.done.t == run.time());
+    return gone_on;
+  };
+  auto copy = make(), right = make();
+  auto y = start;
+  const auto gone_on = resumed(copy, y);
+  CHECK(refuses([&] { integrate(right, y, gone_on); }, "this stepper did not make the earlier part"));
+  Checkpoints within(folder.path / "other.checkpoint", {.every = 50}, copy, options);
+  CHECK(refuses([&] { integrate(right, y, options, every(10, within)); }, "save another stepper"));
+  CHECK(integrate(copy, y, gone_on).t == 20);
+}
+
 TEST_CASE("Monitor functions of a system of another size are refused", "[reversible steps]") {
   const systems::PointVortices<double> four(Eigen::VectorXd::Ones(4)), two(Eigen::VectorXd::Ones(2));
   const Eigen::Vector4d x(0, 1, 0, 1), y(0, 0, 1, 1.3);

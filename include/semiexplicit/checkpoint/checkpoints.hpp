@@ -179,7 +179,8 @@ class Checkpoints {
   }
 
   /// Puts stepper, observers and z, which comes as the run began, back to where the file has them, and gives
-  /// the report up to there but for t and dt, for IntegrationOptions::done. Where there is no such file it
+  /// the report up to there but for dt, and for t unless the stepper ChoosesSteps, for
+  /// IntegrationOptions::done. Where there is no such file it
   /// changes nothing and gives an empty report. Throws std::invalid_argument, naming file, reason and remedy,
   /// where the file is damaged or belongs to another run, and std::runtime_error where it cannot be written
   /// or another run that is alive has it open; z, the stepper and the observers are then untouched.
@@ -205,6 +206,10 @@ class Checkpoints {
     done_seconds_ = done.seconds;
     last_ = done.steps;
     resumed_ = checksum_of(z);
+    if constexpr (ChoosesSteps<S>) {  // by which integrate() knows a copy, or another stepper
+      done.t = static_cast<double>(stepper_.time());
+      done.taken = static_cast<double>(stepper_.taken());
+    }
     return done;
   }
 
@@ -300,7 +305,7 @@ class Checkpoints {
   static void list_all(List& list, const S& stepper, const std::tuple<Observers&...>& observers) {
     list("stepper", stepper.name);
     stepper.describe(list);
-    if constexpr (detail::SaysItsHamiltonian<S>)  // whatever describe() lists
+    if constexpr (detail::SaysItsHamiltonianOf<S, State::Dof>)  // whatever describe() lists
       list.function("Hamiltonian", GradientSize(stepper.hamiltonian()));
     int count = 0;
     std::apply([&](const auto&... observer) { (list("observer " + std::to_string(++count), observer), ...); },

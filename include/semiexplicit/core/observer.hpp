@@ -1,9 +1,11 @@
 #pragma once
 
 #include <concepts>
+#include <cstddef>
+#include <tuple>
 #include <type_traits>
+#include <utility>
 
-#include <semiexplicit/core/parameters.hpp>
 #include <semiexplicit/core/referred.hpp>
 #include <semiexplicit/core/report.hpp>
 
@@ -53,24 +55,83 @@ concept SavesOthers = requires {
 
 namespace detail {
 
-/// The parameters of a callable that is no template.
-template <class O>
-struct CalledWith : Parameters<O> {};
-template <class O>
-requires requires { &O::operator(); }
-struct CalledWith<O> : Parameters<decltype(&O::operator())> {};
-/// Whether the one that stands at `place` of so many or more is a whole number or a bool, which a time would
-/// be rounded to; or, Time, a number that is none, which would be taken for a place in a list.
-template <class O, std::size_t place, std::size_t least, bool Time = true>
-constexpr bool rounds() {
-  using Found = CalledWith<O>;
-  if constexpr (Found::count >= least) {
-    using T = std::remove_cvref_t<typename Found::template FromLast<Found::count - 1 - place>>;
-    return Time ? std::is_integral_v<T> : std::is_floating_point_v<T>;
-  } else {
+/// Stand for a time and for a number in a list where a call is tried: these convert to numbers of one kind.
+struct AnyTime {
+  template <std::floating_point T>
+  operator T() const;
+};
+struct AnyPlace {
+  template <std::integral T>
+  operator T() const;
+};
+
+/// A callable beside one that takes exactly such arguments, and is chosen where it fits better.
+struct ChosenInstead {};
+template <class O, bool is_const, class... Arguments>
+struct Beside : O {
+  using O::operator();
+  ChosenInstead operator()(Arguments...) const;
+};
+template <class O, class... Arguments>
+struct Beside<O, false, Arguments...> : O {
+  using O::operator();
+  ChosenInstead operator()(Arguments...);
+};
+
+/// How an argument of a callable that may be a template is tried: `Given` is what it gets in a run, and
+/// `Other` a number to which that converts no better than to any other.
+template <class Given>
+using OtherNumber = std::conditional_t<std::same_as<Given, float>, long double, float>;
+template <class O, class... Arguments>
+struct AtPlace {
+  template <std::size_t place, class Type>
+  static consteval auto with() {
+    return []<std::size_t... i>(std::index_sequence<i...>) {
+      return std::type_identity<std::tuple<
+          std::conditional_t<i == place, Type, std::tuple_element_t<i, std::tuple<Arguments...>>>...>>{};
+    }
+    (std::index_sequence_for<Arguments...>());
+  }
+  template <class... Tried>
+  static consteval bool takes(std::type_identity<std::tuple<Tried...>>) {
+    return std::is_invocable_v<O&, Tried...>;
+  }
+  /// Whether it takes at that place a number of another kind than it gets; not where its type is deduced.
+  template <class... Tried>
+  static consteval bool converts(std::type_identity<std::tuple<Tried...>>) {
+    if constexpr (!std::is_class_v<O> || requires { &O::operator(); }) {
+      return true;
+    } else if constexpr (!std::is_final_v<O>) {
+      constexpr bool is_const = std::is_invocable_v<const O&, Arguments...>;
+      using Both = Beside<O, is_const, Tried...>;
+      using Called = std::conditional_t<is_const, const Both, Both>;
+      return requires(Called & both, Arguments... arguments) {
+        { both(arguments...) } -> std::same_as<ChosenInstead>;
+      };
+    } else {
+      return false;
+    }
+  }
+  /// Whether a time is rounded to a whole number there.
+  template <std::size_t place>
+  static consteval bool rounds() {
+    using Given = std::tuple_element_t<place, std::tuple<Arguments...>>;
+    if constexpr (std::is_arithmetic_v<Given> && std::is_invocable_v<O&, Arguments...>) {
+      if constexpr (converts(with<place, OtherNumber<Given>>()))
+        return takes(with<place, AnyPlace>()) && !takes(with<place, AnyTime>());
+    }
     return false;
   }
-}
+  /// Whether a number in a list is taken as a time there.
+  template <std::size_t place>
+  static consteval bool is_no_place() {
+    if constexpr (std::is_invocable_v<O&, Arguments...>) {
+      if constexpr (converts(with<place, float>()))
+        return takes(with<place, AnyTime>()) && !takes(with<place, AnyPlace>());
+    }
+    return false;
+  }
+};
 
 /// Compiles for an observer of such a run; of anything else the compiler says what is missing.
 template <class O, class Scalar, class State>
@@ -84,7 +145,10 @@ consteval bool is_observer() {
       "or a third parameter `const StepReport&` or `const IntegrationReport&`; the state is const (an action "
       "of events() that is to change it takes the very State& of the stepper, which may have the time in "
       "it)");
-  static_assert(!rounds<Referred<O>, 0, 2>(),
+  using Called = Referred<O>;
+  static_assert(!AtPlace<Called, Scalar, State>::template rounds<0>() &&
+                    !AtPlace<Called, Scalar, State, StepReport>::template rounds<0>() &&
+                    !AtPlace<Called, Scalar, State, IntegrationReport>::template rounds<0>(),
                 "this observer takes the time as a whole number, which rounds it: write `double t`; how many "
                 "steps were taken the IntegrationReport of a third parameter says");
   return Observer<O, Scalar, State>;

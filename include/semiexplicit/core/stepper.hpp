@@ -34,9 +34,11 @@ concept NamesScalarAndState = requires {
   typename S::Scalar;
   typename S::State;
 };
-template <class S>
-concept SaysItsHamiltonian = requires(const S& stepper) {
+/// It says its Hamiltonian, whose (q, p) its states are.
+template <class S, int Dof>
+concept SaysItsHamiltonianOf = requires(const S& stepper) {
   requires Hamiltonian<std::remove_cvref_t<decltype(stepper.hamiltonian())>>;
+  requires(std::remove_cvref_t<decltype(stepper.hamiltonian())>::Dof == Dof);
 };
 template <class S>
 concept HasStep = requires(S& stepper, typename S::State& state, const typename S::Scalar& dt) {

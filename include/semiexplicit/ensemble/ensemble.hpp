@@ -223,6 +223,18 @@ class Ensemble {
 
   template <class O>
   static constexpr bool of_member = MemberObserver<std::remove_cvref_t<O>, State>;
+  /// Whether it takes a time as a whole number, or a member's as a time.
+  template <class O>
+  static consteval bool misplaces() {
+    using Called = detail::Referred<O>;
+    using Short = detail::AtPlace<Called, Eigen::Index, double, State>;
+    using Long = detail::AtPlace<Called, Eigen::Index, double, State, IntegrationReport>;
+    if constexpr (of_member<O>)
+      return Short::template is_no_place<0>() || Short::template rounds<1>() ||
+             Long::template is_no_place<0>() || Long::template rounds<1>();
+    else
+      return detail::AtPlace<Called, double, EnsembleReport>::template rounds<0>();
+  }
   template <class O>
   static auto if_of_member(const O& observer) {
     if constexpr (of_member<O>)
@@ -253,9 +265,7 @@ class Ensemble {
                   "this observer of an ensemble can be called of members and of the whole, and one of both "
                   "would never be: give two observers");
     static_assert(
-        !(of_member<O> ? detail::rounds<detail::Referred<O>, 0, 3, false>() ||
-                             detail::rounds<detail::Referred<O>, 1, 3>()
-                       : detail::rounds<detail::Referred<O>, 0, 2>()),
+        !misplaces<std::remove_cvref_t<O>>(),
         "this observer of an ensemble takes the time as a whole number, or the member as none: of members "
         "write (Eigen::Index member, double t, const State& state), of the whole (double t, const "
         "EnsembleReport& report)");

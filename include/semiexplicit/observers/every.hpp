@@ -57,6 +57,13 @@ class Every {
     }
   }
 
+  /// Whether an observer that saves others saves this stepper; see Checkpoints.
+  template <class S>
+  bool saves(const S& stepper) const requires requires(const detail::Referred<Observer>& observer) {
+    observer.saves(stepper);
+  }
+  { return detail::referred(observer_).saves(stepper); }
+
   /// Whether the observer has seen nothing yet and cannot do without; see Checkpointable.
   bool fresh() const { return detail::is_fresh(observer_); }
 

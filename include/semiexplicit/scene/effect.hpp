@@ -227,6 +227,13 @@ consteval bool is_effect() {
     static_assert(E::Acts::Dof != Eigen::Dynamic || HasEffectDof<E>,
                   "an effect with Dof = Eigen::Dynamic says its size at run time: write `Eigen::Index dof() "
                   "const { return n; }` in it");
+    static_assert(ActsAs<E, OnMotion> || !HasForce<E>,
+                  "this effect has a force of its own, add_force, which is asked for OnMotion only: make two "
+                  "effects of it, one OnMotion");
+    static_assert(
+        !ActsAs<E, OnMotion> || (!HasHalfMembers<E> && !HasCoupledMembers<E>),
+        "this effect OnMotion has an energy with its gradient, which is not asked: make two effects of "
+        "it, the other one OnPosition, OnMomentum, OnEach or OnBoth");
     static_assert(HasEffectDof<E> || !NamesEffectDof<E>,
                   "dof() of this effect cannot be called: write `Eigen::Index dof() const`");
     static_assert(!adds_to_copies<E>(),

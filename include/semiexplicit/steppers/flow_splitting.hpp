@@ -196,6 +196,9 @@ class FlowSplitting {
   static_assert(!detail::part_writes_into_copies<H>(),
                 "flow, rest_position_gradient or rest_momentum_gradient of this Hamiltonian takes an output "
                 "by value, so what it writes is lost: take it as `auto& dq`, or Out<Scalar, Dof>");
+  static_assert(std::default_initializable<typename detail::PreparedFlowOf<H>::Type>,
+                "what prepared() of this Hamiltonian gives cannot be made without one: give it a default "
+                "constructor");
   static_assert(!detail::prepares_flow_of_base<H>(),
                 "this Hamiltonian has a flow() of its own and inherits prepared(), which is asked instead: "
                 "write both");
@@ -241,7 +244,7 @@ class FlowSplitting {
     if (!report.ok()) return report;
     halves_ = 0;
     if constexpr (detail::HasPreparedFlow<H>)
-      if (!(prepared_dt_ == dt)) prepare(dt);
+      if (!(prepared_.dt == dt)) prepare(dt);
     detail::inlined<Scalar>([&] {
       if constexpr (detail::fits_on_stack(Dof)) {
         Moving moving(z.vector(), Column::Zero());
@@ -339,10 +342,10 @@ class FlowSplitting {
   }
 
   void prepare(const Scalar& dt) {
-    prepared_dt_ = Scalar(0);  // where a flow throws, those of two steps are mixed
+    prepared_.dt = Scalar(0);  // where a flow throws, those of two steps are mixed
     for (std::size_t i = 0; i < flows_.size(); ++i)
       flows_[i] = hamiltonian_.prepared(splits() ? dt * list_.a[i] : dt);
-    prepared_dt_ = dt;
+    prepared_.dt = dt;
   }
 
   static constexpr bool splits() { return has_position || has_momentum || has_coupled; }
@@ -373,6 +376,8 @@ class FlowSplitting {
       z.q[i] = z.at[i];
       z.p[i] = z.at[d + i];
     }
+    z.dq.setZero();  // for a flow that leaves out what it does not move
+    z.dp.setZero();
     if constexpr (detail::HasPreparedFlow<H>)
       note(report, flows_[which].increments(z.q, z.p, z.dq, z.dp));
     else
@@ -484,6 +489,17 @@ class FlowSplitting {
     const Scalar& t;
   };
 
+  /// The step that flows_ are for. In a copy for none: they may refer to the flow that they were made of.
+  struct Prepared {
+    Scalar dt{};
+    Prepared() = default;
+    Prepared(const Prepared&) {}
+    Prepared& operator=(const Prepared&) {
+      dt = Scalar(0);
+      return *this;
+    }
+  };
+
   H hamiltonian_;
   NearIntegrable<Scalar> list_;
   Solver solver_;
@@ -493,7 +509,7 @@ class FlowSplitting {
   typename detail::SolverDoor<Solver, Vec>::Workspace solver_work_;
   std::int64_t halves_ = 0;
   std::vector<typename detail::PreparedFlowOf<H>::Type> flows_;  ///< where they can be prepared
-  Scalar prepared_dt_{};
+  Prepared prepared_;
 };
 
 }  // namespace semiexplicit

@@ -2,6 +2,8 @@
 
 #include <concepts>
 #include <memory>
+#include <stdexcept>
+#include <string>
 #include <tuple>
 #include <type_traits>
 #include <utility>
@@ -79,11 +81,15 @@ class FieldFrom {
  private:
   template <class List>
   static const auto& at(const List& list, int i) {
-    if constexpr (requires { std::tuple_size<List>::value; })
+    if constexpr (requires { std::tuple_size<List>::value; }) {
       static_assert(std::tuple_size_v<List> == 3, "the potential of this FieldFrom has not three components");
-    else if constexpr (requires { List::SizeAtCompileTime; })
-      static_assert(List::SizeAtCompileTime == 3 || List::SizeAtCompileTime == Eigen::Dynamic,
-                    "the potential of this FieldFrom has not three components");
+    } else if constexpr (requires { requires List::SizeAtCompileTime != Eigen::Dynamic; }) {
+      static_assert(List::SizeAtCompileTime == 3, "the potential of this FieldFrom has not three components");
+    } else if constexpr (requires { list.size(); }) {
+      if (list.size() != 3)
+        throw std::invalid_argument("FieldFrom: the potential has " + std::to_string(list.size()) +
+                                    " components; return the three of A");
+    }
     return list[static_cast<std::size_t>(i)];
   }
   static void add(const auto& potential, auto& a) {

@@ -5,6 +5,9 @@
 // case summed_by_value: takes by value what it adds to, so that it adds nothing: write `auto& a`
 // case electric_by_value: takes by value what it adds to, so that it adds nothing: write `auto& dHdq`
 // case driven_by_value: takes by value what it adds to, so that it adds nothing: write `auto& a`
+// case without_gradient: this field has no `void add_potential(const auto& x, auto& a) const` with `void add_gradient(const auto&
+// case gradient_not_const: this field has no `void add_potential(const auto& x, auto& a) const` with `void add_gradient(const auto&
+// case driven_without_derivative: one that depends on the time takes it first in both and in `void add_time_derivative(
 // case potential_time_last: takes a number behind the place, which would always be its default: the time comes first
 // case two_components: the potential of this FieldFrom has not three components
 // case plane_potential: acts in another number of dimensions than 3, or on other numbers than the charge's
@@ -31,7 +34,10 @@ using Written = Vector<double, 3>&;
 
 struct Mine {
   void add_potential(const auto& x, Written a) const { a[1] += x[0]; }
-#if defined(gradient_by_value) || defined(summed_by_value)
+#if defined(without_gradient)
+#elif defined(gradient_not_const)
+  void add_gradient(const auto&, const auto& v, double factor, auto& out) { out[0] += factor * v[1]; }
+#elif defined(gradient_by_value) || defined(summed_by_value)
   void add_gradient(const auto&, const auto& v, double factor, auto out) const { out[0] += factor * v[1]; }
 #else
   void add_gradient(const auto&, const auto& v, double factor, auto& out) const { out[0] += factor * v[1]; }
@@ -42,7 +48,8 @@ struct Growing {
   void add_gradient(double t, const auto&, const auto& v, double factor, auto& out) const {
     out[0] += t * factor * v[1];
   }
-#ifdef driven_by_value
+#if defined(driven_without_derivative)
+#elif defined(driven_by_value)
   void add_time_derivative(double, const auto& x, auto a) const { a[1] += x[0]; }
 #else
   void add_time_derivative(double, const auto& x, auto& a) const { a[1] += x[0]; }

@@ -41,6 +41,8 @@
 // case solver_without_options: does not list its options, so it could be resumed with others: write
 // case reversible_steps_changed_by_events: events that change the state need a stepper of equal steps, and this one chooses its steps
 // case reversible_steps_twice: this stepper chooses the times of its steps already: give ReversibleSteps its inner stepper
+// case every_part_of_a_step: every() counts steps: give a whole number of them, as 5 for 5.0
+// case stepper_of_other_numbers: has other numbers than its Scalar, in which dt comes: give both the same
 // case every_within_every: every() within every() would count the steps of the run, too: give one of them the product
 // case monitor_of_one_argument: this monitor function cannot be called: write `double operator()(const auto& q, const auto& p) const`
 // case monitor_without_gradient: this monitor function cannot be called: write `double operator()(const auto& q, auto&& dgdq) const`
@@ -116,7 +118,10 @@ struct MySolver {
 };
 
 struct MyStepper {
-#ifndef stepper_without_state
+#ifdef stepper_of_other_numbers
+  using Scalar = float;
+  using State = Point;
+#elif !defined(stepper_without_state)
   using Scalar = double;
   using State = Point;
 #endif
@@ -238,6 +243,9 @@ int main() {
     defined(list_by_value)
   MyStepper stepper;
   Checkpoints checkpoints("file", {}, stepper, options);
+#elif defined(stepper_of_other_numbers)
+  MyStepper stepper;
+  integrate(stepper, z, {.dt = 0.1f, .steps = 10}, right);
 #elif defined(stepper_without_state) || defined(stepper_without_step) || defined(step_of_a_copy) ||     \
     defined(step_of_a_copy_on_lvalues) || defined(step_until_of_a_copy) || defined(step_until_alone) || \
     defined(step_of_any_copy) || defined(step_of_a_longer_copy) || defined(step_of_whole_dt) ||         \
@@ -266,6 +274,8 @@ int main() {
 #elif defined(referred_every_within_every)
   auto inner = every(10, right);
   auto sparse = every(4, std::ref(inner));
+#elif defined(every_part_of_a_step)
+  auto sparse = every(2.5, right);
 #elif defined(every_within_every)
   auto sparse = every(4, every(10, right));
 #elif defined(monitor_of_one_argument)

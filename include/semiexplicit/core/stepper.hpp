@@ -159,6 +159,11 @@ consteval bool is_stepper() {
     static_assert(!moves_a_copy<S>(),
                   "the step of this stepper takes the state by value, so that it stays where it is: write "
                   "`StepReport step(State& state, const Scalar& dt)`");
+  if constexpr (NamesScalarAndState<S> && requires { typename S::State::Scalar; })
+    static_assert(
+        std::same_as<typename S::Scalar, typename S::State::Scalar>,
+        "the State of this stepper has other numbers than its Scalar, in which dt comes: give both the "
+        "same");
   if constexpr (NamesScalarAndState<S>)
     static_assert(!takes_dt_as_whole_number<decltype(parameters_of_step<S>())>(),
                   "the step of this stepper takes dt as a whole number, which rounds it: write `StepReport "

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <concepts>
 #include <cstdint>
 #include <limits>
 #include <stdexcept>
@@ -146,6 +147,11 @@ class Every {
 template <class Observer>
 Every<Observer> every(std::int64_t n, Observer&& observer) {
   return {n, std::forward<Observer>(observer)};
+}
+template <std::floating_point Number, class Observer>
+Every<Observer> every(Number n, Observer&& observer) {
+  static_assert(std::integral<Number>, "every() counts steps: give a whole number of them, as 5 for 5.0");
+  return {static_cast<std::int64_t>(n), std::forward<Observer>(observer)};
 }
 
 }  // namespace semiexplicit

@@ -2,6 +2,7 @@
 
 #include <concepts>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include <semiexplicit/core/hamiltonian.hpp>
@@ -128,9 +129,9 @@ inline constexpr bool couples = CoupledEffect<E> || MotionEffect<E>;
 template <class E>
 std::string effect_name(const E& effect) {
   if constexpr (requires { effect.name(); })
-    return effect.name();
+    return std::string(std::string_view(effect.name()));
   else
-    return effect.name;
+    return std::string(std::string_view(effect.name));
 }
 
 template <class E>
@@ -175,10 +176,10 @@ struct ActsOf<E> {
 
 template <class E>
 concept HasName = requires(const E& effect) {
-  { effect.name() } -> std::convertible_to<std::string>;
+  { effect.name() } -> std::convertible_to<std::string_view>;
 }
 || requires(const E& effect) {
-  { effect.name } -> std::convertible_to<std::string>;
+  { effect.name } -> std::convertible_to<std::string_view>;
 };
 
 /// Whether what an effect adds goes into a copy.

@@ -9,7 +9,22 @@
 
 namespace semiexplicit::effects::charges::detail {
 
-/// Compiles unless a member of a magnetic field takes by value what it adds to.
+/// The members of a magnetic field, and of one that depends on the time.
+template <class Field, class Scalar>
+concept HasMembers = requires(const Field& field, const Vector<Scalar, 3>& x, const Scalar& number,
+                              Vector<Scalar, 3>& out) {
+  field.add_potential(x, out);
+  field.add_gradient(x, x, number, out);
+};
+template <class Field, class Scalar>
+concept HasDrivenMembers = requires(const Field& field, const Vector<Scalar, 3>& x, const Scalar& number,
+                                    Vector<Scalar, 3>& out) {
+  field.add_potential(number, x, out);
+  field.add_gradient(number, x, x, number, out);
+  field.add_time_derivative(number, x, out);
+};
+
+/// Compiles for a magnetic field whose members write to what they are given.
 template <class Field, class Scalar>
 consteval bool field_adds() {
   using Column = Vector<Scalar, 3>;
@@ -38,7 +53,12 @@ consteval bool field_adds() {
       !lost,
       "add_potential, add_gradient or add_time_derivative of this field takes by value what it adds "
       "to, so that it adds nothing: write `auto& a` and `auto& out`");
-  return !lost;
+  static_assert(
+      HasMembers<Field, Scalar> || HasDrivenMembers<Field, Scalar>,
+      "this field has no `void add_potential(const auto& x, auto& a) const` with `void add_gradient(const "
+      "auto& x, const auto& v, const auto& factor, auto& out) const`; one that depends on the time takes "
+      "it first in both and in `void add_time_derivative(const auto& t, const auto& x, auto& a) const`");
+  return !lost && (HasMembers<Field, Scalar> || HasDrivenMembers<Field, Scalar>);
 }
 
 template <class Field, class Scalar>

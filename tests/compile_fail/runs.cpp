@@ -22,6 +22,7 @@
 // case estimate_of_a_copy: takes the state by value, so that it stays where it is: write `StepReport step(State&
 // case inner_without_memory: shows its memory: write `template <class Visitor> void visit_memory(
 // case fresh_as_data: fresh() of this observer cannot be called: write `bool fresh() const`
+// case action_at_whole_times: this action takes the time as a whole number, which rounds it: write `double t`
 // case surface_of_whole_numbers: this surface cannot be called, or tells no more than true and false, or whole numbers: write
 // case step_until_of_a_copy: takes the state by value, so that it stays where it is: write `StepReport step(State&
 // case step_until_alone: has a step_until() as one that chooses its steps, and lacks another part of ChoosesSteps
@@ -291,6 +292,8 @@ int main() {
   auto watch = events(H, on_event([](const auto& q) { return q[0]; }, right));
 #elif defined(surface_of_no_number)
   auto watch = events(H, on_event([](const auto& q, const auto&) { return q[0] > 0; }, right));
+#elif defined(action_at_whole_times)
+  auto watch = events(H, on_event(first, [](int, Point& at) { at.p()[0] = 1; }));
 #elif defined(surface_of_whole_numbers)
   auto watch = events(H, on_event([](const auto& q, const auto&) { return int(q[0]); }, right));
 #elif defined(surface_of_a_kept_bool)

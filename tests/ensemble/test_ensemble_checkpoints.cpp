@@ -375,6 +375,29 @@ TEST_CASE("An ensemble is not resumed with other functions of its observers") {
   CHECK(says(saved.resumed(renamed, times()), "'member 4: observer 1 g: a function"));
 }
 
+TEST_CASE("The checkpoints of an ensemble are those of the one that is run, from where it began") {
+  const Folder folder;
+  EnsembleOptions options{.dt = 0.05, .steps = 40, .together = 10};
+  const Ensemble start(Product<double>{}, std::vector(3, PhasePoint<double, 1>(-3, 0)), scheme);
+  const auto file = folder.path / "run.checkpoint";
+  auto ensemble = start, copy = start, resumed = start, undisturbed = start;
+  EnsembleCheckpoints checkpoints(file, {.every = 10}, ensemble, options);
+  CHECK(refuses([&] { copy.run(options, checkpoints); }, "save another ensemble, or a copy of this one"));
+  ensemble.run(options, Interrupt{20}, checkpoints);
+  {
+    EnsembleCheckpoints forgotten(file, {.every = 10}, copy, options);
+    CHECK(forgotten.resume() == 20);
+    CHECK(says(complaint<std::logic_error>([&] { copy.run(options, forgotten); }), "back to step 20"));
+  }
+  EnsembleCheckpoints again(file, {.every = 10}, resumed, options);
+  options.done = again.resume();
+  CHECK(options.done == 20);
+  resumed.run(options, again);
+  options.done = 0;
+  undisturbed.run(options);
+  CHECK(same_bits(resumed.state(2), undisturbed.state(2)));
+}
+
 TEST_CASE("An ensemble of packs alone is not resumed with another Hamiltonian") {
   const Folder folder;
   const EnsembleOptions options{.dt = 0.1, .steps = 20, .together = 10};

@@ -269,6 +269,12 @@ class Ensemble {
         "this observer of an ensemble takes the time as a whole number, or the member as none: of members "
         "write (Eigen::Index member, double t, const State& state), of the whole (double t, const "
         "EnsembleReport& report)");
+    if constexpr (requires { detail::referred(observer).saves(*this); })
+      if (!detail::referred(observer).saves(*this))
+        throw std::invalid_argument(
+            "Ensemble: the EnsembleCheckpoints among the observers save another ensemble, or a copy of this "
+            "one: "
+            "make them with the very one that is run");
     if constexpr (const auto& all = detail::referred(observer); requires {
                     { all.members() } -> std::same_as<Eigen::Index>;
                   }) {

@@ -25,6 +25,16 @@ namespace detail {
 template <class A, class Scalar, class State>
 concept StateChange = std::invocable<A&, const Scalar&, State&> && !Observer<A, Scalar, State>;
 
+/// Compiles unless an action that changes the state takes the time as a whole number.
+template <class Action, class Scalar, class State>
+consteval bool is_action() {
+  using Called = std::remove_cvref_t<Action>;
+  if constexpr (StateChange<Called, Scalar, State>)
+    static_assert(!AtPlace<Called, Scalar, State&>::template rounds<0>(),
+                  "this action takes the time as a whole number, which rounds it: write `double t`");
+  return true;
+}
+
 /// Compiles for a surface s(q, p), a number; of anything else the compiler says how to write it.
 template <class Surface, class State>
 consteval bool is_surface() {
@@ -97,6 +107,7 @@ class Events {
   static_assert((detail::is_on_event<Kinds> && ...),
                 "events() takes kinds of events: write `on_event(surface, action)` for each");
   static_assert((detail::is_surface<decltype(std::declval<Kinds&>().surface), State>() && ...));
+  static_assert((detail::is_action<decltype(std::declval<Kinds&>().action), Scalar, State>() && ...));
   static constexpr const char* name = "events";
   static constexpr bool interpolates = true;
   static constexpr std::size_t number = sizeof...(Kinds);

@@ -121,10 +121,12 @@ class ExplicitSplitting {
     detail::sweep(
         scheme_, dt,
         [&](const Scalar& t) {
+          out.setZero();  // for one that adds, or leaves out what is 0
           hamiltonian_.momentum_gradient(p, out);
           add(t, half, at, moved, d);
         },
         [&](const Scalar& t) {
+          out.setZero();
           hamiltonian_.position_gradient(q, out);
           add(-t, half, at + d, moved + d, d);
         });

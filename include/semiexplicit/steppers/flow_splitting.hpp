@@ -292,13 +292,13 @@ class FlowSplitting {
     // What is flowed and what is kicked may change while their sum stays.
     if constexpr (has_position)
       list.function("rest in q", [this](const auto& q, const auto&) {
-        Column gradient = q;
+        Column gradient = Column::Zero(q.size());
         hamiltonian_.rest_position_gradient(q, gradient);
         return Scalar(detail::norm(gradient));
       });
     if constexpr (has_momentum)
       list.function("rest in p", [this](const auto&, const auto& p) {
-        Column gradient = p;
+        Column gradient = Column::Zero(p.size());
         hamiltonian_.rest_momentum_gradient(p, gradient);
         return Scalar(detail::norm(gradient));
       });
@@ -409,15 +409,19 @@ class FlowSplitting {
 
   SEMIEXPLICIT_INLINE void kick_p(Moving& z, const Scalar& t) {
     const Eigen::Index d = dof();
+    const Eigen::Map<const Column> q(z.at.data(), d);
     Eigen::Map<Column> gradient(z.dq.data(), d);  // which H may take by reference
-    hamiltonian_.rest_position_gradient(Eigen::Map<const Column>(z.at.data(), d), gradient);
+    gradient.setZero();                           // for one that adds, or leaves out what is 0
+    hamiltonian_.rest_position_gradient(q, gradient);
     for (Eigen::Index i = 0; i < d; ++i) z.move(d + i, -t * z.dq[i]);
     ++halves_;
   }
   SEMIEXPLICIT_INLINE void drift_q(Moving& z, const Scalar& t) {
     const Eigen::Index d = dof();
+    const Eigen::Map<const Column> p(z.at.data() + d, d);
     Eigen::Map<Column> gradient(z.dp.data(), d);
-    hamiltonian_.rest_momentum_gradient(Eigen::Map<const Column>(z.at.data() + d, d), gradient);
+    gradient.setZero();
+    hamiltonian_.rest_momentum_gradient(p, gradient);
     for (Eigen::Index i = 0; i < d; ++i) z.move(i, t * z.dp[i]);
     ++halves_;
   }

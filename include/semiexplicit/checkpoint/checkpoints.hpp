@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <concepts>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
@@ -86,6 +87,19 @@ class StartOfRun {
           "checkpoints of a run that goes on from an earlier part: how it began is not known; call resume() "
           "with the initial state first");
   }
+  /// What a resume() has put back after so many steps, which no run may begin with at step 0.
+  void put_back(std::int64_t steps, std::uint64_t checksum) { put_back_ = {steps, checksum}; }
+  /// require() for a run that is shown; std::logic_error also where it begins with what was put back,
+  /// `option` being where the result of resume() belongs.
+  template <class Checksum>
+  void follow(std::int64_t steps, const Checksum& checksum, const std::string& option) {
+    if (steps == 0 && put_back_ && put_back_->second == checksum())
+      throw std::logic_error(
+          "Checkpoints: resume() put the state back to step " + std::to_string(put_back_->first) +
+          ", and the run begins with it at step 0; give what resume() returns as " + option);
+    put_back_.reset();
+    require(steps, checksum);
+  }
   /// Saves it, or compares it with that of the file: `another` is what that may be, in words.
   void visit(CheckpointMemory& memory, const std::string& another) const {
     std::uint64_t there = checksum_.value();
@@ -96,7 +110,17 @@ class StartOfRun {
 
  private:
   std::optional<std::uint64_t> checksum_;
+  std::optional<std::pair<std::int64_t, std::uint64_t>> put_back_;
 };
+
+/// Whether both are one object.
+template <class T, class Other>
+bool is_same_object([[maybe_unused]] const T& one, [[maybe_unused]] const Other& other) {
+  if constexpr (std::same_as<T, Other>)
+    return &one == &other;
+  else
+    return false;
+}
 
 /// The counts of a report, its sums, and its last step.
 inline void visit_sums(CheckpointMemory& memory, IntegrationReport& report) {
@@ -180,10 +204,10 @@ class Checkpoints {
 
   /// Puts stepper, observers and z, which comes as the run began, back to where the file has them, and gives
   /// the report up to there but for dt, and for t unless the stepper ChoosesSteps, for
-  /// IntegrationOptions::done. Where there is no such file it
-  /// changes nothing and gives an empty report. Throws std::invalid_argument, naming file, reason and remedy,
-  /// where the file is damaged or belongs to another run, and std::runtime_error where it cannot be written
-  /// or another run that is alive has it open; z, the stepper and the observers are then untouched.
+  /// IntegrationOptions::done. Where there is no such file it changes nothing and gives an empty report.
+  /// Throws std::invalid_argument, naming file, reason and remedy, where the file is damaged or belongs to
+  /// another run, and std::runtime_error where it cannot be written or another run that is alive has it open;
+  /// z, the stepper and the observers are then untouched.
   IntegrationReport resume(State& z) {
     start_.set(checksum_of(z));
     last_time_ = Clock::now();
@@ -205,7 +229,7 @@ class Checkpoints {
     if (!found || done.steps == 0) return {};
     done_seconds_ = done.seconds;
     last_ = done.steps;
-    resumed_ = checksum_of(z);
+    start_.put_back(last_, checksum_of(z));
     if constexpr (ChoosesSteps<S>) {  // by which integrate() knows a copy, or another stepper
       done.t = static_cast<double>(stepper_.time());
       done.taken = static_cast<double>(stepper_.taken());
@@ -215,12 +239,8 @@ class Checkpoints {
 
   void operator()(const Scalar&, const State& z, const IntegrationReport& so_far) {
     if (so_far.at_event) return;  // a run is resumed at the end of a step
-    if (so_far.steps == 0 && resumed_ && *resumed_ == checksum_of(z))
-      throw std::logic_error("Checkpoints: resume() put the state back to step " + std::to_string(last_) +
-                             ", and the run begins with it at step 0; give what resume() returns as "
-                             "IntegrationOptions::done");
-    resumed_.reset();
-    start_.require(so_far.steps, [&] { return checksum_of(z); });
+    start_.follow(
+        so_far.steps, [&] { return checksum_of(z); }, "IntegrationOptions::done");
     if (so_far.steps < std::exchange(seen_, so_far.steps)) {  // another run
       last_ = so_far.steps;
       next_look_ = 0;
@@ -251,11 +271,8 @@ class Checkpoints {
 
   /// Whether this is the stepper that it saves.
   template <class Other>
-  bool saves([[maybe_unused]] const Other& stepper) const {
-    if constexpr (std::same_as<Other, S>)
-      return &stepper == &stepper_;
-    else
-      return false;
+  bool saves(const Other& stepper) const {
+    return detail::is_same_object(stepper_, stepper);
   }
 
   /// Lines "what: value" of all that the run was made with, by which its checkpoints are known.
@@ -364,7 +381,6 @@ class Checkpoints {
   std::tuple<Observers&...> observers_;
   detail::StartOfRun start_;
   double done_seconds_ = 0;
-  std::optional<std::uint64_t> resumed_;  ///< the state of resume(), before a run was seen
   std::int64_t last_ = 0, seen_ = 0, next_look_ = 0, look_every_ = 1;
   Clock::time_point begin_ = Clock::now(), last_time_ = begin_, last_look_ = begin_;
 };

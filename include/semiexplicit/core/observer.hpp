@@ -78,10 +78,10 @@ struct Beside<O, false, Arguments...> : O {
   ChosenInstead operator()(Arguments...);
 };
 
-/// How an argument of a callable that may be a template is tried: `Given` is what it gets in a run, and
-/// `Other` a number to which that converts no better than to any other.
+/// A number to which `Given` converts no better than to any other.
 template <class Given>
 using OtherNumber = std::conditional_t<std::same_as<Given, float>, long double, float>;
+/// What a callable, which may be a template, takes at one place of these arguments.
 template <class O, class... Arguments>
 struct AtPlace {
   template <std::size_t place, class Type>

@@ -273,8 +273,7 @@ class Ensemble {
       if (!detail::referred(observer).saves(*this))
         throw std::invalid_argument(
             "Ensemble: the EnsembleCheckpoints among the observers save another ensemble, or a copy of this "
-            "one: "
-            "make them with the very one that is run");
+            "one: make them with the very one that is run");
     if constexpr (const auto& all = detail::referred(observer); requires {
                     { all.members() } -> std::same_as<Eigen::Index>;
                   }) {

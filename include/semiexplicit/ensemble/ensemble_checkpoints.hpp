@@ -1,11 +1,9 @@
 #pragma once
 
 #include <chrono>
-#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <optional>
 #include <stdexcept>
 #include <string>
 #include <tuple>
@@ -73,18 +71,13 @@ class EnsembleCheckpoints {
           [this] { require_same_functions(); });
       done = saved;
     });
-    if (done > 0) resumed_ = checksum_of_states();
+    if (done > 0) start_.put_back(done, checksum_of_states());
     return last_ = done;
   }
 
   void operator()(double, const EnsembleReport& so_far) {
-    if (so_far.done == 0 && resumed_ && *resumed_ == checksum_of_states())
-      throw std::logic_error("EnsembleCheckpoints: resume() put the members back to step " +
-                             std::to_string(last_) +
-                             ", and the run begins with them at step 0; give what resume() returns as "
-                             "EnsembleOptions::done");
-    resumed_.reset();
-    start_.require(so_far.done, [this] { return checksum_of_states(); });
+    start_.follow(
+        so_far.done, [this] { return checksum_of_states(); }, "EnsembleOptions::done");
     if (so_far.done == 0 || so_far.done < last_) last_ = 0;
     if (so_far.done == last_) return;
     if (options_.every > 0
@@ -95,11 +88,8 @@ class EnsembleCheckpoints {
 
   /// Whether this is the ensemble that it saves.
   template <class Other>
-  bool saves([[maybe_unused]] const Other& ensemble) const {
-    if constexpr (std::same_as<Other, Members>)
-      return &ensemble == &ensemble_;
-    else
-      return false;
+  bool saves(const Other& ensemble) const {
+    return detail::is_same_object(ensemble_, ensemble);
   }
 
   /// Writes a checkpoint now, after so many steps of each member.
@@ -251,7 +241,6 @@ class EnsembleCheckpoints {
   std::string settings_;
   std::vector<double> values_;  ///< of the functions of all members where they were saved
   detail::StartOfRun start_;
-  std::optional<std::uint64_t> resumed_;  ///< the states of resume(), before a run was seen
   std::int64_t last_ = 0;
   Clock::time_point last_time_ = Clock::now();
 };

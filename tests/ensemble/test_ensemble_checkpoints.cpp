@@ -388,6 +388,9 @@ TEST_CASE("The checkpoints of an ensemble are those of the one that is run, from
     EnsembleCheckpoints forgotten(file, {.every = 10}, copy, options);
     CHECK(forgotten.resume() == 20);
     CHECK(says(complaint<std::logic_error>([&] { copy.run(options, forgotten); }), "back to step 20"));
+    options.done = 20;  // nothing was lost
+    CHECK(copy.run(options).steps == 3 * 40);
+    options.done = 0;
   }
   EnsembleCheckpoints again(file, {.every = 10}, resumed, options);
   options.done = again.resume();
@@ -396,6 +399,7 @@ TEST_CASE("The checkpoints of an ensemble are those of the one that is run, from
   options.done = 0;
   undisturbed.run(options);
   CHECK(same_bits(resumed.state(2), undisturbed.state(2)));
+  CHECK(same_bits(copy.state(2), undisturbed.state(2)));
 }
 
 TEST_CASE("An ensemble of packs alone is not resumed with another Hamiltonian") {

@@ -89,10 +89,6 @@ class Ensemble {
     (require_observer(observers, options), ...);
     require(options);
     const auto start = Clock::now();
-    if (options.done == 0) {
-      records_ = detail::MemberRecords(records_.report.size());
-      for (IntegrationReport& one : records_.report) one.t = options.t0;
-    }
     const auto watch = std::apply(
         [&](const auto&... of_members) {
           return detail::MemberWatch<State, std::remove_cvref_t<decltype(of_members)>...>(options.every,
@@ -105,8 +101,19 @@ class Ensemble {
       return report;
     };
 
-    EnsembleReport report = gathered(options, options.done, start);
-    if (options.done == 0) report = tell(report);
+    EnsembleReport report;
+    if (options.done == 0) {
+      auto before = std::exchange(records_, detail::MemberRecords(records_.report.size()));
+      for (IntegrationReport& one : records_.report) one.t = options.t0;
+      try {
+        report = tell(gathered(options, 0, start));
+      } catch (...) {  // nothing has begun
+        records_ = std::move(before);
+        throw;
+      }
+    } else {
+      report = gathered(options, options.done, start);
+    }
     bool begun = options.done > 0;  // observers of members hear of the start also where there are no steps
     std::int64_t length = 1;        // of a part
     while ((report.done < options.steps || !begun) && !report.stopped) {

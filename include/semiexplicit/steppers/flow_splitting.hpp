@@ -15,6 +15,7 @@
 #include <semiexplicit/core/phase_point.hpp>
 #include <semiexplicit/core/ranks.hpp>
 #include <semiexplicit/core/solver.hpp>
+#include <semiexplicit/core/split_hamiltonian.hpp>
 #include <semiexplicit/core/stepper.hpp>
 #include <semiexplicit/schemes/near_integrable.hpp>
 #include <semiexplicit/solvers/simplified_newton.hpp>
@@ -24,20 +25,6 @@
 namespace semiexplicit {
 
 namespace detail {
-
-template <class H>
-concept HasPositionRest = requires(const H& h, const InColumn<H>& q, OutColumn<H>& dHdq) {
-  h.rest_position_gradient(q, dHdq);
-};
-template <class H>
-concept HasMomentumRest = requires(const H& h, const InColumn<H>& p, OutColumn<H>& dHdp) {
-  h.rest_momentum_gradient(p, dHdp);
-};
-template <class H>
-concept HasCoupledRest = requires(const H& h) {
-  requires std::is_lvalue_reference_v<decltype(h.coupled_rest())>;
-  requires Hamiltonian<std::remove_cvref_t<decltype(h.coupled_rest())>>;
-};
 
 // A part that takes other arguments than those of its concept, or wants an H that is not const, would be
 // taken for absent; a template has no address and is called as it may be meant.
@@ -58,10 +45,6 @@ concept NamesCoupledRest = requires {
   &H::coupled_rest;
 }
 || requires(H& h) { h.coupled_rest(); };
-template <class H>
-concept HasPreparedFlow = requires(const H& h, const typename H::Scalar& t) {
-  h.prepared(t);
-};
 struct NothingPrepared {};
 template <class H>
 struct PreparedFlowOf {
@@ -136,26 +119,6 @@ consteval bool coupled_rest_writes() {
 }
 
 }  // namespace detail
-
-/// A Hamiltonian A + V(q) + T(p) + C(q, p) whose part A has an exact flow, with each of the other parts or
-/// without it. Beside what any Hamiltonian has:
-///
-///     Status flow(t, q, p, dq, dp) const;              // the motion under A in the time t; see ExactFlow
-///     std::string flow_name() const;                   // for words
-///     auto prepared(t) const;                          // optional: for one t, with increments(q, p, dq, dp)
-///     void rest_position_gradient(q, dHdq) const;      // ∂V/∂q, if there is a V
-///     void rest_momentum_gradient(p, dHdp) const;      // ∂T/∂p, if there is a T
-///     const C& coupled_rest() const;                   // a Hamiltonian, if there is a C
-///     static constexpr bool flow_is_quadratic = true;  // optional: A is, in p; for Nyström lists
-///
-/// stepper_for(scene, exactly<...>()) makes one of a scene.
-template <class H>
-concept SplitHamiltonian = Hamiltonian<H> &&
-    requires(const H& h, const typename H::Scalar& t, const Vector<typename H::Scalar, H::Dof>& x,
-             Vector<typename H::Scalar, H::Dof>& dx) {
-  { h.flow(t, x, x, dx, dx) } -> std::same_as<Status>;
-  { h.flow_name() } -> std::convertible_to<std::string>;
-};
 
 /// Splitting of H = A + V + T + C where A has an exact flow: A(a₀dt) B(b₀dt) A(a₁dt) ... on one copy of the
 /// phase space with the list of a NearIntegrable. A kick B(t) of the rest is V(t/2) T(t/2) C(t) T(t/2)

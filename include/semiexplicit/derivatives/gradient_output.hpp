@@ -1,0 +1,441 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <semiexplicit/core/cold.hpp>
+#include <semiexplicit/core/hamiltonian.hpp>
+#include <semiexplicit/core/median.hpp>
+#include <semiexplicit/core/phase_point.hpp>
+#include <semiexplicit/core/reference_size.hpp>
+#include <semiexplicit/core/simd.hpp>
+#include <semiexplicit/core/split_hamiltonian.hpp>
+#include <semiexplicit/derivatives/slope.hpp>
+
+// What a gradient does with its outputs, and whether the other members that a Hamiltonian may have agree with
+// it.
+
+namespace semiexplicit {
+
+/// What a gradient does with an entry of its output, which holds anything when it is called.
+enum class GradientOutput {
+  written,        ///< overwrites it
+  not_written,    ///< leaves it as it is
+  added_to,       ///< adds to it
+  other_packs,    ///< overwrites it, and with another number where it is called with packs (HasPackGradient)
+  other_halves,   ///< and position_gradient or momentum_gradient with another one (SeparableHamiltonian)
+  other_range,    ///< and gradient_range with another one (HasRangeGradient)
+  other_parts,    ///< and the exact flow and the rest add up to another one (SplitHamiltonian)
+  other_hessian,  ///< and hessian or hessian_times is not its derivative (HasHessian, HasHessianTimes)
+  unclear         ///< neither: it depends on what was there in another way, or changes from call to call
+};
+
+namespace detail {
+
+SEMIEXPLICIT_COLD inline std::string describe(GradientOutput output) {
+  switch (output) {
+    case GradientOutput::written:
+      return "is written";
+    case GradientOutput::not_written:
+      return "is not written: what was in the output stays there";
+    case GradientOutput::added_to:
+      return "is added to what was in the output: write it with =, or set the output to zero first";
+    case GradientOutput::other_packs:
+      return "is another number where the gradient is called with packs, as by Ensemble and "
+             "GaussLegendreLanes: let both do the same, or leave PackGradientOf out";
+    case GradientOutput::other_halves:
+      return "is another number by position_gradient or momentum_gradient, which ExplicitSplitting calls: "
+             "let both do the same, the slopes of the energy and not the forces, or leave "
+             "SeparableGradientOf out";
+    case GradientOutput::other_range:
+      return "is another number by gradient_range, which the steps of large systems call: let both do the "
+             "same for every range, from what reach() says alone, or leave RangeGradientOf out";
+    case GradientOutput::other_parts:
+      return "is another number by flow() and the gradients of the rest, which FlowSplitting calls: together "
+             "they have to be the gradient";
+    case GradientOutput::other_hessian:
+      return "has another derivative than hessian or hessian_times says: let them be that of the gradient, "
+             "or "
+             "leave them out";
+    case GradientOutput::unclear:
+      return "depends on what was in the output, or changes from call to call";
+  }
+  return "";
+}
+
+/// The gradient of H at z, and what it does with its outputs, from calls that find different numbers in them.
+template <Hamiltonian H>
+SEMIEXPLICIT_COLD std::vector<GradientOutput> written_gradient(
+    const H& hamiltonian, const PhasePoint<typename H::Scalar, H::Dof>& z,
+    PhasePoint<typename H::Scalar, H::Dof>& given) {
+  using Scalar = typename H::Scalar;
+  using Limits = std::numeric_limits<Scalar>;
+  using std::abs;
+  using std::isfinite;
+  using std::sqrt;
+  const auto into = [&](const Scalar& filling) {
+    auto out = z;
+    out.vector().setConstant(filling);
+    gradient_at(hamiltonian, z.vector().data(), out.vector().data(), z.dof());
+    return out;
+  };
+  given = into(Scalar(0));
+  Scalar filling(1);
+  for (const Scalar& x : given.vector())
+    if (isfinite(x)) filling = std::max(filling, abs(x));
+  const auto second = into(filling), third = Limits::has_quiet_NaN ? into(Limits::quiet_NaN()) : second;
+  // Of sums in another order, in the units of a half.
+  const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon(),
+               largest[2] = {largest_absolute(given.q()), largest_absolute(given.p())};
+  const auto same = [&](Eigen::Index i, const Scalar& x, const Scalar& y) {
+    return x == y || (x != x && y != y) ||
+           abs(x - y) <= sqrt(epsilon) * std::min<Scalar>(abs(x), abs(y)) +
+                             256 * epsilon * largest[i < z.dof() ? 0 : 1];
+  };
+  std::vector<GradientOutput> outputs;
+  for (Eigen::Index i = 0; i < given.vector().size(); ++i) {
+    const Scalar a = given.vector()[i], b = second.vector()[i], c = third.vector()[i];
+    outputs.push_back(same(i, a, b) && same(i, a, c)   ? GradientOutput::written
+                      : a == Scalar(0) && b == filling ? GradientOutput::not_written
+                      : isfinite(a) && abs(b - a - filling) <= sqrt(epsilon) * filling
+                          ? GradientOutput::added_to
+                          : GradientOutput::unclear);
+  }
+  return outputs;
+}
+
+/// Sizes of the entries of q, or of p.
+template <class Scalar>
+struct EntrySizes {
+  Scalar largest;
+  /// For entries that are zero, which say nothing about it: the middle one of the others' sizes, so that a
+  /// late time or another large entry does not count.
+  Scalar typical;
+};
+
+/// Of entries that are not all zero, or of none.
+template <class Scalar>
+SEMIEXPLICIT_COLD std::optional<EntrySizes<Scalar>> entry_sizes(const auto& entries) {
+  using std::abs;
+  std::vector<Scalar> sizes;
+  for (const Scalar& x : entries)
+    if (x != Scalar(0)) sizes.push_back(abs(x));
+  if (sizes.empty()) return std::nullopt;
+  return EntrySizes<Scalar>{largest_absolute(entries), median(std::move(sizes))};
+}
+
+/// Those of q and of p, whose units may be any; of a half that is zero those of the other one, or 1.
+template <class Scalar, int Dof>
+SEMIEXPLICIT_COLD std::array<EntrySizes<Scalar>, 2> sizes_of_halves(const PhasePoint<Scalar, Dof>& z) {
+  const auto q = entry_sizes<Scalar>(z.q()), p = entry_sizes<Scalar>(z.p());
+  const EntrySizes<Scalar> one{Scalar(1), Scalar(1)};
+  return {q.value_or(p.value_or(one)), p.value_or(q.value_or(one))};
+}
+
+/// The gradient of H as other members give it, at points around a z, and by how much each entry is off.
+///
+/// Points around z show how large the terms of an entry are, which may cancel at z, and by which alone it is
+/// judged, since others may be in other units.
+template <Hamiltonian H>
+class OtherGradients {
+ public:
+  using Scalar = typename H::Scalar;
+  using State = PhasePoint<Scalar, H::Dof>;
+
+  OtherGradients(const H& hamiltonian, const State& z, std::vector<GradientOutput>& outputs)
+      : hamiltonian_(hamiltonian),
+        z_(z),
+        sizes_(sizes_of_halves(z)),
+        outputs_(outputs),
+        point_(z),
+        given_(z),
+        off_(State(z.dof())),
+        terms_(off_) {}
+
+  /// Of the entries that are written, those that differ are marked as `mark`. `call(point, differs)` says
+  /// differs(i, x, uncertainty) of entry i; where it throws std::logic_error the point is out of the domain.
+  template <class Call>
+  void compare(GradientOutput mark, const Call& call) {
+    using std::sqrt;
+    constexpr int points = 4;
+    off_.vector().setZero();
+    terms_.vector().setZero();
+    Scalar largest[2] = {Scalar(0), Scalar(0)};
+    std::uint64_t random = 1;
+    point_ = z_;
+    for (int k = 0; k < points; ++k) {
+      for (Eigen::Index i = 0; k > 0 && i < point_.vector().size(); ++i) {
+        auto& x = point_.vector()[i];
+        x += Scalar(scattered(random)) / 4 * own_size(x, i);
+      }
+      try {
+        gradient_at(hamiltonian_, point_.vector().data(), given_.vector().data(), z_.dof());
+        if (!all_finite(given_.vector())) continue;
+        call(point_, [&](Eigen::Index i, const Scalar& x, const Scalar& uncertainty) {
+          note(i, x, given_.vector()[i], uncertainty);
+        });
+      } catch (const std::logic_error&) {
+        continue;
+      }
+      for (Eigen::Index i = 0; i < given_.vector().size(); ++i)
+        count(i, given_.vector()[i], largest[half(i)]);
+    }
+    mark_those_off(mark, largest, sqrt(Eigen::NumTraits<Scalar>::epsilon()));
+  }
+
+  /// The same of the derivative of the gradient along a direction that changes every entry, which
+  /// `product(direction, result)` writes.
+  template <class Product>
+  void compare_derivative(const Product& product) {
+    using std::sqrt;
+    State direction = z_, at = z_, found(z_.dof());
+    Scalar largest[2] = {Scalar(0), Scalar(0)};
+    std::uint64_t random = 1;
+    off_.vector().setZero();
+    terms_.vector().setZero();
+    for (Eigen::Index i = 0; i < z_.vector().size(); ++i)
+      direction.vector()[i] = Scalar(scattered(random)) * own_size(z_.vector()[i], i);
+    try {
+      product(direction, found);
+    } catch (const std::logic_error&) {
+      return;
+    }
+    const auto slopes = agreed_slopes(
+        z_.vector().size(),
+        [&](const Scalar& s, auto& column) {
+          at.vector() = z_.vector() + s * direction.vector();
+          gradient_at(hamiltonian_, at.vector().data(), column.data(), z_.dof());
+        },
+        Scalar(1) / 9);
+    for (Eigen::Index i = 0; i < z_.vector().size(); ++i) {
+      const auto& slope = slopes[static_cast<std::size_t>(i)];
+      note(i, found.vector()[i], slope.value, slope.uncertainty);
+      if (slope.judges) count(i, slope.value, largest[half(i)]);
+    }
+    mark_those_off(GradientOutput::other_hessian, largest, sqrt(sqrt(Eigen::NumTraits<Scalar>::epsilon())));
+  }
+
+  /// The derivative at 0 of each of `size` functions of one number, which f(s, column) writes; where steps of
+  /// different sizes do not agree on it nothing is known. Where f throws std::logic_error it is NaN.
+  template <class F>
+  static std::vector<Slope<Scalar>> agreed_slopes(Eigen::Index size, const F& f, const Scalar& step) {
+    using std::isfinite;
+    using Column = Vector<Scalar, Eigen::Dynamic>;
+    std::map<Scalar, Column> columns;  // the functions are asked at the same numbers
+    const auto column_at = [&](const Scalar& s) -> const Column& {
+      const auto [found, is_new] = columns.try_emplace(s, Column::Zero(size));
+      if (!is_new) return found->second;
+      try {
+        f(s, found->second);
+      } catch (const std::logic_error&) {
+        found->second.setConstant(std::numeric_limits<Scalar>::quiet_NaN());
+      }
+      return found->second;
+    };
+    std::vector<Slope<Scalar>> slopes;
+    for (Eigen::Index i = 0; i < size; ++i) {
+      const auto entry = [&](const Scalar& s) -> Scalar { return column_at(s)[i]; };
+      auto slope = extrapolated_slope<Scalar>(entry, Scalar(0), step, Scalar(0));
+      slope.judges = isfinite(slope.uncertainty);
+      for (const double part : {0.71, 0.03}) {
+        const auto other = extrapolated_slope<Scalar>(entry, Scalar(0), Scalar(part) * step, Scalar(0));
+        slope.judges = slope.judges && isfinite(other.uncertainty) && compatible(slope, other);
+        slope.uncertainty += other.uncertainty;
+      }
+      if (!slope.judges) slope.uncertainty = std::numeric_limits<Scalar>::infinity();
+      slopes.push_back(slope);
+    }
+    return slopes;
+  }
+
+ private:
+  std::size_t half(Eigen::Index i) const { return i < z_.dof() ? 0 : 1; }
+  Scalar own_size(const Scalar& x, Eigen::Index i) const {
+    return x == Scalar(0) ? sizes_[half(i)].typical : x;
+  }
+  void note(Eigen::Index i, const Scalar& x, const Scalar& expected, const Scalar& uncertainty) {
+    using std::abs;
+    using std::isinf;
+    if (isinf(uncertainty)) return;
+    const Scalar found = abs(x - expected) - uncertainty;
+    auto& off = off_.vector()[i];
+    if (!(found <= off)) off = found == found ? found : std::numeric_limits<Scalar>::infinity();
+  }
+  void count(Eigen::Index i, const Scalar& expected, Scalar& largest) {
+    using std::abs;
+    auto& terms = terms_.vector()[i];
+    terms = std::max<Scalar>(terms, abs(expected));
+    largest = std::max<Scalar>(largest, abs(expected));
+  }
+  void mark_those_off(GradientOutput mark, const Scalar* largest, const Scalar& part) {
+    const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon();
+    for (Eigen::Index i = 0; i < off_.vector().size(); ++i)
+      if (auto& output = outputs_[static_cast<std::size_t>(i)];
+          output == GradientOutput::written && off_.vector()[i] > part * terms_.vector()[i] +
+                                                                      64 * epsilon * largest[half(i)] +
+                                                                      (std::numeric_limits<Scalar>::min)())
+        output = mark;
+  }
+
+  const H& hamiltonian_;
+  const State& z_;
+  std::array<EntrySizes<Scalar>, 2> sizes_;
+  std::vector<GradientOutput>& outputs_;
+  State point_, given_, off_, terms_;
+};
+
+/// The gradient for packs: what each lane says.
+template <HasPackGradient H>
+SEMIEXPLICIT_COLD void compare_packs(const H& hamiltonian, OtherGradients<H>& others) {
+  using P = Pack<typename H::Scalar>;
+  others.compare(GradientOutput::other_packs, [&](const auto& z, const auto& differs) {
+    const auto d = static_cast<std::size_t>(z.dof());
+    std::vector<P> at(2 * d), packs(2 * d);
+    for (std::size_t i = 0; i < 2 * d; ++i)
+      for (std::size_t lane = 0; lane < P::size(); ++lane)
+        at[i][lane] = z.vector()[static_cast<Eigen::Index>(i)], packs[i][lane] = 1;
+    const P *q = at.data(), *p = q + d;
+    P *dHdq = packs.data(), *dHdp = dHdq + d;
+    hamiltonian.gradient(q, p, dHdq, dHdp);
+    for (std::size_t i = 0; i < 2 * d; ++i)
+      for (std::size_t lane = 0; lane < P::size(); ++lane)
+        differs(static_cast<Eigen::Index>(i), packs[i][lane], 0);
+  });
+}
+
+/// The halves of a separable one, alone, into zeros as ExplicitSplitting calls them.
+template <SeparableHamiltonian H>
+SEMIEXPLICIT_COLD void compare_halves(const H& hamiltonian, OtherGradients<H>& others) {
+  others.compare(GradientOutput::other_halves, [&](const auto& z, const auto& differs) {
+    const Eigen::Index d = z.dof();
+    std::decay_t<decltype(z)> found(d);
+    OutColumn<H> by_q(found.vector().data(), d), by_p(found.vector().data() + d, d);
+    hamiltonian.position_gradient(InColumn<H>(z.vector().data(), d), by_q);
+    hamiltonian.momentum_gradient(InColumn<H>(z.vector().data() + d, d), by_p);
+    for (Eigen::Index i = 0; i < 2 * d; ++i) differs(i, found.vector()[i], 0);
+  });
+}
+
+/// Ranges, which see no more than reach() tells where there is one.
+template <HasRangeGradient H>
+SEMIEXPLICIT_COLD void compare_ranges(const H& hamiltonian, OtherGradients<H>& others) {
+  using Scalar = typename H::Scalar;
+  others.compare(GradientOutput::other_range, [&](const auto& z, const auto& differs) {
+    const Eigen::Index d = z.dof(), size = std::max<Eigen::Index>(1, (d + 2) / 3);
+    auto seen = z;
+    Vector<Scalar, Eigen::Dynamic> found(2 * size);
+    for (Eigen::Index begin = 0; begin < d; begin += size) {
+      const Eigen::Index end = std::min(d, begin + size);
+      if constexpr (HasLocalGradient<H>)
+        for (Eigen::Index i = 0; i < d; ++i) {
+          const bool reached = i >= begin - hamiltonian.reach() && i < end + hamiltonian.reach();
+          seen.q()[i] = reached ? z.q()[i] : std::numeric_limits<Scalar>::quiet_NaN();
+          seen.p()[i] = reached ? z.p()[i] : std::numeric_limits<Scalar>::quiet_NaN();
+        }
+      found.setOnes();
+      const Scalar *q = seen.vector().data(), *p = q + d;
+      Scalar *dHdq = found.data(), *dHdp = dHdq + size;
+      hamiltonian.gradient_range(begin, end, q, p, dHdq, dHdp);
+      for (Eigen::Index i = begin; i < end; ++i) {
+        differs(i, found[i - begin], 0);
+        differs(d + i, found[size + i - begin], 0);
+      }
+    }
+  });
+}
+
+/// The motion under the exact flow, at its beginning, and the rest.
+template <SplitHamiltonian H>
+SEMIEXPLICIT_COLD void compare_parts(const H& hamiltonian, OtherGradients<H>& others) {
+  using Scalar = typename H::Scalar;
+  using Column = Vector<Scalar, H::Dof>;
+  others.compare(GradientOutput::other_parts, [&](const auto& z, const auto& differs) {
+    const Eigen::Index d = z.dof();
+    std::decay_t<decltype(z)> rest(d), coupled(d);
+    if constexpr (HasPositionRest<H>) {
+      OutColumn<H> by_q(rest.vector().data(), d);
+      hamiltonian.rest_position_gradient(InColumn<H>(z.vector().data(), d), by_q);
+    }
+    if constexpr (HasMomentumRest<H>) {
+      OutColumn<H> by_p(rest.vector().data() + d, d);
+      hamiltonian.rest_momentum_gradient(InColumn<H>(z.vector().data() + d, d), by_p);
+    }
+    if constexpr (HasCoupledRest<H>) {
+      gradient_at(hamiltonian.coupled_rest(), z.vector().data(), coupled.vector().data(), d);
+      rest.vector() += coupled.vector();
+    }
+    // A tenth of the time in which the largest entry of a half goes by its own size.
+    gradient_at(hamiltonian, z.vector().data(), coupled.vector().data(), d);
+    const auto sizes = sizes_of_halves(z);
+    const Scalar rate = std::max<Scalar>({largest_absolute(coupled.p()) / sizes[0].largest,
+                                          largest_absolute(coupled.q()) / sizes[1].largest,
+                                          (std::numeric_limits<Scalar>::min)()});
+    const Column q = z.q(), p = z.p();
+    Column dq = q, dp = p;
+    const auto slopes = OtherGradients<H>::agreed_slopes(
+        2 * d,
+        [&](const Scalar& t, auto& column) {
+          dq.setZero();
+          dp.setZero();
+          Status status;
+          if constexpr (HasPreparedFlow<H>)
+            status = hamiltonian.prepared(t).increments(q, p, dq, dp);
+          else
+            status = hamiltonian.flow(t, q, p, dq, dp);
+          column << -dp, dq;
+          if (status != Status::success) column.setConstant(std::numeric_limits<Scalar>::quiet_NaN());
+        },
+        Scalar(0.1) / rate);
+    for (Eigen::Index i = 0; i < 2 * d; ++i) {
+      const auto& slope = slopes[static_cast<std::size_t>(i)];
+      differs(i, rest.vector()[i] + slope.value, slope.uncertainty);
+    }
+  });
+}
+
+/// The second derivatives against those of the gradient.
+template <Hamiltonian H>
+SEMIEXPLICIT_COLD void compare_hessian(const H& hamiltonian, const PhasePoint<typename H::Scalar, H::Dof>& z,
+                                       OtherGradients<H>& others) {
+  const Eigen::Index d = z.dof();
+  if constexpr (HasHessian<H>)
+    others.compare_derivative([&](const auto& direction, auto& found) {
+      Eigen::Matrix<typename H::Scalar, twice(H::Dof), twice(H::Dof)> matrix;
+      matrix.setZero(2 * d, 2 * d);
+      hamiltonian.hessian(InColumn<H>(z.vector().data(), d), InColumn<H>(z.vector().data() + d, d), matrix);
+      found.vector() = matrix * direction.vector();
+    });
+  if constexpr (HasHessianTimes<H>)
+    others.compare_derivative([&](const auto& direction, auto& found) {
+      OutColumn<H> hq(found.vector().data(), d), hp(found.vector().data() + d, d);
+      hamiltonian.hessian_times(InColumn<H>(z.vector().data(), d), InColumn<H>(z.vector().data() + d, d),
+                                InColumn<H>(direction.vector().data(), d),
+                                InColumn<H>(direction.vector().data() + d, d), hq, hp);
+    });
+}
+
+/// Marks every entry that is written, and that another member of H makes another number.
+template <Hamiltonian H>
+SEMIEXPLICIT_COLD void compare_members(const H& hamiltonian, const PhasePoint<typename H::Scalar, H::Dof>& z,
+                                       std::vector<GradientOutput>& outputs) {
+  OtherGradients<H> others(hamiltonian, z, outputs);
+  if constexpr (HasPackGradient<H>) compare_packs(hamiltonian, others);
+  if constexpr (SeparableHamiltonian<H>) compare_halves(hamiltonian, others);
+  if constexpr (HasRangeGradient<H>) compare_ranges(hamiltonian, others);
+  if constexpr (SplitHamiltonian<H>) compare_parts(hamiltonian, others);
+  compare_hessian(hamiltonian, z, others);
+}
+
+}  // namespace detail
+
+}  // namespace semiexplicit

@@ -8,6 +8,8 @@
 // case template_by_value: take dq or dp by value, so that nothing moves: write `auto& dq, auto& dp`
 // case prepared_by_value: takes an output by value, so what it writes is lost: take it as `auto& dq`
 // case prepared_not_const_by_value: takes an output by value, so what it writes is lost: take it as `auto& dq`
+// case whole_time: takes the time as a whole number, or one of fewer digits than Scalar, which rounds it: write `const Scalar& t`
+// case prepared_of_whole_time: takes the time as a whole number, or one of fewer digits than Scalar, which rounds it: write `const Scalar& t`
 // case stale_prepared: has increments() of its own and inherits prepared(), which is asked instead: write both
 // case flag_as_function: rest_is_small or quadratic_in_momenta of this ExactFlow is a function: write `static constexpr bool
 // case flag_of_a_value: rest_is_small or quadratic_in_momenta of this ExactFlow is a function: write `static constexpr bool
@@ -40,6 +42,8 @@ struct semiexplicit::ExactFlow<Oblateness<double, 2>> : Base {
   Status increments(double, const Column&, const Column&, Column, Column) const { return Status::success; }
 #elif defined(template_by_value)
   Status increments(double, const auto&, const auto&, auto, auto) const { return Status::success; }
+#elif defined(whole_time)
+  Status increments(long, const auto&, const auto&, auto&, auto&) const { return Status::success; }
 #elif !defined(without_increments)
   Status increments(const double&, const auto&, const auto&, auto&, auto&) const { return Status::success; }
 #endif
@@ -48,6 +52,8 @@ struct semiexplicit::ExactFlow<Oblateness<double, 2>> : Base {
     Status increments(const auto&, const auto&, auto, auto) const { return Status::success; }
   };
   Prepared prepared(const double&) const { return {}; }
+#elif defined(prepared_of_whole_time)
+  Prepared prepared(int) const { return {}; }
 #elif defined(prepared_not_const_by_value)
   struct Prepared {
     Status increments(const auto&, const auto&, auto, auto) { return Status::success; }

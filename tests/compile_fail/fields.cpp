@@ -8,6 +8,7 @@
 // case without_gradient: this field has no `void add_potential(const auto& x, auto& a) const` with `void add_gradient(const auto&
 // case gradient_not_const: this field has no `void add_potential(const auto& x, auto& a) const` with `void add_gradient(const auto&
 // case driven_without_derivative: one that depends on the time takes it first in both and in `void add_time_derivative(
+// case driven_at_whole_times: takes the time or the factor as a whole number, or one of fewer digits than the charge's, which rounds it: write `const auto& t`
 // case potential_time_last: takes a number behind the place, which would always be its default: the time comes first
 // case two_components: the potential of this FieldFrom has not three components
 // case plane_potential: acts in another number of dimensions than 3, or on other numbers than the charge's
@@ -45,7 +46,12 @@ struct Mine {
 };
 struct Growing {
   void add_potential(double t, const auto& x, auto& a) const { a[1] += t * x[0]; }
-  void add_gradient(double t, const auto&, const auto& v, double factor, auto& out) const {
+#ifdef driven_at_whole_times
+  using Time = int;
+#else
+  using Time = double;
+#endif
+  void add_gradient(Time t, const auto&, const auto& v, double factor, auto& out) const {
     out[0] += t * factor * v[1];
   }
 #if defined(driven_without_derivative)

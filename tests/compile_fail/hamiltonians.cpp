@@ -29,6 +29,9 @@
 // case referred_lambda_by_value: takes dHdq or dHdp by value, so what it writes is lost: take both as
 // case driven_returns_float: returns another number than a Scalar: let it return dH/dt as a Scalar, or nothing
 // case driven_returns_integer: returns another number than a Scalar: let it return dH/dt as a Scalar, or nothing
+// case driven_at_whole_times: takes the time as a whole number, or one of fewer digits than Scalar, which rounds it: write `const Scalar& t`
+// case driven_energy_of_float: takes the time as a whole number, or one of fewer digits than Scalar, which rounds it: write `const Scalar& t`
+// case time_derivative_of_whole_times: takes the time as a whole number, or one of fewer digits than Scalar, which rounds it: write `const Scalar& t`
 // case time_derivative_not_const: time_derivative of this Hamiltonian cannot be called: write `Scalar time_derivative(const
 // case driven_of_other_size: takes columns of another size or of other numbers than its Dof and Scalar: write
 // case lambda_by_value: takes dHdq or dHdp by value, so what it writes is lost: take both as
@@ -151,6 +154,16 @@ struct Driven {
     dHdq = t * p, dHdp = t * q;
     return static_cast<int>(q.dot(p));
   }
+#elif defined(driven_at_whole_times)
+  void gradient(int t, const auto& q, const auto& p, Half dHdq, Half dHdp) const {
+    dHdq = t * p, dHdp = t * q;
+  }
+#elif defined(driven_energy_of_float)
+  void gradient(double t, Column q, Column p, Half dHdq, Half dHdp) const { dHdq = t * p, dHdp = t * q; }
+  double energy(float t, Column q, Column p) const { return t * q.dot(p); }
+#elif defined(time_derivative_of_whole_times)
+  void gradient(double t, Column q, Column p, Half dHdq, Half dHdp) const { dHdq = t * p, dHdp = t * q; }
+  double time_derivative(const int&, const auto& q, const auto& p) const { return q.dot(p); }
 #elif defined(time_derivative_not_const)
   void gradient(double t, Column q, Column p, Half dHdq, Half dHdp) const { dHdq = t * p, dHdp = t * q; }
   double time_derivative(double, Column q, Column p) { return q.dot(p); }

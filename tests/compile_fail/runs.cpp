@@ -18,7 +18,8 @@
 // case step_of_a_copy_on_lvalues: takes the state by value, so that it stays where it is: write `StepReport step(State&
 // case step_of_any_copy: takes the state by value, so that it stays where it is: write `StepReport step(State&
 // case step_of_a_longer_copy: takes the state by value, so that it stays where it is: write `StepReport step(State&
-// case step_of_whole_dt: takes dt as a whole number, which rounds it: write `StepReport step(State& state, const Scalar& dt)`
+// case step_of_whole_dt: takes dt as a whole number, or one of fewer digits than Scalar, which rounds it: write `StepReport step(State& state, const Scalar& dt)`
+// case step_of_float: takes dt as a whole number, or one of fewer digits than Scalar, which rounds it: write `StepReport step(State& state, const Scalar& dt)`
 // case estimate_of_a_copy: takes the state by value, so that it stays where it is: write `StepReport step(State&
 // case inner_without_memory: shows its memory: write `template <class Visitor> void visit_memory(
 // case fresh_as_data: fresh() of this observer cannot be called: write `bool fresh() const`
@@ -135,6 +136,8 @@ struct MyStepper {
   StepReport step(Point z, const double& dt, int = 1) {
 #elif defined(step_of_whole_dt)
   StepReport step(Point& z, int dt) {
+#elif defined(step_of_float)
+  StepReport step(Point& z, float dt) {
 #elif defined(step_of_a_copy_on_lvalues)
   StepReport step(Point z, const double& dt) & noexcept {
 #else
@@ -250,7 +253,8 @@ int main() {
 #elif defined(stepper_without_state) || defined(stepper_without_step) || defined(step_of_a_copy) ||     \
     defined(step_of_a_copy_on_lvalues) || defined(step_until_of_a_copy) || defined(step_until_alone) || \
     defined(step_of_any_copy) || defined(step_of_a_longer_copy) || defined(step_of_whole_dt) ||         \
-    defined(hamiltonian_not_const) || defined(dof_not_const) || defined(dof_of_an_argument)
+    defined(step_of_float) || defined(hamiltonian_not_const) || defined(dof_not_const) ||               \
+    defined(dof_of_an_argument)
   MyStepper stepper;
   integrate(stepper, z, options, right);
 #elif defined(estimate_of_a_copy)

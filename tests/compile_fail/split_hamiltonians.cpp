@@ -10,6 +10,8 @@
 // case no_hamiltonian: coupled_rest of this Hamiltonian cannot be called: write `const C& coupled_rest() const`
 // case stale_prepared: has a flow() of its own and inherits prepared(), which is asked instead: write both
 // case quadratic_function: flow_is_quadratic of this Hamiltonian is a function: write `static constexpr bool
+// case flow_of_whole_time: flow or prepared of this Hamiltonian takes the time as a whole number, or one of fewer digits than Scalar, which rounds it: write `const Scalar& t`
+// case prepared_of_float: flow or prepared of this Hamiltonian takes the time as a whole number, or one of fewer digits than Scalar, which rounds it: write `const Scalar& t`
 // case coupled_into_copies: takes dHdq or dHdp by value, so what it writes is lost: take both as Out<Scalar, Dof>
 #include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
@@ -42,12 +44,20 @@ struct Anharmonic {
     dHdq[0] = q[0] + q[0] * q[0] * q[0];
     dHdp[0] = p[0] + p[0] * p[0] * p[0];
   }
+#ifdef flow_of_whole_time
+  Status flow(int, const auto&, const auto&, auto&, auto&) const { return Status::success; }
+#else
   Status flow(double, const auto&, const auto&, auto&, auto&) const { return Status::success; }
+#endif
   std::string flow_name() const { return "oscillator"; }
   struct Prepared {
     Status increments(const auto&, const auto&, auto&, auto&) const { return Status::success; }
   };
+#ifdef prepared_of_float
+  Prepared prepared(float) const { return {}; }
+#else
   Prepared prepared(double) const { return {}; }
+#endif
 #ifdef quadratic_function
   static constexpr bool flow_is_quadratic() { return false; }
 #endif

@@ -281,7 +281,14 @@ consteval bool is_time_dependent() {
                 gradient_ends_with_a_number<H>()) {
     return is_hamiltonian<H>();
   } else if constexpr (TimeDependentHamiltonian<H>) {
-    return gradient_writes<H>();
+    using Scalar = typename H::Scalar;
+    constexpr bool rounded = rounds<Scalar, 5, 0>(pointer_to_gradient<H, InColumn<H>, OutColumn<H>>()) ||
+                             rounds<Scalar, 3, 0>(pointer_to_energy<H, InColumn<H>>()) ||
+                             rounds<Scalar, 3, 0>(pointer_to_time_derivative<H, InColumn<H>>());
+    static_assert(!rounded,
+                  "gradient, energy or time_derivative of this Hamiltonian takes the time as a whole number, "
+                  "or one of fewer digits than Scalar, which rounds it: write `const Scalar& t`");
+    return gradient_writes<H>() && !rounded;
   } else {
     static_assert(!Hamiltonian<H>,
                   "this Hamiltonian does not depend on the time: give the stepper H itself, not "

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <tuple>
 #include <type_traits>
 #include <utility>
@@ -45,6 +46,62 @@ template <class Pointer>
 inline constexpr bool points_to_function =
     std::is_member_function_pointer_v<Pointer> || std::is_function_v<std::remove_pointer_t<Pointer>>;
 
+/// pointer_to_step<C, T, U>(), and so on: a pointer to that member of C, which may be a template of one or
+/// two arguments, T and U; else a nullptr, about which nothing is known.
+#define SEMIEXPLICIT_POINTER_TO(member)                         \
+  template <class C, class T, class U = T>                      \
+  consteval auto pointer_to_##member() {                        \
+    if constexpr (requires { &C::member; })                     \
+      return &C::member;                                        \
+    else if constexpr (requires { &C::template member<T>; })    \
+      return &C::template member<T>;                            \
+    else if constexpr (requires { &C::template member<T, U>; }) \
+      return &C::template member<T, U>;                         \
+    else                                                        \
+      return nullptr;                                           \
+  }
+SEMIEXPLICIT_POINTER_TO(step)
+SEMIEXPLICIT_POINTER_TO(step_until)
+SEMIEXPLICIT_POINTER_TO(prepared)
+#undef SEMIEXPLICIT_POINTER_TO
+/// The same of members that take columns: a template of two or four of them. What is a template of one may
+/// deduce the time, which is no column: where its return type is deduced, too, its body would not compile.
+#define SEMIEXPLICIT_POINTER_TO(member)                               \
+  template <class C, class T, class U = T>                            \
+  consteval auto pointer_to_##member() {                              \
+    if constexpr (requires { &C::member; })                           \
+      return &C::member;                                              \
+    else if constexpr (requires { &C::template member<T, U>; })       \
+      return &C::template member<T, U>;                               \
+    else if constexpr (requires { &C::template member<T, T, U, U>; }) \
+      return &C::template member<T, T, U, U>;                         \
+    else                                                              \
+      return nullptr;                                                 \
+  }
+SEMIEXPLICIT_POINTER_TO(gradient)
+SEMIEXPLICIT_POINTER_TO(energy)
+SEMIEXPLICIT_POINTER_TO(time_derivative)
+SEMIEXPLICIT_POINTER_TO(flow)
+SEMIEXPLICIT_POINTER_TO(increments)
+SEMIEXPLICIT_POINTER_TO(add_potential)
+SEMIEXPLICIT_POINTER_TO(add_time_derivative)
+#undef SEMIEXPLICIT_POINTER_TO
+
+/// Whether a function with `count` parameters takes a Scalar as a number of fewer digits, or a whole one, in
+/// the place that is given, counted from 0.
+template <class Scalar, std::size_t count, std::size_t place, class Function>
+constexpr bool rounds(Function) {
+  using Found = Parameters<Function>;
+  if constexpr (Found::count == count) {
+    using Number = std::remove_cvref_t<typename Found::template FromLast<count - 1 - place>>;
+    return std::is_integral_v<Number> ||
+           (std::is_floating_point_v<Number> &&
+            std::numeric_limits<Number>::digits < std::numeric_limits<Scalar>::digits);
+  } else {
+    return false;
+  }
+}
+
 /// The class that declares a member, by a pointer to it.
 template <class Pointer>
 struct DeclaredBy {};
@@ -55,7 +112,7 @@ struct DeclaredBy<Member Class::*> {
 /// Whether the member `Newer` is declared by a class that derives from the one of `Older`: what goes with it
 /// there may be stale.
 template <class Newer, class Older>
-constexpr bool overrides_beside() {
+constexpr bool overrides_beside(Newer, Older) {
   if constexpr (requires {
                   typename DeclaredBy<Newer>::Type;
                   typename DeclaredBy<Older>::Type;

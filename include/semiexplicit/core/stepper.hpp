@@ -84,48 +84,20 @@ concept ChoosesSteps = Stepper<S> && requires(S& s, const S& c, typename S::Stat
 
 namespace detail {
 
-template <class Found>
-constexpr bool takes_state_by_value() {
+template <class Function>
+constexpr bool takes_state_by_value(Function) {
+  using Found = Parameters<Function>;
   if constexpr (Found::count >= 2)
     return !std::is_reference_v<typename Found::template FromLast<Found::count - 1>>;
   else
     return false;
 }
-template <class Found>
-constexpr bool takes_dt_as_whole_number() {
-  if constexpr (Found::count >= 2)
-    return std::is_integral_v<std::remove_cvref_t<typename Found::template FromLast<Found::count - 2>>>;
-  else
-    return false;
-}
-/// The parameters of step(), which may be a template of the state, and of dt.
-template <class S>
-consteval auto parameters_of_step() {
-  using State = typename S::State;
-  if constexpr (requires { &S::step; })
-    return Parameters<decltype(&S::step)>{};
-  else if constexpr (requires { &S::template step<State>; })
-    return Parameters<decltype(&S::template step<State>)>{};
-  else if constexpr (requires { &S::template step<State, typename S::Scalar>; })
-    return Parameters<decltype(&S::template step<State, typename S::Scalar>)>{};
-  else
-    return Parameters<void>{};
-}
-template <class S>
-consteval auto parameters_of_step_until() {
-  using State = typename S::State;
-  if constexpr (requires { &S::step_until; })
-    return Parameters<decltype(&S::step_until)>{};
-  else if constexpr (requires { &S::template step_until<State>; })
-    return Parameters<decltype(&S::template step_until<State>)>{};
-  else
-    return Parameters<void>{};
-}
 /// Whether a step moves a copy of the state.
 template <class S>
 constexpr bool moves_a_copy() {
-  return takes_state_by_value<decltype(parameters_of_step<S>())>() ||
-         takes_state_by_value<decltype(parameters_of_step_until<S>())>();
+  using State = typename S::State;
+  return takes_state_by_value(pointer_to_step<S, State, typename S::Scalar>()) ||
+         takes_state_by_value(pointer_to_step_until<S, State>());
 }
 
 /// The optional members of a stepper, written so that they would be taken for absent.
@@ -165,9 +137,10 @@ consteval bool is_stepper() {
         "the State of this stepper has other numbers than its Scalar, in which dt comes: give both the "
         "same");
   if constexpr (NamesScalarAndState<S>)
-    static_assert(!takes_dt_as_whole_number<decltype(parameters_of_step<S>())>(),
-                  "the step of this stepper takes dt as a whole number, which rounds it: write `StepReport "
-                  "step(State& state, const Scalar& dt)`");
+    static_assert(
+        !rounds<typename S::Scalar, 2, 1>(pointer_to_step<S, typename S::State, typename S::Scalar>()),
+        "the step of this stepper takes dt as a whole number, or one of fewer digits than Scalar, which "
+        "rounds it: write `StepReport step(State& state, const Scalar& dt)`");
   static_assert(!NamesHamiltonianOtherwise<S>,
                 "hamiltonian() of this stepper cannot be called: write `const H& hamiltonian() const`");
   static_assert(!NamesDofOtherwise<S>,

@@ -78,21 +78,6 @@ using FlowOf = FlowInAnyOrder<Exactly<>, Exactly<Group...>>;
 template <class E, class... Effects>
 inline constexpr std::size_t count_of = (std::size_t(std::same_as<E, Effects>) + ... + 0);
 
-/// Whether prepared() is that of a base class, and increments() another one's.
-template <class Flow, class Column>
-constexpr bool prepares_for_base() {
-  if constexpr (requires { &Flow::prepared; }) {
-    using Older = decltype(&Flow::prepared);
-    if constexpr (requires { &Flow::increments; })
-      return overrides_beside<decltype(&Flow::increments), Older>();
-    else if constexpr (requires { &Flow::template increments<Column, Column>; })
-      return overrides_beside<decltype(&Flow::template increments<Column, Column>), Older>();
-    else if constexpr (requires { &Flow::template increments<Column, Column, Column, Column>; })
-      return overrides_beside<decltype(&Flow::template increments<Column, Column, Column, Column>), Older>();
-  }
-  return false;
-}
-
 /// The members of a flow.
 template <class Flow, class Scalar, int Dof>
 concept HasIncrements = requires(const Flow& flow, const Scalar& t, const Vector<Scalar, Dof>& x,

@@ -12,6 +12,7 @@
 #include <semiexplicit/core/checkpointable.hpp>
 #include <semiexplicit/core/gradient_size.hpp>
 #include <semiexplicit/core/hamiltonian_door.hpp>
+#include <semiexplicit/core/parameters.hpp>
 #include <semiexplicit/core/phase_point.hpp>
 #include <semiexplicit/core/ranks.hpp>
 #include <semiexplicit/core/solver.hpp>
@@ -55,21 +56,6 @@ struct PreparedFlowOf<H> {
   using Type =
       std::remove_cvref_t<decltype(std::declval<const H&>().prepared(std::declval<typename H::Scalar>()))>;
 };
-/// Whether prepared() is that of a base class, and flow() another one's.
-template <class H>
-constexpr bool prepares_flow_of_base() {
-  using Column = Vector<typename H::Scalar, H::Dof>;
-  if constexpr (requires { &H::prepared; }) {
-    using Older = decltype(&H::prepared);
-    if constexpr (requires { &H::flow; })
-      return overrides_beside<decltype(&H::flow), Older>();
-    else if constexpr (requires { &H::template flow<Column, Column>; })
-      return overrides_beside<decltype(&H::template flow<Column, Column>), Older>();
-    else if constexpr (requires { &H::template flow<Column, Column, Column, Column>; })
-      return overrides_beside<decltype(&H::template flow<Column, Column, Column, Column>), Older>();
-  }
-  return false;
-}
 template <class H>
 concept SaysQuadraticByFunction = requires {
   requires points_to_function<decltype(&H::flow_is_quadratic)>;
@@ -162,7 +148,13 @@ class FlowSplitting {
   static_assert(std::default_initializable<typename detail::PreparedFlowOf<H>::Type>,
                 "what prepared() of this Hamiltonian gives cannot be made without one: give it a default "
                 "constructor");
-  static_assert(!detail::prepares_flow_of_base<H>(),
+  static_assert(
+      !detail::rounds<Scalar, 5, 0>(detail::pointer_to_flow<H, Vector<Scalar, Dof>>()) &&
+          !detail::rounds<Scalar, 1, 0>(detail::pointer_to_prepared<H, Scalar>()),
+      "flow or prepared of this Hamiltonian takes the time as a whole number, or one of fewer digits than "
+      "Scalar, which rounds it: write `const Scalar& t`");
+  static_assert(!detail::overrides_beside(detail::pointer_to_flow<H, Vector<Scalar, Dof>>(),
+                                          detail::pointer_to_prepared<H, Scalar>()),
                 "this Hamiltonian has a flow() of its own and inherits prepared(), which is asked instead: "
                 "write both");
   static_assert(!detail::SaysQuadraticByFunction<H>,

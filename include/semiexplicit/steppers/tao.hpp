@@ -28,8 +28,8 @@ class Tao {
   static constexpr const char* name = "Tao";
 
   /// Throws std::invalid_argument unless the scheme passes its own check and is a composition of Strang, as
-  /// strang, triple_jump, suzuki, yoshida6, kahan_li, suzuki_umeno and sofroniou_spaletta are: a direct list
-  /// of A and B coefficients says nothing about C. Also unless ω is finite.
+  /// strang, triple_jump, suzuki, yoshida6, kahan_li6 and 8, suzuki_umeno8 and sofroniou_spaletta6 to 10 are:
+  /// a direct list of A and B coefficients says nothing about C. Also unless ω is finite.
   Tao(H hamiltonian, Scheme<Scalar> scheme, Scalar omega)
       : map_(std::move(hamiltonian), std::move(scheme)),
         omega_(std::move(omega)),
@@ -137,7 +137,7 @@ class Tao {
         throw std::invalid_argument(
             "Tao: the scheme '" + scheme().name +
             "' is not a composition of Strang; use strang, triple_jump, suzuki, yoshida6, "
-            "kahan_li, suzuki_umeno or sofroniou_spaletta, or compose() one from strang");
+            "kahan_li8, suzuki_umeno8 or sofroniou_spaletta10, or compose() one from strang");
     }
   }
 

@@ -58,6 +58,23 @@ consteval bool field_adds() {
       "this field has no `void add_potential(const auto& x, auto& a) const` with `void add_gradient(const "
       "auto& x, const auto& v, const auto& factor, auto& out) const`; one that depends on the time takes "
       "it first in both and in `void add_time_derivative(const auto& t, const auto& x, auto& a) const`");
+  using semiexplicit::detail::rounds;
+  constexpr auto gradient_rounds = [](auto pointer) {
+    return rounds<Scalar, 4, 2>(pointer) || rounds<Scalar, 5, 0>(pointer) || rounds<Scalar, 5, 3>(pointer);
+  };
+  constexpr bool rounded = [&] {
+    if constexpr (requires { &Field::add_gradient; })
+      return gradient_rounds(&Field::add_gradient);
+    else if constexpr (requires { &Field::template add_gradient<Column, Column, Column>; })
+      return gradient_rounds(&Field::template add_gradient<Column, Column, Column>);
+    else
+      return false;
+  }();
+  static_assert(
+      !rounded && !rounds<Scalar, 3, 0>(semiexplicit::detail::pointer_to_add_potential<Field, Column>()) &&
+          !rounds<Scalar, 3, 0>(semiexplicit::detail::pointer_to_add_time_derivative<Field, Column>()),
+      "add_potential, add_gradient or add_time_derivative of this field takes the time or the factor as a "
+      "whole number, or one of fewer digits than the charge's, which rounds it: write `const auto& t`");
   return !lost && (HasMembers<Field, Scalar> || HasDrivenMembers<Field, Scalar>);
 }
 

@@ -10,6 +10,12 @@
 // case template_by_value: takes by value what it adds to, so that it adds nothing: write `auto& dHdq`
 // case mixed_by_value: takes by value what it adds to, so that it adds nothing: write `auto& dHdq`
 // case template_force_by_value: takes by value what it adds to, so that it adds nothing: write `auto& dHdq`
+// case gradient_answers: add_gradient or add_force of this effect returns a bool or a Status, and nobody asks: let it return nothing
+// case force_answers: add_gradient or add_force of this effect returns a bool or a Status, and nobody asks: let it return nothing
+// case time_last: a member of this effect ends with a number, which would always be its default: leave it out
+// case energy_time_last: a member of this effect ends with a number, which would always be its default: leave it out
+// case force_time_last: a member of this effect ends with a number, which would always be its default: leave it out
+// case energy_is_whole: the energy of this effect is a whole number, or one of fewer digits than its Scalar: let it return a Scalar
 // case without_size: an effect with Dof = Eigen::Dynamic says its size at run time: write `Eigen::Index dof() const {
 // case force_beside_energy: has a force of its own, add_force, which is asked for OnMotion only: make two effects of it
 // case energy_beside_force: this effect OnMotion has an energy with its gradient, which is not asked: make two effects of it
@@ -38,8 +44,21 @@ struct Mine {
 #ifdef size_not_const
   Eigen::Index dof() { return 2; }
 #endif
+#if defined(energy_is_whole)
+  int energy(const auto& q) const { return int(q[0]); }
+#elif defined(energy_time_last)
+  auto energy(const auto& q, double t = 0) const { return q[0] * t; }
+#else
   double energy(const auto& q) const { return q[0]; }
-#if defined(gradient_by_value) || defined(any_by_value)
+#endif
+#if defined(gradient_answers)
+  bool add_gradient(const auto&, auto& dHdq) const {
+    dHdq[0] += 1;
+    return true;
+  }
+#elif defined(time_last)
+  void add_gradient(const auto&, auto& dHdq, double t = 0) const { dHdq[0] += t; }
+#elif defined(gradient_by_value) || defined(any_by_value)
   void add_gradient(const Eigen::Vector2d&, Eigen::Vector2d dHdq) const { dHdq[0] += 1; }
 #elif defined(template_by_value)
   void add_gradient(const auto&, auto dHdq) const { dHdq[0] += 1; }
@@ -61,6 +80,13 @@ struct Wind {
   void add_force(In<double, 2>, In<double, 2>, Eigen::Vector2d force) const { force[0] += 1; }
 #elif defined(template_force_by_value)
   void add_force(const auto&, const auto&, auto force) const { force[0] += 1; }
+#elif defined(force_answers)
+  auto add_force(const auto&, const auto&, auto& force) const {
+    force[0] += 1;
+    return true;
+  }
+#elif defined(force_time_last)
+  void add_force(const auto&, const auto&, auto& force, double t = 0) const { force[0] += t; }
 #elif !defined(without_force)
   void add_force(const auto&, const auto&, auto& force) const { force[0] += 1; }
 #endif

@@ -3,6 +3,9 @@
 // case energy_not_const: the energy of this Hamiltonian is not const, or no number: write `Scalar energy(
 // case energy_is_no_number: the energy of this Hamiltonian is not const, or no number: write `Scalar energy(
 // case energy_of_other_arguments: the energy of this Hamiltonian takes other arguments: write `Scalar energy(
+// case energy_is_whole: the energy of this Hamiltonian is a whole number, or one of fewer digits than Scalar: let it return a Scalar
+// case energy_of_float: the energy of this Hamiltonian is a whole number, or one of fewer digits than Scalar: let it return a Scalar
+// case energy_time_last: the energy of this Hamiltonian ends with a number, which would always be its default: the time comes first
 // case check_without_energy: has no public energy, by which the run is to be judged: write `Scalar energy(
 // case cost_without_energy: has no public energy, by which the run is to be judged: write `Scalar energy(
 // case driven_without_energy: of this driven Hamiltonian there is no K to judge a run by: write `Scalar energy(const Scalar& t
@@ -21,6 +24,12 @@ struct Mine {
 #if defined(no_energy) || defined(check_without_energy) || defined(cost_without_energy)
 #elif defined(energy_not_const)
   double energy(Column q, Column p) { return q.dot(p); }
+#elif defined(energy_is_whole)
+  int energy(const auto& q, const auto& p) const { return int(q.dot(p)); }
+#elif defined(energy_of_float)
+  float energy(Column q, Column p) const { return float(q.dot(p)); }
+#elif defined(energy_time_last)
+  auto energy(const auto& q, const auto& p, double t = 1) const { return t * q.dot(p); }
 #elif defined(energy_is_no_number)
   const char* energy(Column, Column) const { return "much"; }
 #elif defined(energy_of_other_arguments)

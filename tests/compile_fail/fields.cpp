@@ -10,6 +10,8 @@
 // case driven_without_derivative: one that depends on the time takes it first in both and in `void add_time_derivative(
 // case driven_at_whole_times: takes the time or the factor as a whole number, or one of fewer digits than the charge's, which rounds it: write `const auto& t`
 // case potential_time_last: takes a number behind the place, which would always be its default: the time comes first
+// case potential_answers: add_time_derivative of this field returns a bool or a Status, and nobody asks: let it return nothing
+// case time_last: add_potential or add_gradient of this field ends with a number, which would always be its default
 // case two_components: the potential of this FieldFrom has not three components
 // case plane_potential: acts in another number of dimensions than 3, or on other numbers than the charge's
 // case potential_of_floats: acts in another number of dimensions than 3, or on other numbers than the charge's
@@ -34,8 +36,19 @@ using Written = Vector<double, 3>&;
 #endif
 
 struct Mine {
+#ifdef potential_answers
+  bool add_potential(const auto& x, Written a) const {
+    a[1] += x[0];
+    return true;
+  }
+#else
   void add_potential(const auto& x, Written a) const { a[1] += x[0]; }
+#endif
 #if defined(without_gradient)
+#elif defined(time_last)
+  void add_gradient(const auto&, const auto& v, double factor, auto& out, double t = 0) const {
+    out[0] += t * factor * v[1];
+  }
 #elif defined(gradient_not_const)
   void add_gradient(const auto&, const auto& v, double factor, auto& out) { out[0] += factor * v[1]; }
 #elif defined(gradient_by_value) || defined(summed_by_value)

@@ -37,6 +37,17 @@
 // case lambda_by_value: takes dHdq or dHdp by value, so what it writes is lost: take both as
 // case mixed_lambda_by_value: takes dHdq or dHdp by value, so what it writes is lost: take both as
 // case function_by_value: takes dHdq or dHdp by value, so what it writes is lost: take both as
+// case any_time_last: ends with a number, which would always be its default: the time comes first
+// case halves_answer: position_gradient or momentum_gradient of this Hamiltonian returns a bool or a Status, and nobody asks: let it return nothing
+// case hessian_answers: position_gradient or momentum_gradient of this Hamiltonian returns a bool or a Status, and nobody asks: let it return nothing
+// case halves_time_last: position_gradient or momentum_gradient of this Hamiltonian ends with a number, which would always be its default
+// case driven_answers: the gradient of this Hamiltonian returns a bool or a Status, and nobody asks: let it return nothing
+// case time_derivative_of_float: energy or time_derivative of this Hamiltonian is a whole number, or one of fewer digits than Scalar
+// case driven_energy_is_whole: energy or time_derivative of this Hamiltonian is a whole number, or one of fewer digits than Scalar
+// case lambda_answers: make_hamiltonian: the gradient returns a bool or a Status, and nobody asks: let it return nothing
+// case lambda_time_last: make_hamiltonian: a function takes a number behind the others, which would always be its default
+// case lambda_energy_time_last: make_hamiltonian: a function takes a number behind the others, which would always be its default
+// case lambda_energy_is_whole: make_hamiltonian: the energy is a whole number, or one of fewer digits than Scalar
 // case longer_by_value: takes dHdq or dHdp by value, so what it writes is lost: take both as
 #include <semiexplicit/schemes/named.hpp>
 #include <semiexplicit/steppers/semiexplicit.hpp>
@@ -103,6 +114,10 @@ struct Mine {
   }
 #elif defined(time_last)
   void gradient(Column q, Column p, Half dHdq, Half dHdp, double t = 0) const { dHdq = t * p, dHdp = q; }
+#elif defined(any_time_last)
+  void gradient(const auto& q, const auto& p, auto& dHdq, auto& dHdp, double t = 0) const {
+    dHdq = t * p, dHdp = q;
+  }
 #elif defined(gradient_answers)
   bool gradient(Column q, Column p, Half dHdq, Half dHdp) const {
     dHdq = p, dHdp = q;
@@ -112,6 +127,19 @@ struct Mine {
   void gradient(double t, Column q, Column p, Half dHdq, Half dHdp) const { dHdq = t * p, dHdp = q; }
 #else
   void gradient(Column q, Column p, Half dHdq, Half dHdp) const { dHdq = p, dHdp = q; }
+#endif
+#ifdef halves_answer
+  bool position_gradient(Column q, Half dHdq) const {
+    dHdq = q;
+    return true;
+  }
+#elif defined(halves_time_last)
+  void momentum_gradient(const auto& p, auto& dHdp, double t = 0) const { dHdp = t * p; }
+#elif defined(hessian_answers)
+  Status hessian(const auto&, const auto&, auto& matrix) const {
+    matrix.setIdentity();
+    return Status::success;
+  }
 #endif
 #ifdef separable_function
   static constexpr bool separable() { return false; }
@@ -154,6 +182,17 @@ struct Driven {
     dHdq = t * p, dHdp = t * q;
     return static_cast<int>(q.dot(p));
   }
+#elif defined(driven_answers)
+  Status gradient(double t, Column q, Column p, Half dHdq, Half dHdp) const {
+    dHdq = t * p, dHdp = t * q;
+    return Status::success;
+  }
+#elif defined(time_derivative_of_float)
+  void gradient(double t, Column q, Column p, Half dHdq, Half dHdp) const { dHdq = t * p, dHdp = t * q; }
+  float time_derivative(double, Column q, Column p) const { return float(q.dot(p)); }
+#elif defined(driven_energy_is_whole)
+  void gradient(double t, Column q, Column p, Half dHdq, Half dHdp) const { dHdq = t * p, dHdp = t * q; }
+  int energy(double t, Column q, Column p) const { return int(t * q.dot(p)); }
 #elif defined(driven_at_whole_times)
   void gradient(int t, const auto& q, const auto& p, Half dHdq, Half dHdp) const {
     dHdq = t * p, dHdp = t * q;
@@ -196,6 +235,24 @@ int main() {
   auto mine = make_hamiltonian<double, 2>(
       [](const auto& q, const auto& p) { return q.dot(p); },
       [](const auto& q, const auto& p, auto& dHdq, Eigen::Vector2d dHdp) { dHdq = p, dHdp = q; });
+#elif defined(lambda_answers)
+  auto mine = make_hamiltonian<double, 2>([](const auto& q, const auto& p) { return q.dot(p); },
+                                          [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
+                                            dHdq = p, dHdp = q;
+                                            return q[0] > 0;
+                                          });
+#elif defined(lambda_time_last)
+  auto mine = make_hamiltonian<double, 2>(
+      [](const auto& q, const auto& p) { return q.dot(p); },
+      [](const auto& q, const auto& p, auto& dHdq, auto& dHdp, double t = 1) { dHdq = t * p, dHdp = t * q; });
+#elif defined(lambda_energy_time_last)
+  auto mine = make_hamiltonian<double, 2>(
+      [](const auto& q, const auto& p, double t = 1) { return t * q.dot(p); },
+      [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) { dHdq = p, dHdp = q; });
+#elif defined(lambda_energy_is_whole)
+  auto mine = make_hamiltonian<double, 2>(
+      [](const auto& q, const auto& p) { return int(q.dot(p)); },
+      [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) { dHdq = p, dHdp = q; });
 #elif defined(function_by_value)
   auto mine = make_hamiltonian<double, 2>([](const auto& q, const auto& p) { return q.dot(p); }, into_copies);
 #else

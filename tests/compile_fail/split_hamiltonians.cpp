@@ -12,6 +12,8 @@
 // case quadratic_function: flow_is_quadratic of this Hamiltonian is a function: write `static constexpr bool
 // case flow_of_whole_time: flow or prepared of this Hamiltonian takes the time as a whole number, or one of fewer digits than Scalar, which rounds it: write `const Scalar& t`
 // case prepared_of_float: flow or prepared of this Hamiltonian takes the time as a whole number, or one of fewer digits than Scalar, which rounds it: write `const Scalar& t`
+// case rest_answers: rest_position_gradient or rest_momentum_gradient of this Hamiltonian returns a bool or a Status, and nobody asks: let it return nothing
+// case rest_time_last: rest_position_gradient or rest_momentum_gradient of this Hamiltonian ends with a number, which would always be its default
 // case coupled_into_copies: takes dHdq or dHdp by value, so what it writes is lost: take both as Out<Scalar, Dof>
 #include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
@@ -68,6 +70,15 @@ struct Anharmonic {
   void rest_position_gradient(const auto& q, auto& dHdq) { dHdq[0] = q[0] * q[0] * q[0]; }
 #elif defined(template_of_both)
   void rest_position_gradient(const auto& q, const auto&, auto& dHdq) const { dHdq[0] = q[0] * q[0] * q[0]; }
+#elif defined(rest_answers)
+  Status rest_position_gradient(Read q, Write dHdq) const {
+    dHdq[0] = q[0] * q[0] * q[0];
+    return Status::success;
+  }
+#elif defined(rest_time_last)
+  void rest_position_gradient(const auto& q, auto& dHdq, double t = 1) const {
+    dHdq[0] = t * q[0] * q[0] * q[0];
+  }
 #elif defined(output_by_value)
   void rest_position_gradient(Read q, Vector<double, 1> dHdq) const { dHdq[0] = q[0] * q[0] * q[0]; }
 #elif defined(other_output)

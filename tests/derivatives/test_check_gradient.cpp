@@ -9,6 +9,7 @@
 
 #include <semiexplicit/accuracy/right_gradient.hpp>
 #include <semiexplicit/derivatives.hpp>
+#include <semiexplicit/scene.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 #include <semiexplicit/systems.hpp>
 
@@ -124,6 +125,13 @@ TEST_CASE("What cannot be checked is refused", "[check_gradient]") {
   CHECK(refuses([&] { check_gradient(H, Point({1, 2, NAN}, {3, 4, 5})); }, "energy at z is NaN or Inf"));
   CHECK(check_gradient(H, Point(3)).ok());  // all zero
   CHECK(refuses([] { check_gradient(Empty{}, Point(0)); }, "no degrees of freedom"));
+  using namespace effects::orbits;
+  const Scene dragged(Kinetic<double, 2>{}, Attraction<double, 2>{}, Drag<double, 2>{});
+  CHECK(refuses(
+      [&] {
+        check_gradient(dragged, PhasePoint<double, 2>({1, 2}, {3, 4}));
+      },
+      "has an effect with a force of its own (OnMotion)"));
 }
 
 TEST_CASE("A variable that is zero up to rounding hides nothing", "[check_gradient]") {

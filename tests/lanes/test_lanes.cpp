@@ -8,6 +8,7 @@
 
 #include "catch.hpp"
 
+#include <semiexplicit/derivatives.hpp>
 #include <semiexplicit/ensemble.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 #include <semiexplicit/systems.hpp>
@@ -199,6 +200,34 @@ TEST_CASE("Sines in packs are right at any angle, and no lane depends on the oth
       }
   CHECK(worst <= 3e-16);
   CHECK(others == 0);
+}
+
+/// A system in one register whose gradient there has a factor of its own.
+struct OtherInLanes {
+  using Scalar = double;
+  using LaneGradientOf = OtherInLanes;
+  static constexpr int Dof = 3;
+  double factor;
+  double energy(In<double, 3> q, In<double, 3> p) const { return (p.squaredNorm() + q.squaredNorm()) / 2; }
+  void gradient(In<double, 3> q, In<double, 3> p, Out<double, 3> dHdq, Out<double, 3> dHdp) const {
+    dHdq = q;
+    dHdp = p;
+  }
+#ifdef SEMIEXPLICIT_HAS_LANES
+  void lane_gradient(const Lanes* q, const Lanes* p, Lanes* dHdq, Lanes* dHdp) const {
+    dHdq[0] = q[0];
+    dHdp[0] = factor * p[0];
+  }
+#endif
+};
+
+TEST_CASE("check_gradient compares the gradient on registers") {
+  const PhasePoint<double, 3> z({0.3, -0.4, 0.5}, {1, 2, -3});
+  CHECK(check_gradient(OtherInLanes{1}, z).ok());
+  const auto check = check_gradient(OtherInLanes{-1}, z);
+  CHECK(check.ok() != HasLaneGradient<OtherInLanes>);
+  CHECK(check.entries[5].wrong == HasLaneGradient<OtherInLanes>);
+  CHECK_FALSE(check.entries[2].wrong);
 }
 
 #ifdef __cpp_lib_experimental_parallel_simd

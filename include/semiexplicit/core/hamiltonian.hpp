@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <semiexplicit/core/inlined.hpp>
+#include <semiexplicit/core/parameters.hpp>
 #include <semiexplicit/core/vector.hpp>
 
 namespace semiexplicit {
@@ -217,6 +218,19 @@ class LambdaHamiltonian {
  public:
   using Scalar = ScalarType;
   static constexpr int Dof = DofValue;
+
+  using Read = const In<Scalar, Dof>&;
+  using Written = Out<Scalar, Dof>&;
+  static_assert(!detail::takes_time_last<false, Energy, Read, Read, const Scalar&>() &&
+                    !detail::takes_time_last<false, Gradient, Read, Read, Written, Written, const Scalar&>(),
+                "make_hamiltonian: a function takes a number behind the others, which would always be its "
+                "default; one that depends on the time is a class, see Autonomous");
+  static_assert(!detail::is_answer<detail::ResultOf<Gradient, Read, Read, Written, Written>>,
+                "make_hamiltonian: the gradient returns a bool or a Status, and nobody asks: let it return "
+                "nothing, and throw, or write NaN, where there is none");
+  static_assert(!detail::is_narrower<detail::ResultOf<Energy, Read, Read>, Scalar>,
+                "make_hamiltonian: the energy is a whole number, or one of fewer digits than Scalar: let it "
+                "return a Scalar");
 
   LambdaHamiltonian(Eigen::Index dof, Energy energy, Gradient gradient)
       : dof_(dof), energy_(std::move(energy)), gradient_(std::move(gradient)) {}

@@ -71,11 +71,7 @@ constexpr bool gradient_does_not_fit() {
 /// The time, or another number, behind the outputs, where a default stands in for it.
 template <class H>
 constexpr bool gradient_ends_with_a_number() {
-  using Found = GradientParameters<H>;
-  if constexpr (Found::count >= 5)
-    return std::is_floating_point_v<std::remove_cvref_t<typename Found::template FromLast<0>>>;
-  else
-    return false;
+  return ends_with_a_number<4>(pointer_to_gradient<H, InColumn<H>, OutColumn<H>>());
 }
 template <class H>
 concept HasMutableGradient = requires(H& h, const InColumn<H>& q, const InColumn<H>& p, OutColumn<H>& dHdq,
@@ -100,13 +96,6 @@ template <class H>
 concept SaysSeparableByFunction = requires {
   requires points_to_function<decltype(&H::separable)>;
 };
-/// The gradient says whether there is one.
-template <class H>
-concept AnswersByGradient = requires(const H& h, const InColumn<H>& at, OutColumn<H>& out) {
-  requires std::same_as < std::remove_cvref_t<decltype(h.gradient(at, at, out, out))>,
-  bool > || std::is_enum_v<std::remove_cvref_t<decltype(h.gradient(at, at, out, out))>>;
-};
-
 /// It sums over ranks as far as its caller can tell, but not as SumsOverRanks asks for, or in other numbers.
 template <class H>
 concept SumsOverRanksOtherwise = !requires(const H& h, const typename H::Scalar& x) {
@@ -129,13 +118,11 @@ constexpr bool deduces_all = requires {
 template <class H>
 consteval bool gradient_writes() {
   using At = const InColumn<H>&;
-  const auto of_point =
-      [](const auto& h,
-         auto& out) -> decltype(void(h.gradient(std::declval<At>(), std::declval<At>(), out, out))) {};
-  const auto of_time =
-      [](const auto& h,
-         auto& out) -> decltype(void(h.gradient(std::declval<const typename H::Scalar&>(), std::declval<At>(),
-                                                std::declval<At>(), out, out))) {};
+  const auto of_point = [](const auto& h, auto& out) -> decltype(h.gradient(std::declval<At>(),
+                                                                            std::declval<At>(), out, out)) {};
+  const auto of_time = [](const auto& h, auto& out) -> decltype(h.gradient(
+                                                        std::declval<const typename H::Scalar&>(),
+                                                        std::declval<At>(), std::declval<At>(), out, out)) {};
   constexpr bool copies = [&] {
     if constexpr (deduces_all<H>)
       return false;
@@ -147,27 +134,37 @@ consteval bool gradient_writes() {
   static_assert(!copies,
                 "the gradient of this Hamiltonian takes dHdq or dHdp by value, so what it writes is lost: "
                 "take both as Out<Scalar, Dof>");
-  return !copies;
+  constexpr bool answered =
+      answers<decltype(of_point), H, OutColumn<H>>() || answers<decltype(of_time), H, OutColumn<H>>();
+  static_assert(!answered,
+                "the gradient of this Hamiltonian returns a bool or a Status, and nobody asks: let it return "
+                "nothing, and throw, or write NaN, where there is none");
+  return !copies && !answered;
 }
-/// Whether one of the members that a Hamiltonian may have takes an output by value.
+/// What is wrong with the outputs of the members that a Hamiltonian may have.
 template <class H>
-constexpr bool optional_member_writes_into_copies() {
+constexpr OutputFaults faults_of_optional_members() {
   using At = const InColumn<H>&;
   using Hessian = Eigen::Matrix<typename H::Scalar, twice(H::Dof), twice(H::Dof)>;
-  const auto hessian = [](const auto& h, auto& out) -> decltype(void(h.hessian(std::declval<At>(),
-                                                                               std::declval<At>(), out))) {};
-  const auto product =
-      [](const auto& h,
-         auto& out) -> decltype(void(h.hessian_times(std::declval<At>(), std::declval<At>(),
-                                                     std::declval<At>(), std::declval<At>(), out, out))) {};
+  const auto hessian = [](const auto& h,
+                          auto& out) -> decltype(h.hessian(std::declval<At>(), std::declval<At>(), out)) {};
+  const auto product = [](const auto& h, auto& out) -> decltype(h.hessian_times(
+                                                        std::declval<At>(), std::declval<At>(),
+                                                        std::declval<At>(), std::declval<At>(), out, out)) {};
   const auto position = [](const auto& h,
-                           auto& out) -> decltype(void(h.position_gradient(std::declval<At>(), out))) {};
+                           auto& out) -> decltype(h.position_gradient(std::declval<At>(), out)) {};
   const auto momentum = [](const auto& h,
-                           auto& out) -> decltype(void(h.momentum_gradient(std::declval<At>(), out))) {};
-  return loses_output<decltype(hessian), H, Hessian>() ||
-         loses_output<decltype(product), H, OutColumn<H>>() ||
-         loses_output<decltype(position), H, OutColumn<H>>() ||
-         loses_output<decltype(momentum), H, OutColumn<H>>();
+                           auto& out) -> decltype(h.momentum_gradient(std::declval<At>(), out)) {};
+  return output_faults<decltype(hessian), H, Hessian>() |
+         output_faults<decltype(product), H, OutColumn<H>>() |
+         output_faults<decltype(position), H, OutColumn<H>>() |
+         output_faults<decltype(momentum), H, OutColumn<H>>();
+}
+/// Whether one of them takes a number behind its outputs, where a default stands in for it.
+template <class H>
+constexpr bool optional_member_ends_with_a_number() {
+  return ends_with_a_number<2>(pointer_to_position_gradient<H, InColumn<H>, OutColumn<H>>()) ||
+         ends_with_a_number<2>(pointer_to_momentum_gradient<H, InColumn<H>, OutColumn<H>>());
 }
 
 /// Compiles unless H has a hessian or a hessian_times that cannot be called, which second derivatives by
@@ -254,7 +251,8 @@ consteval bool is_hamiltonian() {
     static_assert(std::copy_constructible<H>,
                   "a Hamiltonian is copied into the stepper, and this one cannot be: give it a copy "
                   "constructor, or hold what cannot be copied by a std::shared_ptr");
-    static_assert(!optional_member_writes_into_copies<H>(),
+    constexpr OutputFaults faults = faults_of_optional_members<H>();
+    static_assert(!faults.lost,
                   "hessian, hessian_times, position_gradient or momentum_gradient of this Hamiltonian takes "
                   "an output by value, so what it writes is lost: take it as Out<Scalar, Dof>, a Hessian as "
                   "Eigen::Ref");
@@ -262,9 +260,14 @@ consteval bool is_hamiltonian() {
                   "separable of this Hamiltonian is a function: write `static constexpr bool separable = "
                   "true;`");
     static_assert(
-        !AnswersByGradient<H>,
-        "the gradient of this Hamiltonian returns a bool or a Status, and nobody asks: let it return "
-        "nothing, and throw, or write NaN, where there is none");
+        !faults.answered,
+        "hessian, hessian_times, position_gradient or momentum_gradient of this Hamiltonian returns a "
+        "bool or a Status, and nobody asks: let it return nothing, and throw, or write NaN, where "
+        "there is none");
+    static_assert(
+        !optional_member_ends_with_a_number<H>(),
+        "position_gradient or momentum_gradient of this Hamiltonian ends with a number, which would "
+        "always be its default: leave it out");
     static_assert(!SumsOverRanksOtherwise<H>,
                   "sum_over_ranks of this Hamiltonian cannot be called: write `Scalar sum_over_ranks(const "
                   "Scalar& x) const`");
@@ -305,7 +308,19 @@ consteval bool is_time_dependent() {
 template <class H>
 consteval bool has_energy() {
   if constexpr (HasEnergy<H>) {
-    return true;
+    using Column = InColumn<H>;
+    constexpr bool narrow = is_narrower<std::remove_cvref_t<decltype(std::declval<const H&>().energy(
+                                            std::declval<const Column&>(), std::declval<const Column&>()))>,
+                                        typename H::Scalar>;
+    static_assert(
+        !narrow,
+        "the energy of this Hamiltonian is a whole number, or one of fewer digits than Scalar: let it "
+        "return a Scalar");
+    constexpr bool longer = ends_with_a_number<2>(pointer_to_energy<H, Column>());
+    static_assert(!longer,
+                  "the energy of this Hamiltonian ends with a number, which would always be its default: the "
+                  "time comes first, `Scalar energy(const Scalar& t, In<Scalar, Dof> q, ...) const`");
+    return !narrow && !longer;
   } else if constexpr (is_hamiltonian<H>()) {
     static_assert(!InExtendedPhaseSpace<H>,
                   "of this driven Hamiltonian there is no K to judge a run by: write `Scalar energy(const "

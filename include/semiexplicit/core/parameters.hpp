@@ -46,46 +46,55 @@ template <class Pointer>
 inline constexpr bool points_to_function =
     std::is_member_function_pointer_v<Pointer> || std::is_function_v<std::remove_pointer_t<Pointer>>;
 
-/// pointer_to_step<C, T, U>(), and so on: a pointer to that member of C, which may be a template of one or
-/// two arguments, T and U; else a nullptr, about which nothing is known.
-#define SEMIEXPLICIT_POINTER_TO(member)                         \
-  template <class C, class T, class U = T>                      \
-  consteval auto pointer_to_##member() {                        \
-    if constexpr (requires { &C::member; })                     \
-      return &C::member;                                        \
-    else if constexpr (requires { &C::template member<T>; })    \
-      return &C::template member<T>;                            \
-    else if constexpr (requires { &C::template member<T, U>; }) \
-      return &C::template member<T, U>;                         \
-    else                                                        \
-      return nullptr;                                           \
+/// pointer_to_step<C, T, U>(), and so on: a pointer to that member of C, which may be a template of T and U;
+/// else a nullptr, about which nothing is known. A template of one or three may deduce the time, of which T
+/// is no type: where its return type is deduced, too, its body would not compile. `all` says that none does.
+#define SEMIEXPLICIT_POINTER_TO(member)                                 \
+  template <class C, class T, class U = T, bool all = false>            \
+  consteval auto pointer_to_##member() {                                \
+    constexpr auto is_of = []<class... Given>() {                       \
+      if constexpr (all || sizeof...(Given) % 2 == 0) return requires { \
+          &C::template member<Given...>;                                \
+        };                                                              \
+      else                                                              \
+        return false;                                                   \
+    };                                                                  \
+    if constexpr (requires { &C::member; })                             \
+      return &C::member;                                                \
+    else if constexpr (is_of.template operator()<T>())                  \
+      return &C::template member<T>;                                    \
+    else if constexpr (is_of.template operator()<T, U>())               \
+      return &C::template member<T, U>;                                 \
+    else if constexpr (is_of.template operator()<T, T, U>())            \
+      return &C::template member<T, T, U>;                              \
+    else if constexpr (is_of.template operator()<T, T, U, U>())         \
+      return &C::template member<T, T, U, U>;                           \
+    else                                                                \
+      return nullptr;                                                   \
   }
 SEMIEXPLICIT_POINTER_TO(step)
 SEMIEXPLICIT_POINTER_TO(step_until)
-SEMIEXPLICIT_POINTER_TO(prepared)
-#undef SEMIEXPLICIT_POINTER_TO
-/// The same of members that take columns: a template of two or four of them. What is a template of one may
-/// deduce the time, which is no column: where its return type is deduced, too, its body would not compile.
-#define SEMIEXPLICIT_POINTER_TO(member)                               \
-  template <class C, class T, class U = T>                            \
-  consteval auto pointer_to_##member() {                              \
-    if constexpr (requires { &C::member; })                           \
-      return &C::member;                                              \
-    else if constexpr (requires { &C::template member<T, U>; })       \
-      return &C::template member<T, U>;                               \
-    else if constexpr (requires { &C::template member<T, T, U, U>; }) \
-      return &C::template member<T, T, U, U>;                         \
-    else                                                              \
-      return nullptr;                                                 \
-  }
 SEMIEXPLICIT_POINTER_TO(gradient)
 SEMIEXPLICIT_POINTER_TO(energy)
 SEMIEXPLICIT_POINTER_TO(time_derivative)
+SEMIEXPLICIT_POINTER_TO(position_gradient)
+SEMIEXPLICIT_POINTER_TO(momentum_gradient)
+SEMIEXPLICIT_POINTER_TO(rest_position_gradient)
+SEMIEXPLICIT_POINTER_TO(rest_momentum_gradient)
 SEMIEXPLICIT_POINTER_TO(flow)
 SEMIEXPLICIT_POINTER_TO(increments)
+SEMIEXPLICIT_POINTER_TO(prepared)
+SEMIEXPLICIT_POINTER_TO(add_force)
 SEMIEXPLICIT_POINTER_TO(add_potential)
+SEMIEXPLICIT_POINTER_TO(add_gradient)
 SEMIEXPLICIT_POINTER_TO(add_time_derivative)
 #undef SEMIEXPLICIT_POINTER_TO
+
+/// A whole number, or one of fewer digits than Scalar.
+template <class Number, class Scalar>
+inline constexpr bool is_narrower = std::is_integral_v<Number> || (std::is_floating_point_v<Number> &&
+                                                                   std::numeric_limits<Number>::digits <
+                                                                       std::numeric_limits<Scalar>::digits);
 
 /// Whether a function with `count` parameters takes a Scalar as a number of fewer digits, or a whole one, in
 /// the place that is given, counted from 0.
@@ -93,13 +102,21 @@ template <class Scalar, std::size_t count, std::size_t place, class Function>
 constexpr bool rounds(Function) {
   using Found = Parameters<Function>;
   if constexpr (Found::count == count) {
-    using Number = std::remove_cvref_t<typename Found::template FromLast<count - 1 - place>>;
-    return std::is_integral_v<Number> ||
-           (std::is_floating_point_v<Number> &&
-            std::numeric_limits<Number>::digits < std::numeric_limits<Scalar>::digits);
+    return is_narrower<std::remove_cvref_t<typename Found::template FromLast<count - 1 - place>>, Scalar>;
   } else {
     return false;
   }
+}
+
+/// Whether a function that is called with `count` arguments takes a number behind them, as the time, for
+/// which a default stands in.
+template <std::size_t count, class Function>
+constexpr bool ends_with_a_number(Function) {
+  using Found = Parameters<Function>;
+  if constexpr (Found::count > count)
+    return std::is_floating_point_v<std::remove_cvref_t<typename Found::template FromLast<0>>>;
+  else
+    return false;
 }
 
 /// The class that declares a member, by a pointer to it.
@@ -157,6 +174,19 @@ constexpr bool takes_time_last() {
     return std::is_invocable_v<const F&, Arguments...>;
 }
 
+/// What a function gives; of one that cannot be called so, void.
+template <class F, class... Arguments>
+struct ResultOfCall {
+  using Type = void;
+};
+template <class F, class... Arguments>
+requires std::is_invocable_v<const F&, Arguments...>
+struct ResultOfCall<F, Arguments...> {
+  using Type = std::remove_cvref_t<std::invoke_result_t<const F&, Arguments...>>;
+};
+template <class F, class... Arguments>
+using ResultOf = typename ResultOfCall<F, Arguments...>::Type;
+
 /// A column of somebody's own type, which is an Eigen column.
 template <class Column>
 struct Derived : Column {
@@ -193,6 +223,30 @@ constexpr bool loses_output() {
                       !takes(std::type_identity<Uncopied<Column>>());
   return copied || (takes(std::type_identity<Derived<Eigen::Map<Column>>>()) &&
                     !takes(std::type_identity<NoMatrix<Column>>()));
+}
+
+/// A bool or a Status: what nobody asks of a member that writes to its outputs.
+template <class T>
+inline constexpr bool is_answer =
+    std::is_same_v<std::remove_cvref_t<T>, bool> || std::is_enum_v<std::remove_cvref_t<T>>;
+/// Whether a member, called as for loses_output(), gives one: `Call` returns what the member does.
+template <class Call, class Object, class Given>
+constexpr bool answers() {
+  if constexpr (std::is_invocable_v<Call, Object&, Given&>)
+    return is_answer<std::invoke_result_t<Call, Object&, Given&>>;
+  else
+    return false;
+}
+/// What is wrong with a member that writes to an output.
+struct OutputFaults {
+  bool lost = false, answered = false;
+  constexpr OutputFaults operator|(const OutputFaults& other) const {
+    return {lost || other.lost, answered || other.answered};
+  }
+};
+template <class Call, class Object, class Given>
+constexpr OutputFaults output_faults() {
+  return {loses_output<Call, Object, Given>(), answers<Call, Object, Given>()};
 }
 
 }  // namespace semiexplicit::detail

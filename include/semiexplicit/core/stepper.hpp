@@ -96,8 +96,8 @@ constexpr bool takes_state_by_value(Function) {
 template <class S>
 constexpr bool moves_a_copy() {
   using State = typename S::State;
-  return takes_state_by_value(pointer_to_step<S, State, typename S::Scalar>()) ||
-         takes_state_by_value(pointer_to_step_until<S, State>());
+  return takes_state_by_value(pointer_to_step<S, State, typename S::Scalar, true>()) ||
+         takes_state_by_value(pointer_to_step_until<S, State, State, true>());
 }
 
 /// The optional members of a stepper, written so that they would be taken for absent.
@@ -138,7 +138,7 @@ consteval bool is_stepper() {
         "same");
   if constexpr (NamesScalarAndState<S>)
     static_assert(
-        !rounds<typename S::Scalar, 2, 1>(pointer_to_step<S, typename S::State, typename S::Scalar>()),
+        !rounds<typename S::Scalar, 2, 1>(pointer_to_step<S, typename S::State, typename S::Scalar, true>()),
         "the step of this stepper takes dt as a whole number, or one of fewer digits than Scalar, which "
         "rounds it: write `StepReport step(State& state, const Scalar& dt)`");
   static_assert(!NamesHamiltonianOtherwise<S>,

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -207,10 +206,11 @@ typename H::Scalar energy_rounding(const H& hamiltonian, const typename H::Scala
 /// an entry, up to eight times that where they say little or the entry is wrong, and three gradients, whose
 /// outputs hold different numbers before.
 ///
-/// Compares the gradient also with the other members that H may have, those for packs (HasPackGradient), for
-/// halves (SeparableHamiltonian) and for ranges (HasRangeGradient, with its reach) at z and three points near
-/// it; with the exact flow and the rest (SplitHamiltonian), by some 150 flows at each of these; and its
-/// derivative along one direction with hessian() and hessian_times(), by some 150 gradients each.
+/// Compares the gradient also with the other members that H may have, those for packs (HasPackGradient),
+/// registers (HasLaneGradient), halves (SeparableHamiltonian) and for ranges (HasRangeGradient, with its
+/// reach) at z and three points near it; with the exact flow and the rest (SplitHamiltonian), by some 150
+/// flows at each of these; and its derivative along one direction with hessian() and hessian_times(), by some
+/// 150 gradients each.
 ///
 ///     if (const auto check = check_gradient(H, z); !check.ok()) std::cerr << check << '\n';
 ///
@@ -218,8 +218,8 @@ typename H::Scalar energy_rounding(const H& hamiltonian, const typename H::Scala
 /// hands in outputs that hold anything; and one that is another number by one of these members. An entry
 /// about which the differences say too little, as at the edge of the domain, is not judged:
 /// GradientCheck::judged() is false then. Choose z with care: at a point of symmetry, as z = 0, many wrong
-/// gradients vanish like the right one. Throws std::invalid_argument if z has another size than H, or the
-/// energy at z is not finite.
+/// gradients vanish like the right one. Throws std::invalid_argument if z has another size than H, the energy
+/// at z is not finite, or H is a scene with a force of its own (OnMotion), which has none.
 template <class H>
 SEMIEXPLICIT_COLD GradientCheck<typename detail::EnergyDoor<H>::Scalar> check_gradient(
     const H& hamiltonian,
@@ -231,6 +231,7 @@ SEMIEXPLICIT_COLD GradientCheck<typename detail::EnergyDoor<H>::Scalar> check_gr
   if (z.dof() != d)
     throw std::invalid_argument("check_gradient: z has " + std::to_string(z.dof()) +
                                 " degrees of freedom and the Hamiltonian " + std::to_string(d));
+  detail::require_symplectic(hamiltonian, "check_gradient", "check it without that effect");
   if (d == 0) throw std::invalid_argument("check_gradient: there are no degrees of freedom");
   const Scalar energy = hamiltonian.energy(z.q(), z.p());
   if (!isfinite(energy))

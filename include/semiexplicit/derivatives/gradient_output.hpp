@@ -15,6 +15,7 @@
 
 #include <semiexplicit/core/cold.hpp>
 #include <semiexplicit/core/hamiltonian.hpp>
+#include <semiexplicit/core/lanes.hpp>
 #include <semiexplicit/core/median.hpp>
 #include <semiexplicit/core/phase_point.hpp>
 #include <semiexplicit/core/reference_size.hpp>
@@ -33,6 +34,7 @@ enum class GradientOutput {
   not_written,    ///< leaves it as it is
   added_to,       ///< adds to it
   other_packs,    ///< overwrites it, and with another number where it is called with packs (HasPackGradient)
+  other_lanes,    ///< and lane_gradient with another one (HasLaneGradient)
   other_halves,   ///< and position_gradient or momentum_gradient with another one (SeparableHamiltonian)
   other_range,    ///< and gradient_range with another one (HasRangeGradient)
   other_parts,    ///< and the exact flow and the rest add up to another one (SplitHamiltonian)
@@ -53,6 +55,10 @@ SEMIEXPLICIT_COLD inline std::string describe(GradientOutput output) {
     case GradientOutput::other_packs:
       return "is another number where the gradient is called with packs, as by Ensemble and "
              "GaussLegendreLanes: let both do the same, or leave PackGradientOf out";
+    case GradientOutput::other_lanes:
+      return "is another number by lane_gradient, which steps on registers call: let both do the same, or "
+             "leave "
+             "LaneGradientOf out";
     case GradientOutput::other_halves:
       return "is another number by position_gradient or momentum_gradient, which ExplicitSplitting calls: "
              "let both do the same, the slopes of the energy and not the forces, or leave "
@@ -313,6 +319,21 @@ SEMIEXPLICIT_COLD void compare_packs(const H& hamiltonian, OtherGradients<H>& ot
   });
 }
 
+#ifdef SEMIEXPLICIT_HAS_LANES
+/// The gradient on registers.
+template <HasLaneGradient H>
+SEMIEXPLICIT_COLD void compare_lanes(const H& hamiltonian, OtherGradients<H>& others) {
+  others.compare(GradientOutput::other_lanes, [&](const auto& z, const auto& differs) {
+    LanePoint<H::Dof> at, gradient;
+    at.load(z.vector().data());
+    hamiltonian.lane_gradient(at.data, at.data + at.d, gradient.data, gradient.data + at.d);
+    std::decay_t<decltype(z)> found = z;
+    gradient.store(found.vector().data());
+    for (Eigen::Index i = 0; i < 2 * z.dof(); ++i) differs(i, found.vector()[i], 0);
+  });
+}
+#endif
+
 /// The halves of a separable one, alone, into zeros as ExplicitSplitting calls them.
 template <SeparableHamiltonian H>
 SEMIEXPLICIT_COLD void compare_halves(const H& hamiltonian, OtherGradients<H>& others) {
@@ -430,6 +451,9 @@ SEMIEXPLICIT_COLD void compare_members(const H& hamiltonian, const PhasePoint<ty
                                        std::vector<GradientOutput>& outputs) {
   OtherGradients<H> others(hamiltonian, z, outputs);
   if constexpr (HasPackGradient<H>) compare_packs(hamiltonian, others);
+#ifdef SEMIEXPLICIT_HAS_LANES
+  if constexpr (HasLaneGradient<H>) compare_lanes(hamiltonian, others);
+#endif
   if constexpr (SeparableHamiltonian<H>) compare_halves(hamiltonian, others);
   if constexpr (HasRangeGradient<H>) compare_ranges(hamiltonian, others);
   if constexpr (SplitHamiltonian<H>) compare_parts(hamiltonian, others);

@@ -182,22 +182,49 @@ concept HasName = requires(const E& effect) {
   { effect.name } -> std::convertible_to<std::string_view>;
 };
 
-/// Whether what an effect adds goes into a copy.
+/// What is wrong with the output of what an effect adds.
 template <class E>
-constexpr bool adds_to_copies() {
+constexpr OutputFaults faults_of_added() {
   using At = const EffectIn<E>&;
   using Column = Vector<EffectScalar<E>, E::Acts::Dof>;
-  const auto force = [](const auto& h, auto& out) -> decltype(void(h.add_force(std::declval<At>(),
-                                                                               std::declval<At>(), out))) {};
-  const auto both = [](const auto& h, auto& out) -> decltype(void(h.add_gradient(
-                                                     std::declval<At>(), std::declval<At>(), out, out))) {};
-  const auto one = [](const auto& h, auto& out) -> decltype(void(h.add_gradient(std::declval<At>(), out))) {};
+  const auto force = [](const auto& h,
+                        auto& out) -> decltype(h.add_force(std::declval<At>(), std::declval<At>(), out)) {};
+  const auto both = [](const auto& h, auto& out) -> decltype(h.add_gradient(std::declval<At>(),
+                                                                            std::declval<At>(), out, out)) {};
+  const auto one = [](const auto& h, auto& out) -> decltype(h.add_gradient(std::declval<At>(), out)) {};
   if constexpr (ActsAs<E, OnMotion>)
-    return loses_output<decltype(force), E, Column>();
+    return output_faults<decltype(force), E, Column>();
   else if constexpr (ActsAs<E, OnBoth>)
-    return loses_output<decltype(both), E, Column>();
+    return output_faults<decltype(both), E, Column>();
   else
-    return loses_output<decltype(one), E, Column>();
+    return output_faults<decltype(one), E, Column>();
+}
+/// Whether one of its members takes a number behind its own, where a default stands in for it.
+template <class E>
+constexpr bool member_ends_with_a_number() {
+  using At = EffectIn<E>;
+  using To = EffectOut<E>;
+  if constexpr (ActsAs<E, OnMotion>)
+    return ends_with_a_number<3>(pointer_to_add_force<E, At, To, true>());
+  else
+    return ends_with_a_number < ActsAs<E, OnBoth> ? 4
+           : 2 > (pointer_to_add_gradient<E, At, To, true>()) || ends_with_a_number < ActsAs<E, OnBoth>
+               ? 2
+               : 1 > (pointer_to_energy<E, At, At, true>());
+}
+/// Whether its energy is a whole number, or one of fewer digits.
+template <class E>
+constexpr bool has_narrow_energy() {
+  if constexpr (ActsAs<E, OnBoth> && HasCoupledMembers<E>)
+    return is_narrower<std::remove_cvref_t<decltype(std::declval<const E&>().energy(
+                           std::declval<const EffectIn<E>&>(), std::declval<const EffectIn<E>&>()))>,
+                       EffectScalar<E>>;
+  else if constexpr (!ActsAs<E, OnBoth> && HasHalfMembers<E>)
+    return is_narrower<
+        std::remove_cvref_t<decltype(std::declval<const E&>().energy(std::declval<const EffectIn<E>&>()))>,
+        EffectScalar<E>>;
+  else
+    return false;
 }
 
 /// Compiles for an effect; for what is none the compiler says what is missing, and only that.
@@ -237,9 +264,22 @@ consteval bool is_effect() {
         "it, the other one OnPosition, OnMomentum, OnEach or OnBoth");
     static_assert(HasEffectDof<E> || !NamesEffectDof<E>,
                   "dof() of this effect cannot be called: write `Eigen::Index dof() const`");
-    static_assert(!adds_to_copies<E>(),
+    constexpr OutputFaults faults = faults_of_added<E>();
+    static_assert(!faults.lost,
                   "this effect takes by value what it adds to, so that it adds nothing: write `auto& dHdq`, "
                   "or Out<Scalar, Dof>");
+    static_assert(
+        !faults.answered,
+        "add_gradient or add_force of this effect returns a bool or a Status, and nobody asks: let it "
+        "return nothing, and throw, or add NaN, where there is none");
+    static_assert(
+        !member_ends_with_a_number<E>(),
+        "a member of this effect ends with a number, which would always be its default: leave it out; "
+        "what depends on the time is a Hamiltonian, see Autonomous");
+    static_assert(
+        !has_narrow_energy<E>(),
+        "the energy of this effect is a whole number, or one of fewer digits than its Scalar: let it "
+        "return a Scalar");
   }
   return true;
 }

@@ -67,13 +67,16 @@ consteval bool can_be_exact(std::type_identity<Scene<Effects...>>) {
                                           std::declval<const Column&>(), out, out))) {};
         static_assert(
             !rounds<Scalar, 5, 0>(pointer_to_increments<Flow, Column>()) &&
-                !rounds<Scalar, 1, 0>(pointer_to_prepared<Flow, Scalar>()),
+                !rounds<Scalar, 1, 0>(pointer_to_prepared<Flow, Scalar, Scalar, true>()),
             "increments or prepared of this ExactFlow takes the time as a whole number, or one of fewer "
             "digits than Scalar, which rounds it: write `const Scalar& t`");
-        static_assert(
-            !overrides_beside(pointer_to_increments<Flow, Column>(), pointer_to_prepared<Flow, Scalar>()),
-            "this ExactFlow has increments() of its own and inherits prepared(), which is asked "
-            "instead: write both");
+        static_assert(!overrides_beside(pointer_to_increments<Flow, Column>(),
+                                        pointer_to_prepared<Flow, Scalar, Scalar, true>()),
+                      "this ExactFlow has increments() of its own and inherits prepared(), which is asked "
+                      "instead: write both");
+        static_assert(!ends_with_a_number<5>(pointer_to_increments<Flow, Column>()),
+                      "increments of this ExactFlow ends with a number, which would always be its default: "
+                      "leave it out");
         static_assert(!loses_output<decltype(increments), Flow, Column>(),
                       "the increments of this ExactFlow take dq or dp by value, so that nothing moves: "
                       "write `auto& dq, auto& dp`, or Vector<Scalar, Dof>&");

@@ -60,24 +60,33 @@ template <class H>
 concept SaysQuadraticByFunction = requires {
   requires points_to_function<decltype(&H::flow_is_quadratic)>;
 };
-/// Whether the flow, prepared or not, or a gradient of the rest takes an output by value.
+/// What is wrong with the outputs of the flow, prepared or not, which is asked how it went, and of the
+/// gradients of the rest, which are not.
 template <class H>
-constexpr bool part_writes_into_copies() {
+constexpr OutputFaults faults_of_parts() {
   using Column = Vector<typename H::Scalar, H::Dof>;
   using At = const Column&;
   const auto flow = [](const auto& h, auto& out) -> decltype(void(h.flow(
                                                      std::declval<const typename H::Scalar&>(),
                                                      std::declval<At>(), std::declval<At>(), out, out))) {};
-  const auto position = [](const auto& h,
-                           auto& out) -> decltype(void(h.rest_position_gradient(std::declval<At>(), out))) {};
-  const auto momentum = [](const auto& h,
-                           auto& out) -> decltype(void(h.rest_momentum_gradient(std::declval<At>(), out))) {};
   const auto prepared = [](auto& h, auto& out) -> decltype(void(h.increments(
                                                    std::declval<At>(), std::declval<At>(), out, out))) {};
-  return loses_output<decltype(flow), H, Column>() ||
-         loses_output<decltype(prepared), typename PreparedFlowOf<H>::Type, Column>() ||
-         loses_output<decltype(position), H, OutColumn<H>>() ||
-         loses_output<decltype(momentum), H, OutColumn<H>>();
+  const auto position = [](const auto& h,
+                           auto& out) -> decltype(h.rest_position_gradient(std::declval<At>(), out)) {};
+  const auto momentum = [](const auto& h,
+                           auto& out) -> decltype(h.rest_momentum_gradient(std::declval<At>(), out)) {};
+  return output_faults<decltype(flow), H, Column>() |
+         output_faults<decltype(prepared), typename PreparedFlowOf<H>::Type, Column>() |
+         output_faults<decltype(position), H, OutColumn<H>>() |
+         output_faults<decltype(momentum), H, OutColumn<H>>();
+}
+/// Whether one of them takes a number behind its outputs, where a default stands in for it.
+template <class H>
+constexpr bool part_ends_with_a_number() {
+  using Column = Vector<typename H::Scalar, H::Dof>;
+  return ends_with_a_number<5>(pointer_to_flow<H, Column>()) ||
+         ends_with_a_number<2>(pointer_to_rest_position_gradient<H, InColumn<H>, OutColumn<H>, true>()) ||
+         ends_with_a_number<2>(pointer_to_rest_momentum_gradient<H, InColumn<H>, OutColumn<H>, true>());
 }
 /// Whether the flow's A is quadratic in p and the rest depends on q alone; see NearIntegrable.
 template <class H>
@@ -142,19 +151,27 @@ class FlowSplitting {
       detail::HasCoupledRest<H> || !detail::NamesCoupledRest<H>,
       "coupled_rest of this Hamiltonian cannot be called: write `const C& coupled_rest() const`, with a "
       "Hamiltonian C that this one keeps");
-  static_assert(!detail::part_writes_into_copies<H>(),
+  static_assert(!detail::faults_of_parts<H>().lost,
                 "flow, rest_position_gradient or rest_momentum_gradient of this Hamiltonian takes an output "
                 "by value, so what it writes is lost: take it as `auto& dq`, or Out<Scalar, Dof>");
+  static_assert(
+      !detail::faults_of_parts<H>().answered,
+      "rest_position_gradient or rest_momentum_gradient of this Hamiltonian returns a bool or a Status, "
+      "and nobody asks: let it return nothing, and throw, or write NaN, where there is none");
+  static_assert(
+      !detail::part_ends_with_a_number<H>(),
+      "flow, rest_position_gradient or rest_momentum_gradient of this Hamiltonian ends with a number, "
+      "which would always be its default: leave it out");
   static_assert(std::default_initializable<typename detail::PreparedFlowOf<H>::Type>,
                 "what prepared() of this Hamiltonian gives cannot be made without one: give it a default "
                 "constructor");
   static_assert(
       !detail::rounds<Scalar, 5, 0>(detail::pointer_to_flow<H, Vector<Scalar, Dof>>()) &&
-          !detail::rounds<Scalar, 1, 0>(detail::pointer_to_prepared<H, Scalar>()),
+          !detail::rounds<Scalar, 1, 0>(detail::pointer_to_prepared<H, Scalar, Scalar, true>()),
       "flow or prepared of this Hamiltonian takes the time as a whole number, or one of fewer digits than "
       "Scalar, which rounds it: write `const Scalar& t`");
   static_assert(!detail::overrides_beside(detail::pointer_to_flow<H, Vector<Scalar, Dof>>(),
-                                          detail::pointer_to_prepared<H, Scalar>()),
+                                          detail::pointer_to_prepared<H, Scalar, Scalar, true>()),
                 "this Hamiltonian has a flow() of its own and inherits prepared(), which is asked instead: "
                 "write both");
   static_assert(!detail::SaysQuadraticByFunction<H>,

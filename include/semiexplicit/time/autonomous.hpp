@@ -36,6 +36,24 @@ constexpr bool gradient_returns_another_number() {
   }
 }
 
+/// Whether its time_derivative or its energy gives a whole number, or one of fewer digits.
+template <class H>
+constexpr bool tells_narrow_numbers() {
+  using Scalar = typename H::Scalar;
+  bool narrow = false;
+  using At = const InColumn<H>&;
+  if constexpr (requires(const H& h, const Scalar& t, At at) { h.time_derivative(t, at, at); })
+    narrow = is_narrower<std::remove_cvref_t<decltype(std::declval<const H&>().time_derivative(
+                             std::declval<const Scalar&>(), std::declval<At>(), std::declval<At>()))>,
+                         Scalar>;
+  if constexpr (requires(const H& h, const Scalar& t, At at) { h.energy(t, at, at); })
+    narrow =
+        narrow || is_narrower<std::remove_cvref_t<decltype(std::declval<const H&>().energy(
+                                  std::declval<const Scalar&>(), std::declval<At>(), std::declval<At>()))>,
+                              Scalar>;
+  return narrow;
+}
+
 }  // namespace detail
 
 /// An H that depends on the time, as an autonomous Hamiltonian in the extended phase space, of one degree of
@@ -84,6 +102,10 @@ class Autonomous : public ExtendedPhaseSpace<typename detail::TimeDependentDoor<
       !detail::gradient_returns_another_number<H>(),
       "the gradient of this Hamiltonian returns another number than a Scalar: let it return dH/dt as "
       "a Scalar, or nothing");
+  static_assert(
+      !detail::tells_narrow_numbers<H>(),
+      "energy or time_derivative of this Hamiltonian is a whole number, or one of fewer digits than "
+      "Scalar: let it return a Scalar");
   static_assert(has_time_derivative || !detail::NamesTimeDerivative<H>,
                 "time_derivative of this Hamiltonian cannot be called: write `Scalar time_derivative(const "
                 "Scalar& t, In<Scalar, Dof> q, In<Scalar, Dof> p) const`");

@@ -31,51 +31,59 @@ consteval bool field_adds() {
   using At = const Column&;
   using Number = const Scalar&;
   const auto potential = [](const auto& field,
-                            auto& out) -> decltype(void(field.add_potential(std::declval<At>(), out))) {};
-  const auto gradient = [](const auto& field, auto& out) -> decltype(void(field.add_gradient(
-                                                             std::declval<At>(), std::declval<At>(),
-                                                             std::declval<Number>(), out))) {};
-  const auto driven_potential = [](const auto& field, auto& out)
-      -> decltype(void(field.add_potential(std::declval<Number>(), std::declval<At>(), out))) {};
+                            auto& out) -> decltype(field.add_potential(std::declval<At>(), out)) {};
+  const auto gradient = [](const auto& field,
+                           auto& out) -> decltype(field.add_gradient(std::declval<At>(), std::declval<At>(),
+                                                                     std::declval<Number>(), out)) {};
+  const auto driven_potential =
+      [](const auto& field,
+         auto& out) -> decltype(field.add_potential(std::declval<Number>(), std::declval<At>(), out)) {};
   const auto driven_gradient =
       [](const auto& field,
-         auto& out) -> decltype(void(field.add_gradient(std::declval<Number>(), std::declval<At>(),
-                                                        std::declval<At>(), std::declval<Number>(), out))) {};
+         auto& out) -> decltype(field.add_gradient(std::declval<Number>(), std::declval<At>(),
+                                                   std::declval<At>(), std::declval<Number>(), out)) {};
   const auto time_derivative = [](const auto& field, auto& out)
-      -> decltype(void(field.add_time_derivative(std::declval<Number>(), std::declval<At>(), out))) {};
-  using semiexplicit::detail::loses_output;
-  constexpr bool lost = loses_output<decltype(potential), Field, Column>() ||
-                        loses_output<decltype(gradient), Field, Column>() ||
-                        loses_output<decltype(driven_potential), Field, Column>() ||
-                        loses_output<decltype(driven_gradient), Field, Column>() ||
-                        loses_output<decltype(time_derivative), Field, Column>();
+      -> decltype(field.add_time_derivative(std::declval<Number>(), std::declval<At>(), out)) {};
+  using semiexplicit::detail::output_faults;
+  constexpr auto faults = output_faults<decltype(potential), Field, Column>() |
+                          output_faults<decltype(gradient), Field, Column>() |
+                          output_faults<decltype(driven_potential), Field, Column>() |
+                          output_faults<decltype(driven_gradient), Field, Column>() |
+                          output_faults<decltype(time_derivative), Field, Column>();
   static_assert(
-      !lost,
+      !faults.lost,
       "add_potential, add_gradient or add_time_derivative of this field takes by value what it adds "
       "to, so that it adds nothing: write `auto& a` and `auto& out`");
+  static_assert(!faults.answered,
+                "add_potential, add_gradient or add_time_derivative of this field returns a bool or a "
+                "Status, and nobody "
+                "asks: let it return nothing, and throw, or add NaN, where there is none");
   static_assert(
       HasMembers<Field, Scalar> || HasDrivenMembers<Field, Scalar>,
       "this field has no `void add_potential(const auto& x, auto& a) const` with `void add_gradient(const "
       "auto& x, const auto& v, const auto& factor, auto& out) const`; one that depends on the time takes "
       "it first in both and in `void add_time_derivative(const auto& t, const auto& x, auto& a) const`");
+  using semiexplicit::detail::ends_with_a_number;
   using semiexplicit::detail::rounds;
-  constexpr auto gradient_rounds = [](auto pointer) {
-    return rounds<Scalar, 4, 2>(pointer) || rounds<Scalar, 5, 0>(pointer) || rounds<Scalar, 5, 3>(pointer);
-  };
-  constexpr bool rounded = [&] {
+  constexpr auto add_gradient = [] {
     if constexpr (requires { &Field::add_gradient; })
-      return gradient_rounds(&Field::add_gradient);
+      return &Field::add_gradient;
     else if constexpr (requires { &Field::template add_gradient<Column, Column, Column>; })
-      return gradient_rounds(&Field::template add_gradient<Column, Column, Column>);
+      return &Field::template add_gradient<Column, Column, Column>;
     else
-      return false;
+      return nullptr;
   }();
+  constexpr auto add_potential = semiexplicit::detail::pointer_to_add_potential<Field, Column>();
   static_assert(
-      !rounded && !rounds<Scalar, 3, 0>(semiexplicit::detail::pointer_to_add_potential<Field, Column>()) &&
+      !rounds<Scalar, 4, 2>(add_gradient) && !rounds<Scalar, 5, 0>(add_gradient) &&
+          !rounds<Scalar, 5, 3>(add_gradient) && !rounds<Scalar, 3, 0>(add_potential) &&
           !rounds<Scalar, 3, 0>(semiexplicit::detail::pointer_to_add_time_derivative<Field, Column>()),
       "add_potential, add_gradient or add_time_derivative of this field takes the time or the factor as a "
       "whole number, or one of fewer digits than the charge's, which rounds it: write `const auto& t`");
-  return !lost && (HasMembers<Field, Scalar> || HasDrivenMembers<Field, Scalar>);
+  static_assert(!ends_with_a_number<2>(add_potential) && !ends_with_a_number<4>(add_gradient),
+                "add_potential or add_gradient of this field ends with a number, which would always be its "
+                "default: the time comes first, in add_time_derivative, too");
+  return !faults.lost && (HasMembers<Field, Scalar> || HasDrivenMembers<Field, Scalar>);
 }
 
 template <class Field, class Scalar>

@@ -132,7 +132,7 @@ class GaussShell {
         options_(options),
         tableau_(options.stages),
         update_(dof()),
-        least_(2 * dof()),
+        least_(Vec::Zero(2 * dof())),
         at_(least_),
         felt_(least_),
         passed_on_(least_),

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <concepts>
+#include <tuple>
 #include <utility>
 
 #include <semiexplicit/core/parameters.hpp>
@@ -76,6 +77,16 @@ consteval bool field_adds() {
       "add_potential, add_gradient or add_time_derivative of this field takes the time or the factor as a "
       "whole number, or one of fewer digits than the charge's, which rounds it: write `const auto& t`");
   return !lost && (HasMembers<Field, Scalar> || HasDrivenMembers<Field, Scalar>);
+}
+
+/// Throws std::invalid_argument where a field gives A along a line of another curvature (0: in Cartesian
+/// coordinates). Such a field has `require_line(curvature)`; see BendField.
+template <class Scalar, class... Fields>
+void require_line(const std::tuple<Fields...>& fields, const Scalar& curvature) {
+  const auto require = [&](const auto& field) {
+    if constexpr (requires { field.require_line(curvature); }) field.require_line(curvature);
+  };
+  std::apply([&](const auto&... field) { (require(field), ...); }, fields);
 }
 
 template <class Field, class Scalar>

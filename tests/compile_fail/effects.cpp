@@ -20,6 +20,8 @@
 // case force_beside_energy: has a force of its own, add_force, which is asked for OnMotion only: make two effects of it
 // case energy_beside_force: this effect OnMotion has an energy with its gradient, which is not asked: make two effects of it
 // case size_not_const: dof() of this effect cannot be called: write `Eigen::Index dof() const`
+// case constants_of_another_type: is not asked: write `std::vector<double> scene_constants() const`
+// case constants_not_const: is not asked: write `std::vector<double> scene_constants() const`
 // case disagree: must agree on the degrees of freedom
 #include <semiexplicit/scene/any_effect.hpp>
 #include <semiexplicit/scene/scene.hpp>
@@ -40,6 +42,13 @@ struct Mine {
 #endif
 #ifdef force_beside_energy
   void add_force(const auto&, const auto&, auto& force) const { force[0] += 1; }
+#endif
+#ifdef constants_of_another_type
+  auto scene_constants() const { return Eigen::Vector2d(1, 2); }
+#elif defined(constants_not_const)
+  std::vector<double> scene_constants() { return {1, 2}; }
+#else
+  std::vector<double> scene_constants() const { return {1, 2}; }
 #endif
 #ifdef size_not_const
   Eigen::Index dof() { return 2; }

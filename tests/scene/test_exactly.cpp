@@ -1,4 +1,5 @@
 #include "catch.hpp"
+#include "refusal.hpp"
 
 #include <cmath>
 #include <sstream>
@@ -211,6 +212,18 @@ TEST_CASE("Where there is no gradient no exact flow is advised, and no size told
   const auto stepper = stepper_for(scene, exactly<Kinetic, Attraction>());
   CHECK(explain(stepper, beside).find("spring, 1e-06 of the gradient;") != std::string::npos);
   CHECK(explain(stepper, centre) == explain(stepper));
+}
+
+TEST_CASE("Sizes at the state of another system are refused", "[exactly]") {
+  using Kinetic = effects::nbody::Kinetic<double>;
+  using Attraction = effects::nbody::Attraction<double>;
+  const effects::nbody::Bodies<double> bodies({1, 1e-3, 1e-3});
+  const Scene scene(Kinetic{bodies}, Attraction{bodies}, effects::nbody::Interaction<double>{bodies});
+  const auto stepper = stepper_for(scene, exactly<Kinetic, Attraction>());
+  const std::string said = ": the state has 2 degrees of freedom and the scene 6; give both the same size";
+  const PhasePoint<double, Eigen::Dynamic> other(2);
+  CHECK(refuses([&] { explain(stepper, other); }, "explain" + said));
+  CHECK(refuses([&] { advised_flow(scene, other); }, "advised_flow" + said));
 }
 
 TEST_CASE("The order in which a group is named does not matter", "[exactly]") {

@@ -144,6 +144,18 @@ TEST_CASE("a spiral through an atmosphere loses what the drag takes") {
   CHECK(std::abs(books.difference()) < 1e-6 * std::abs(books.work()));
 }
 
+TEST_CASE("A scale height below 0 or NaN is not taken for none", "[motion]") {
+  const auto force = [](double height) {
+    Eigen::Vector2d sum(0, 0);
+    Drag{.linear = 2, .height = height, .radius = 1}.add_force(Eigen::Vector2d(1.5, 0), Eigen::Vector2d(0, 1),
+                                                               sum);
+    return sum[1];
+  };
+  CHECK(force(0) == -2);
+  CHECK(force(-0.5) == Approx(-2 * std::exp(1.0)).epsilon(1e-14));
+  CHECK(std::isnan(force(std::nan(""))));
+}
+
 TEST_CASE("the loss by gravitational waves is that of Peters") {
   using orbits::Attraction;
   const double gm = 1, c = 40, nu = 0.2;

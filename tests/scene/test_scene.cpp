@@ -236,6 +236,22 @@ TEST_CASE("An effect that is off is not called, an unknown one is refused with t
   CHECK(nearest_names("au", {"km", "AU", "m"}, 1) == std::vector<std::string>{"AU"});
 }
 
+TEST_CASE("An effect that was moved from is still there, and one whose name is nullptr is refused",
+          "[scene]") {
+  AnyEffect<double, 2> kinetic(Kinetic<double, 2>{});
+  const AnyEffect<double, 2> moved(std::move(kinetic));
+  CHECK(RuntimeScene<double, 2>{kinetic, Attraction<double, 2>{}}.names() ==
+        std::vector<std::string>{"kinetic", "attraction"});
+  AnyEffect<double, 2> assigned(Attraction<double, 2>{});
+  assigned = std::move(kinetic);
+  CHECK(RuntimeScene<double, 2>{kinetic}.energy(Eigen::Vector2d(0, 0), Eigen::Vector2d(0, 2)) == 2);
+
+  struct Nameless : Oscillator {
+    const char* name = nullptr;
+  };
+  CHECK(refuses([] { AnyEffect<double, 2>(Nameless{}); }, "the name of an effect is nullptr; give it one"));
+}
+
 TEST_CASE("Mercury over a century: what the scene calls for depends on the accuracy", "[scene][long]") {
   const double gm = 39.47841760435743, a = 0.38709893, e = 0.20563069;
   const Point z({a * (1 - e), 0}, {0, std::sqrt(gm / a * (1 + e) / (1 - e))});

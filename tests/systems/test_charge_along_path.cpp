@@ -1,4 +1,5 @@
 #include "catch.hpp"
+#include "refusal.hpp"
 
 #include <array>
 #include <cmath>
@@ -154,6 +155,52 @@ TEST_CASE(
     return out;
   };
   CHECK(gradient(chosen).vector() == gradient(quadrupole).vector());
+}
+
+TEST_CASE("a bend along a line of another curvature is refused, also among fields chosen at run time") {
+  const auto check = [](const auto& of, bool refused) {
+    const double curvature = 0.2;
+    const charges::ReferenceLine<> line{.curvature = curvature};
+    const auto said = [&](const auto& make) {
+      CHECK(says(refusal(make), refused ? "BendField: its curvature is not that of the line" : accepted));
+    };
+    said([&] {
+      charges::ChargeAlongPath(1.0, 1.0, 1.0, line, charges::UniformField(1.0), of(curvature / 2));
+    });
+    said([&] { charges::ChargeAlongPath(1.0, 1.0, 1.0, line, of(0.0)); });
+    said([&] { charges::ChargeAlongPath(1.0, 1.0, 1.0, charges::ReferenceLine<>{}, of(curvature)); });
+    said([&] { charges::RelativisticCharge(1.0, 1.0, 1.0, of(curvature)); });
+    said([&] { charges::RelativisticKinetic(1.0, 1.0, 1.0, of(curvature)); });
+    said([&] { charges::MagneticKinetic(1.0, 1.0, of(curvature)); });
+    CHECK(refusal([&] {
+            charges::ChargeAlongPath(1.0, 1.0, 1.0, line, of(curvature));
+            // The rounding of a float does not matter.
+            charges::ChargeAlongPath(1.0, 1.0, 1.0, charges::ReferenceLine<>{.curvature = double(0.2f)},
+                                     of(curvature));
+            charges::RelativisticCharge(1.0, 1.0, 1.0, of(0.0));
+            charges::RelativisticKinetic(1.0, 1.0, 1.0, of(0.0));
+            charges::MagneticKinetic(1.0, 1.0, of(0.0));
+          }) == accepted);
+  };
+  check([](double curvature) { return charges::BendField(2.0, curvature); }, true);
+  check(
+      [](double curvature) {
+        charges::FieldSum fields;
+        fields.add(charges::QuadrupoleField(0.7)).add(charges::BendField(2.0, curvature));
+        return fields;
+      },
+      true);
+  check([](double) { return charges::QuadrupoleField(0.7); }, false);
+}
+
+TEST_CASE("a sum of fields that was moved from still holds them") {
+  charges::FieldSum fields, assigned;
+  fields.add(charges::UniformField(0.5));
+  const charges::FieldSum moved(std::move(fields));
+  assigned = std::move(fields);
+  const Eigen::Vector3d x(1, 2, 3);
+  CHECK_FALSE(fields.empty());
+  CHECK(fields.potential(x) == Eigen::Vector3d(-0.5, 0.25, 0));
 }
 
 TEST_CASE("a drift along a path is exact, for charges slow and fast, behind any clock") {

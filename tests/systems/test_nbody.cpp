@@ -1,6 +1,7 @@
 #include "catch.hpp"
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <vector>
 
@@ -332,11 +333,66 @@ TEST_CASE("A body that falls along a line has no elements", "[nbody]") {
   }
 }
 
-TEST_CASE("The exact flow of bodies refuses two effects with other ones") {
-  const nbody::Bodies<double> one({1, 1e-3}), other({1, 2e-3});
-  const Scene scene(nbody::Kinetic<double>{one}, nbody::Attraction<double>{other});
-  CHECK(refuses([&] { stepper_for(scene, exactly<nbody::Kinetic<double>, nbody::Attraction<double>>()); },
-                "have other bodies"));
+TEST_CASE("A scene refuses effects that hold other bodies, by the names of both", "[nbody]") {
+  const nbody::Bodies<double> bodies({1, 1e-3}), same({1, 1e-3}), others({1, 2e-3});
+  const nbody::Attraction<double> attraction{bodies};
+  const auto says_of = [](const std::string& one, const std::string& other) {
+    return "the effects " + one + " and " + other +
+           " have other masses or circulations; give both the same ones";
+  };
+  const auto check = [&](const auto& effect) {
+    const std::string said = says_of("attraction", effect.name);
+    CHECK(refuses([&] { Scene(attraction, effect); }, "Scene: " + said));
+    CHECK(refuses(
+        [&] {
+          (RuntimeScene<double, Eigen::Dynamic>{attraction, effect});
+        },
+        "RuntimeScene: " + said));
+  };
+  check(nbody::Kinetic<double>{others});
+  check(nbody::Interaction<double>{others});
+  check(nbody::Oblateness<double>{.bodies = others});
+  check(nbody::PostNewtonian1<double>{others, 10});
+  check(nbody::EinsteinInfeldHoffmann<double>(others, 10));
+  CHECK(
+      refuses([&] { Scene(nbody::Kinetic<double>{others}, attraction); }, says_of("kinetic", "attraction")));
+  // Equal numbers are the same bodies, and effects without any go with all.
+  CHECK(refusal([&] { Scene(nbody::Kinetic<double>{same}, attraction); }) == accepted);
+  const Scene fixed(orbits::Kinetic<double, 3>{}, nbody::Attraction<double, 3>{bodies},
+                    nbody::Interaction<double, 3>{same});
+  CHECK(RuntimeScene(fixed).effects()[0].scene_constants().empty());
+  CHECK(RuntimeScene(fixed).effects()[1].scene_constants() == bodies.masses());
+}
+
+TEST_CASE("The axis of an oblate primary may have any length but none", "[nbody]") {
+  const auto bodies = some_bodies();
+  const State z = start_of(bodies);
+  const auto energy = [&](double x, double y, double z_) {
+    return nbody::Oblateness<double>{.bodies = bodies, .j2 = 0.1, .radius = 0.2, .axis = {x, y, z_}}.energy(
+        z.q());
+  };
+  const double wanted = energy(0.6, 0, 0.8);
+  for (const double length : {2.0, 1e-200, 1e200})
+    CHECK(energy(0.6 * length, 0, 0.8 * length) == Approx(wanted).epsilon(1e-14));
+  CHECK(energy(0, 0, 7) == energy(0, 0, 1));
+  const double nan = std::nan(""), inf = std::numeric_limits<double>::infinity();
+  CHECK(refuses([&] { energy(0, 0, 0); }, "Axis: it has no length"));
+  CHECK(refuses([&] { energy(0, nan, 1); }, "Axis: it has no length"));
+  CHECK(refuses([&] { energy(inf, 0, 1); }, "Axis: it has no length"));
+  // A vector whose length is 1 to rounding stays as it is.
+  const nbody::Axis<double> axis(0.36, 0.48, 0.8);
+  CHECK((axis[0] == 0.36 && axis[1] == 0.48 && axis[2] == 0.8));
+}
+
+TEST_CASE("A negative number of Hill radii is refused, and none is not", "[nbody]") {
+  const nbody::Bodies<double> bodies({1, 1e-3, 1e-3});
+  const auto refused = [&](double radii) {
+    const Scene scene(nbody::Kinetic<double>{bodies}, nbody::Attraction<double>{bodies, radii});
+    return refusal([&] { stepper_for(scene, exactly<nbody::Kinetic<double>, nbody::Attraction<double>>()); });
+  };
+  CHECK(says(refused(-3), "hill_radii of Attraction is negative or NaN; give 0 or more"));
+  CHECK(says(refused(std::nan("")), "hill_radii"));
+  CHECK(refused(0) == accepted);
 }
 
 }  // namespace test_nbody

@@ -242,6 +242,9 @@ TEST_CASE("Systems refuse what makes no sense, and say so", "[systems]") {
   const Vortices pair(Eigen::Vector2d(1, 2));
   CHECK(says(refusal([&] { pair.phase_point(Eigen::Vector3d(1, 2, 3), Eigen::Vector2d(1, 2)); }),
              "2 circulations, but 3 x and 2 y"));
+  const Eigen::Vector3d three(1, 2, 3);
+  CHECK(says(refusal([&] { pair.x(three); }), "3 degrees of freedom and the vortices 2"));
+  CHECK(says(refusal([&] { pair.y(three); }), "3 degrees of freedom and the vortices 2"));
 }
 
 TEST_CASE("Vortices that coincide have no gradient, and a step fails without harm", "[systems]") {

@@ -122,6 +122,24 @@ TEST_CASE("Circulations refuse what makes no sense", "[systems]") {
   CHECK(refuses([&] { Circulations(list({1, 0})); }, "circulation 1 is zero"));
 }
 
+TEST_CASE("A scene refuses effects of other vortices, and a disk a radius that is none", "[systems]") {
+  const Circulations gamma(list({1, 2})), same(list({1, 2})), others(list({1, 3}));
+  const vortices::Pairs pairs{gamma};
+  const auto check = [&](const auto& effect) {
+    const std::string said = "the effects pairs and " + std::string(effect.name) +
+                             " have other masses or circulations; give both the same ones";
+    CHECK(refuses([&] { Scene(pairs, effect); }, "Scene: " + said));
+    CHECK(refuses([&] { (Chosen{pairs, effect}); }, "RuntimeScene: " + said));
+  };
+  check(vortices::Strain(others, 0.6, 0.4));
+  check(vortices::Rotation(others, 0.8));
+  check(vortices::HalfPlane{others});
+  check(vortices::Disk{others, 2.0});
+  CHECK(refusal([&] { Scene(pairs, vortices::Rotation(same, 0.8), vortices::HalfPlane{same}); }) == accepted);
+  for (const double radius : {0.0, -2.0, std::nan("")})
+    CHECK(refuses([&] { vortices::Disk(gamma, radius); }, "Disk: the radius is not positive and finite"));
+}
+
 TEST_CASE("Linear waves on a lattice: hopping and disorder", "[systems]") {
   // A standing wave of the open chain, ψᵢ = sin(k(i + 1)), k = π/(n + 1), turns at -2J cos k; equal energies
   // add theirs.

@@ -112,11 +112,12 @@ SEMIEXPLICIT_COLD std::optional<std::string> advised_flow(
   return advice;
 }
 
-/// The same with the sizes at z.
+/// The same with the sizes at z. Throws std::invalid_argument for a state of another size.
 template <class... Effects>
 std::optional<std::string> advised_flow(
     const Scene<Effects...>& scene,
     const PhasePoint<typename Scene<Effects...>::Scalar, Scene<Effects...>::Dof>& z) {
+  detail::require_same_dof("advised_flow", z.dof(), "scene", scene.dof());
   std::array<double, sizeof...(Effects)> sizes{};
   std::size_t i = 0;
   scene.for_each([&](const auto& effect) { sizes[i++] = detail::size_of_effect(effect, scene, z); });

@@ -32,6 +32,10 @@ class AnyEffect {
     static_assert(detail::is_effect<E>());
   }
 
+  // Moving copies: no effect is without what it is made of.
+  AnyEffect(const AnyEffect&) = default;
+  AnyEffect& operator=(const AnyEffect&) = default;
+
   const std::string& name() const { return name_; }
   const std::string& about() const { return about_; }
   /// The same effect by another name.
@@ -47,6 +51,8 @@ class AnyEffect {
   /// Whether it adds a force of its own; see OnMotion.
   bool motion() const { return motion_; }
   Eigen::Index dof() const { return effect_->dof(); }
+  /// The masses or circulations that it holds; empty: none.
+  std::vector<double> scene_constants() const { return effect_->scene_constants(); }
 
   Scalar energy(const Read& q, const Read& p) const { return effect_->energy(q, p); }
   /// Adds both halves of its gradient.
@@ -71,6 +77,7 @@ class AnyEffect {
   struct Interface {
     virtual ~Interface() = default;
     virtual Eigen::Index dof() const = 0;
+    virtual std::vector<double> scene_constants() const = 0;
     virtual Scalar energy(const Read& q, const Read& p) const = 0;
     virtual void add_gradient(const Read& q, const Read& p, Write& dHdq, Write& dHdp) const = 0;
     virtual void add_position_gradient(const Read& q, Write& dHdq) const = 0;
@@ -84,6 +91,12 @@ class AnyEffect {
   struct Model final : Interface {
     explicit Model(E wrapped) : effect(std::move(wrapped)) {}
     Eigen::Index dof() const override { return detail::effect_dof(effect); }
+    std::vector<double> scene_constants() const override {
+      if constexpr (detail::HasSceneConstants<E>)
+        return effect.scene_constants();
+      else
+        return {};
+    }
     Scalar energy(const Read& q, const Read& p) const override { return detail::effect_energy(effect, q, p); }
     void add_gradient(const Read& q, const Read& p, Write& dHdq, Write& dHdp) const override {
       detail::add_effect(effect, q, p, dHdq, dHdp);

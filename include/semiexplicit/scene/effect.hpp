@@ -1,9 +1,11 @@
 #pragma once
 
 #include <concepts>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include <semiexplicit/core/hamiltonian.hpp>
 #include <semiexplicit/core/parameters.hpp>
@@ -38,7 +40,9 @@ namespace semiexplicit {
 /// A gradient is added to what is there. q, p and the rest are Eigen columns of length Dof. The effects of
 /// this library ask only for q[i], and compute in the type that this has: double, long double, packs of
 /// numbers; types with expression templates (Boost's et_on) will not do. An effect of dynamic size also has
-/// `Eigen::Index dof() const`. One line for lists, `static constexpr const char* about`, is optional.
+/// `Eigen::Index dof() const`. One line for lists, `static constexpr const char* about`, is optional, and so
+/// is `std::vector<double> scene_constants() const`, the masses or circulations that it holds: a scene
+/// refuses effects that hold other ones.
 template <class ScalarType, int DofValue>
 struct OnPosition {
   using Scalar = ScalarType;
@@ -125,13 +129,20 @@ namespace detail {
 template <class E>
 inline constexpr bool couples = CoupledEffect<E> || MotionEffect<E>;
 
-/// The name of an effect: `static constexpr const char* name`, or a member function `name()`.
+/// The name of an effect: `static constexpr const char* name`, or a member function `name()`. Throws
+/// std::invalid_argument for nullptr.
 template <class E>
 std::string effect_name(const E& effect) {
+  const auto in_words = [](const auto& name) {
+    if constexpr (std::convertible_to<decltype(name), const char*>)
+      if (static_cast<const char*>(name) == nullptr)
+        throw std::invalid_argument("the name of an effect is nullptr; give it one, \"wind\" say");
+    return std::string(std::string_view(name));
+  };
   if constexpr (requires { effect.name(); })
-    return std::string(std::string_view(effect.name()));
+    return in_words(effect.name());
   else
-    return std::string(std::string_view(effect.name));
+    return in_words(effect.name);
 }
 
 template <class E>
@@ -145,6 +156,17 @@ concept NamesEffectDof = requires {
 }
 || requires(E& effect) { effect.dof(); };
 
+template <class E>
+concept HasSceneConstants = requires(const E& effect) {
+  { effect.scene_constants() } -> std::same_as<std::vector<double>>;
+};
+
+template <class E>
+concept NamesSceneConstants = requires {
+  requires std::is_member_function_pointer_v<decltype(&E::scene_constants)>;
+}
+|| requires(E& effect) { effect.scene_constants(); };
+
 /// How many degrees of freedom an effect is made for. One of fixed size may know better than its type, as of
 /// how many bodies it holds.
 template <class E>
@@ -154,6 +176,34 @@ Eigen::Index effect_dof(const E& effect) {
   else
     return E::Acts::Dof;
 }
+
+/// What the effects of one scene have to agree on, where they hold any: masses, circulations.
+class SameConstants {
+ public:
+  explicit SameConstants(const char* who) : who_(who) {}
+
+  /// Throws std::invalid_argument where this effect holds others than the first one that holds any.
+  template <class E>
+  void see(const E& effect) {
+    if constexpr (HasSceneConstants<E>) {
+      std::vector<double> constants = effect.scene_constants();
+      if (constants.empty()) return;
+      if (first_.empty()) {
+        first_ = std::move(constants);
+        name_ = effect_name(effect);
+      } else if (constants != first_) {
+        throw std::invalid_argument(std::string(who_) + ": the effects " + name_ + " and " +
+                                    effect_name(effect) +
+                                    " have other masses or circulations; give both the same ones");
+      }
+    }
+  }
+
+ private:
+  const char* who_;
+  std::string name_{};
+  std::vector<double> first_{};
+};
 
 /// One line on an effect, or nothing.
 template <class E>
@@ -264,6 +314,9 @@ consteval bool is_effect() {
         "it, the other one OnPosition, OnMomentum, OnEach or OnBoth");
     static_assert(HasEffectDof<E> || !NamesEffectDof<E>,
                   "dof() of this effect cannot be called: write `Eigen::Index dof() const`");
+    static_assert(HasSceneConstants<E> || !NamesSceneConstants<E>,
+                  "scene_constants() of this effect is not asked: write `std::vector<double> "
+                  "scene_constants() const`");
     constexpr OutputFaults faults = faults_of_added<E>();
     static_assert(!faults.lost,
                   "this effect takes by value what it adds to, so that it adds nothing: write `auto& dHdq`, "

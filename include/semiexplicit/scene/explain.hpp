@@ -63,6 +63,7 @@ SEMIEXPLICIT_COLD std::string explained(const FlowSplitting<H, Solver>& stepper,
   const H& split = stepper.hamiltonian();
   std::string text = "exact: " + split.flow_name();
   if constexpr (requires { split.scene(); }) {
+    if (z) require_same_dof("explain", z->dof(), "scene", split.scene().dof());
     EffectWords<typename H::Whole, typename Stepper::State> kicked(split.scene(), z),
         doubled(split.scene(), z);
     split.for_each_of_rest([&]<class E>(const E& effect) {
@@ -101,6 +102,7 @@ SEMIEXPLICIT_COLD std::string explained(const FlowSplitting<H, Solver>& stepper,
 ///
 /// The sizes stand there where a state is given, explain(stepper, z): the effect's part of ∂H/∂q or of ∂H/∂p
 /// at z, the larger one. Where there is no gradient, as at the centre of an attraction, there are none.
+/// Throws std::invalid_argument for a state of another size.
 template <class H, class Solver>
 std::string explain(const FlowSplitting<H, Solver>& stepper) {
   return detail::explained(stepper, nullptr);

@@ -33,13 +33,14 @@ class RuntimeScene {
   using Any = AnyEffect<Scalar, Dof>;
   using Read = In<Scalar, Dof>;
 
-  /// Throws std::invalid_argument where there is no effect, two have the same name, or their sizes differ or
-  /// are below one.
+  /// Throws std::invalid_argument where there is no effect, two have the same name, their sizes differ or are
+  /// below one, or they hold different masses or circulations.
   explicit RuntimeScene(std::vector<Any> effects) : effects_(std::move(effects)) {
     if (effects_.empty()) throw std::invalid_argument("RuntimeScene: no effect is on; name one at least");
     if (dof() < 1)
       throw std::invalid_argument("RuntimeScene: the effect " + effects_[0].name() + " has " +
                                   std::to_string(dof()) + " degrees of freedom; give it one at least");
+    detail::SameConstants constants("RuntimeScene");
     for (auto it = effects_.begin(); it != effects_.end(); ++it) {
       if (it->dof() != dof())
         throw std::invalid_argument("RuntimeScene: the effect " + it->name() + " has " +
@@ -49,6 +50,7 @@ class RuntimeScene {
       if (is_called(std::span(effects_.begin(), it), it->name()))
         throw std::invalid_argument("RuntimeScene: two effects are called " + it->name() +
                                     "; give one a member name() of its own");
+      constants.see(*it);
     }
   }
   RuntimeScene(std::initializer_list<Any> effects) : RuntimeScene(std::vector<Any>(effects)) {}

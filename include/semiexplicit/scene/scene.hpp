@@ -42,7 +42,8 @@ class Scene {
   static constexpr bool is_symplectic() { return symplectic; }
   using SeparableGradientOf = Scene;
 
-  /// Throws std::invalid_argument where effects have different sizes, or none.
+  /// Throws std::invalid_argument where effects have different sizes, or none, or hold different masses or
+  /// circulations.
   explicit Scene(Effects... effects) : effects_(std::move(effects)...) {
     if (dof() < 1)
       throw std::invalid_argument("Scene: the effect " + detail::effect_name(std::get<0>(effects_)) +
@@ -55,6 +56,10 @@ class Scene {
             (Dof == Eigen::Dynamic ? detail::effect_name(std::get<0>(effects_)) : "the type of the scene") +
             " has " + std::to_string(dof()));
     });
+    if constexpr ((detail::HasSceneConstants<Effects> || ...)) {
+      detail::SameConstants constants("Scene");
+      for_each([&](const auto& effect) { constants.see(effect); });
+    }
   }
 
   Eigen::Index dof() const {

@@ -61,7 +61,8 @@ class ChargeAlongPath {
   static constexpr int Dof = 3;
   using Column = Vector<Scalar, 3>;
 
-  /// Throws std::invalid_argument unless beta is above 0 and the curvature finite.
+  /// Throws std::invalid_argument unless beta is above 0, and the curvature finite and that of each
+  /// BendField.
   ChargeAlongPath(Scalar charge, Scalar mass, Scalar c, ReferenceLine<Scalar> line, Fields... fields)
       : charge_(charge),
         rest_(mass * c),
@@ -69,7 +70,7 @@ class ChargeAlongPath {
         curvature_(line.curvature),
         clock_(Scalar(1) / line.beta),
         relativity_{mass, c},
-        fields_(std::move(fields)...) {
+        fields_(line.curvature, std::move(fields)...) {
     using std::isfinite;
     if (!(line.beta > Scalar(0)) || !isfinite(line.curvature))
       throw std::invalid_argument(

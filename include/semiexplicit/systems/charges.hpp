@@ -115,8 +115,11 @@ class MagneticKinetic {
   static constexpr const char* name = "magnetic_kinetic";
   static constexpr const char* about = "motion in magnetic fields, |p - eA(q)|²/(2m)";
 
+  /// Throws std::invalid_argument for a BendField along a curved line.
   MagneticKinetic(Scalar charge, Scalar mass, Fields... fields)
-      : charge_(charge), mass_(mass), fields_(std::move(fields)...) {}
+      : charge_(charge), mass_(mass), fields_(std::move(fields)...) {
+    detail::require_line(fields_, Scalar(0));
+  }
 
   Scalar energy(const auto& q, const auto& p) const {
     const auto v = velocity(q, p);

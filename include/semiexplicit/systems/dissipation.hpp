@@ -12,7 +12,8 @@
 namespace semiexplicit::effects::orbits {
 
 /// Drag, -(k + b |p|) p: linear (a slow body in a viscous fluid), quadratic (a fast one in air), or both.
-/// With a scale height h it is that much times exp(-(r - r₀)/h), an atmosphere about the centre.
+/// With a scale height h it is that much times exp(-(r - r₀)/h), an atmosphere about the centre, which
+/// thickens outwards where h is negative; where h is NaN the step fails.
 template <class Scalar = double, int Dim = 2>
 struct Drag {
   using Acts = OnMotion<Scalar, Dim>;
@@ -27,7 +28,7 @@ struct Drag {
     using std::exp;
     using std::sqrt;
     auto rate = linear + quadratic * sqrt(detail::dot<Dim>(p, p));
-    if (height > 0) rate = rate * exp((radius - sqrt(detail::dot<Dim>(q, q))) / height);
+    if (height != 0) rate = rate * exp((radius - sqrt(detail::dot<Dim>(q, q))) / height);
     for (int i = 0; i < Dim; ++i) force[i] -= rate * p[i];
   }
 };

@@ -110,6 +110,10 @@ class FieldSum {
  public:
   FieldSum() = default;
 
+  // Moving copies: no sum loses its fields.
+  FieldSum(const FieldSum&) = default;
+  FieldSum& operator=(const FieldSum&) = default;
+
   /// One more, of this library or with add_potential(x, a) and add_gradient(x, v, factor, out) of its own.
   template <class Field>
   FieldSum& add(Field field) {
@@ -131,6 +135,10 @@ class FieldSum {
     for (const auto& field : fields_) field->add_gradient(at, velocity, factor, sum);
     for (int i = 0; i < 3; ++i) out[i] += sum[i];
   }
+  /// See BendField.
+  void require_line(const auto& curvature) const {
+    for (const auto& field : fields_) field->require_line(static_cast<double>(curvature));
+  }
   Vector<double, 3> potential(const auto& x) const {
     Vector<double, 3> a(0, 0, 0);
     add_potential(x, a);
@@ -143,6 +151,7 @@ class FieldSum {
     virtual void add_potential(const Vector<double, 3>& x, Vector<double, 3>& a) const = 0;
     virtual void add_gradient(const Vector<double, 3>& x, const Vector<double, 3>& v, double factor,
                               Vector<double, 3>& out) const = 0;
+    virtual void require_line(double curvature) const = 0;
   };
   template <class Field>
   struct Model final : Interface {
@@ -154,6 +163,7 @@ class FieldSum {
                       Vector<double, 3>& out) const override {
       field.add_gradient(x, v, factor, out);
     }
+    void require_line(double curvature) const override { detail::require_line(std::tie(field), curvature); }
     Field field;
   };
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <concepts>
+#include <stdexcept>
 #include <type_traits>
 
 #include <semiexplicit/systems/charges.hpp>
@@ -136,7 +137,8 @@ QuadrupoleField(Number) -> QuadrupoleField<double>;
 ///     A = -B (x + κx²/2)/(1 + κx) (0, 0, 1).
 ///
 /// A charge of the momentum p stays on a line with κ = eB/p. With κ = 0, the default, it is the same field in
-/// Cartesian coordinates, A = -Bx (0, 0, 1), which all other classes take.
+/// Cartesian coordinates, A = -Bx (0, 0, 1), which all other classes take. They, and a ChargeAlongPath along
+/// a line of another curvature, throw std::invalid_argument.
 template <class Scalar = double>
 struct BendField {
   explicit BendField(Scalar strength, Scalar of_line = Scalar(0)) : b(strength), curvature(of_line) {}
@@ -145,6 +147,14 @@ struct BendField {
   void add_potential(const auto& x, auto& a) const { a[2] += along(x); }
   void add_gradient(const auto& x, const auto& v, const auto& factor, auto& out) const {
     out[0] -= factor * v[2] * (b + curvature * along(x) / (1 + curvature * x[0]));
+  }
+  /// Throws std::invalid_argument where the line has another curvature, beyond the rounding of a float.
+  void require_line(const auto& of_line) const requires std::totally_ordered<Scalar> {  // no packs
+    using std::abs;
+    if (!(abs(of_line - curvature) <= 1e-6 * abs(curvature)))
+      throw std::invalid_argument(
+          "BendField: its curvature is not that of the line; give both the same one, and none where x, y and "
+          "z are Cartesian");
   }
 
  private:

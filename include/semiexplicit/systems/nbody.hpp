@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
@@ -56,6 +57,12 @@ class Bodies {
   const Scalar& up_to(Eigen::Index i) const { return at(i).up_to; }
   const Scalar& reduced(Eigen::Index i) const { return at(i).reduced; }
   const Scalar& share(Eigen::Index i) const { return at(i).share; }
+  /// GM of all, which effects of one scene have to agree on.
+  std::vector<double> masses() const {
+    std::vector<double> all;
+    for (const Body& body : bodies_) all.push_back(static_cast<double>(body.gm));
+    return all;
+  }
 
   /// The state of bodies with these positions and velocities in any inertial frame. Throws
   /// std::invalid_argument for another number of them.
@@ -214,6 +221,7 @@ struct Kinetic {
   Bodies<Scalar> bodies;
 
   Eigen::Index dof() const { return bodies.dof(); }
+  std::vector<double> scene_constants() const { return bodies.masses(); }
   auto energy(const auto& p) const {
     auto sum = 0 * p[0];
     for (Eigen::Index i = 1; i < bodies.size(); ++i) {
@@ -241,6 +249,7 @@ struct Attraction {
   Scalar hill_radii = Scalar(3);
 
   Eigen::Index dof() const { return bodies.dof(); }
+  std::vector<double> scene_constants() const { return bodies.masses(); }
   auto energy(const auto& q) const {
     auto sum = 0 * q[0];
     for (Eigen::Index i = 1; i < bodies.size(); ++i) sum += detail::inner_energy(bodies, q, i);
@@ -263,6 +272,7 @@ struct Interaction {
   Bodies<Scalar> bodies;
 
   Eigen::Index dof() const { return bodies.dof(); }
+  std::vector<double> scene_constants() const { return bodies.masses(); }
   auto energy(const auto& q) const {
     using std::sqrt;
     auto sum = 0 * q[0];
@@ -290,6 +300,27 @@ struct Interaction {
   }
 };
 
+/// The direction of an axis.
+template <class Scalar = double>
+class Axis {
+ public:
+  /// From a vector of any length but 0. Throws std::invalid_argument for that, and for NaN and Inf.
+  Axis(Scalar x, Scalar y, Scalar z) : n_{x, y, z} {
+    using std::abs;
+    using std::isfinite;
+    const Scalar length = semiexplicit::detail::norm(Vector<Scalar, 3>(x, y, z));
+    if (!(length > 0) || !isfinite(length))
+      throw std::invalid_argument("Axis: it has no length, or holds NaN or Inf; give any other direction");
+    if (abs(length - 1) > 4 * std::numeric_limits<Scalar>::epsilon())
+      for (Scalar& part : n_.of) part /= length;
+  }
+  /// A component of the vector of length 1.
+  const Scalar& operator[](Eigen::Index i) const { return n_[i]; }
+
+ private:
+  detail::Triple<Scalar> n_;
+};
+
 /// The oblateness of the primary as all others feel it: G m₀ m J₂ R²/(2r³) (3 (n·r)²/r² - 1) for each, with r
 /// from the primary and n its axis. See orbits::Oblateness.
 template <class Scalar = double, int Dof = Eigen::Dynamic>
@@ -298,11 +329,12 @@ struct Oblateness {
   static constexpr const char* name = "j2";
   static constexpr const char* about = "oblateness of the primary";
   Bodies<Scalar> bodies;
-  Scalar j2 = Scalar(0);                                         ///< a number
-  Scalar radius = Scalar(1);                                     ///< equatorial, that J₂ refers to; length
-  detail::Triple<Scalar> axis{Scalar(0), Scalar(0), Scalar(1)};  ///< of length 1
+  Scalar j2 = Scalar(0);      ///< a number
+  Scalar radius = Scalar(1);  ///< equatorial, that J₂ refers to; length
+  Axis<Scalar> axis{Scalar(0), Scalar(0), Scalar(1)};
 
   Eigen::Index dof() const { return bodies.dof(); }
+  std::vector<double> scene_constants() const { return bodies.masses(); }
   auto energy(const auto& q) const {
     auto sum = 0 * q[0];
     detail::for_each_pair(

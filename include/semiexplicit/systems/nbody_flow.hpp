@@ -19,8 +19,11 @@ namespace semiexplicit::effects::nbody {
 template <class Scalar = double>
 class KeplerFlows {
  public:
+  /// Throws std::invalid_argument where hill_radii is below 0 or NaN.
   KeplerFlows(const Bodies<Scalar>& bodies, const Scalar& hill_radii) : bodies_(bodies) {
     using std::cbrt;
+    if (!(hill_radii >= 0))
+      throw std::invalid_argument("nbody: hill_radii of Attraction is negative or NaN; give 0 or more");
     for (Eigen::Index k = 1; hill_radii > 0 && k < bodies.size(); ++k)
       for (Eigen::Index j = 0; j < k; ++j)
         limits_.push_back(
@@ -113,13 +116,9 @@ struct ExactFlow<effects::nbody::Kinetic<Scalar, Dof>, effects::nbody::Attractio
     : effects::nbody::KeplerFlows<Scalar> {
   static constexpr const char* name = "Kepler, each body about those within";
   static constexpr bool quadratic_in_momenta = true;
-  /// Throws std::invalid_argument where the two have other bodies.
-  ExactFlow(const effects::nbody::Kinetic<Scalar, Dof>& kinetic,
+  ExactFlow(const effects::nbody::Kinetic<Scalar, Dof>&,
             const effects::nbody::Attraction<Scalar, Dof>& attraction)
-      : effects::nbody::KeplerFlows<Scalar>(attraction.bodies, attraction.hill_radii) {
-    if (!(kinetic.bodies == attraction.bodies))
-      throw std::invalid_argument("nbody: Kinetic and Attraction have other bodies; give both the same ones");
-  }
+      : effects::nbody::KeplerFlows<Scalar>(attraction.bodies, attraction.hill_radii) {}
 };
 
 }  // namespace semiexplicit

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 #include <type_traits>
+#include <vector>
 
 #include <semiexplicit/scene/effect.hpp>
 #include <semiexplicit/systems/nbody.hpp>
@@ -25,6 +26,7 @@ struct PostNewtonian1 {
   Scalar c = Scalar(1);  ///< speed of light, length/time
 
   Eigen::Index dof() const { return bodies.dof(); }
+  std::vector<double> scene_constants() const { return bodies.masses(); }
   auto energy(const auto& q, const auto& p) const {
     auto sum = 0 * q[0];
     for (Eigen::Index i = 1; i < bodies.size(); ++i) {
@@ -82,6 +84,7 @@ class EinsteinInfeldHoffmann {
   }
 
   Eigen::Index dof() const { return bodies_.dof(); }
+  std::vector<double> scene_constants() const { return bodies_.masses(); }
   auto energy(const auto& q, const auto& p) const {
     const Cartesian<detail::NumberIn<std::remove_cvref_t<decltype(q)>>> at(bodies_, q, p);
     auto sum = 0 * q[0];

@@ -63,8 +63,11 @@ class RelativisticKinetic {
   static constexpr const char* about =
       "motion at any speed in magnetic fields, √(m²c⁴ + c²|p - eA(q)|²) - mc²";
 
+  /// Throws std::invalid_argument for a BendField along a curved line.
   RelativisticKinetic(Scalar charge, Scalar mass, Scalar c, Fields... fields)
-      : charge_(charge), relativity_{mass, c}, fields_(std::move(fields)...) {}
+      : charge_(charge), relativity_{mass, c}, fields_(std::move(fields)...) {
+    detail::require_line(fields_, Scalar(0));
+  }
 
   Scalar energy(const auto& q, const auto& p) const { return relativity_.energy(kinetic(q, p)); }
   void add_gradient(const auto& q, const auto& p, auto& dHdq, auto& dHdp) const {
@@ -113,8 +116,9 @@ class RelativisticCharge {
   static constexpr int Dof = 3;
   using Column = Vector<Scalar, 3>;
 
+  /// Throws std::invalid_argument for a BendField along a curved line.
   RelativisticCharge(Scalar charge, Scalar mass, Scalar c, Fields... fields)
-      : charge_(charge), relativity_{mass, c}, fields_(std::move(fields)...) {}
+      : charge_(charge), relativity_{mass, c}, fields_(Scalar(0), std::move(fields)...) {}
 
   Scalar energy(const Scalar& t, const In<Scalar, 3>& q, const In<Scalar, 3>& p) const {
     return relativity_.energy(kinetic(t, q, p)) + fields_.electric_energy(q);

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cmath>
+#include <stdexcept>
 #include <utility>
+#include <vector>
 
 #include <semiexplicit/systems/vortices.hpp>
 
@@ -25,6 +27,7 @@ class Images {
   Images(Circulations<Scalar, N> circulations, Wall wall)
       : c_(std::move(circulations)), wall_(std::move(wall)) {}
   Eigen::Index dof() const { return c_.size(); }
+  std::vector<double> scene_constants() const { return c_.values(); }
 
   Scalar energy(const auto& q, const auto& p) const {
     using std::log;
@@ -107,9 +110,14 @@ template <class Scalar = double, int N = Eigen::Dynamic>
 struct Disk : detail::Images<detail::RoundWall<Scalar>, Scalar, N> {
   static constexpr const char* name = "disk";
   static constexpr const char* about = "a round wall about the origin, the fluid inside";
-  /// `radius` in the unit of length of the positions.
+  /// `radius` in the unit of length of the positions. Throws std::invalid_argument unless it is positive and
+  /// finite.
   Disk(Circulations<Scalar, N> circulations, Scalar radius)
-      : detail::Images<detail::RoundWall<Scalar>, Scalar, N>(std::move(circulations), {radius * radius}) {}
+      : detail::Images<detail::RoundWall<Scalar>, Scalar, N>(std::move(circulations), {radius * radius}) {
+    using std::isfinite;
+    if (!(radius > 0) || !isfinite(radius))
+      throw std::invalid_argument("Disk: the radius is not positive and finite; give the wall's");
+  }
 };
 
 template <class Scalar, int N, class Number>

@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <semiexplicit/core/phase_point.hpp>
 #include <semiexplicit/scene/effect.hpp>
@@ -41,6 +42,12 @@ class Circulations {
   }
 
   Eigen::Index size() const { return N == Eigen::Dynamic ? gamma.size() : N; }
+  /// Of all, which effects of one scene have to agree on.
+  std::vector<double> values() const {
+    std::vector<double> all;
+    for (Eigen::Index i = 0; i < gamma.size(); ++i) all.push_back(static_cast<double>(gamma[i]));
+    return all;
+  }
 
   Column gamma, x_per_q, y_per_p;
 };
@@ -87,6 +94,7 @@ class Pairs {
     weight_ = c_.gamma / (-2 * detail::pi<Scalar>());
   }
   Eigen::Index dof() const { return c_.size(); }
+  std::vector<double> scene_constants() const { return c_.values(); }
 
   Scalar energy(const auto& q, const auto& p) const { return detail::pair_energy(c_, q, p); }
 
@@ -127,13 +135,14 @@ class Strain {
 
   /// `rate` in 1/time, `angle` in radians.
   Strain(const Circulations<Scalar, N>& circulations, Scalar rate, Scalar angle = Scalar(0))
-      : sign_(circulations.gamma.cwiseSign()) {
+      : c_(circulations), sign_(circulations.gamma.cwiseSign()) {
     using std::cos;
     using std::sin;
     along_ = rate * cos(2 * angle);
     across_ = rate * sin(2 * angle);
   }
-  Eigen::Index dof() const { return N == Eigen::Dynamic ? sign_.size() : N; }
+  Eigen::Index dof() const { return c_.size(); }
+  std::vector<double> scene_constants() const { return c_.values(); }
 
   // Γx² = sgn(Γ) q², Γy² = sgn(Γ) p² and Γxy = qp.
   Scalar energy(const auto& q, const auto& p) const {
@@ -150,6 +159,7 @@ class Strain {
   }
 
  private:
+  Circulations<Scalar, N> c_;
   Vector<Scalar, N> sign_;
   Scalar along_, across_;
 };
@@ -168,8 +178,9 @@ class Rotation {
 
   /// `rate` in radians/time.
   Rotation(const Circulations<Scalar, N>& circulations, Scalar rate)
-      : weight_(-rate * circulations.gamma.cwiseSign()) {}
-  Eigen::Index dof() const { return N == Eigen::Dynamic ? weight_.size() : N; }
+      : c_(circulations), weight_(-rate * circulations.gamma.cwiseSign()) {}
+  Eigen::Index dof() const { return c_.size(); }
+  std::vector<double> scene_constants() const { return c_.values(); }
 
   Scalar energy(const auto& x) const {
     Scalar sum(0);
@@ -181,6 +192,7 @@ class Rotation {
   }
 
  private:
+  Circulations<Scalar, N> c_;
   Vector<Scalar, N> weight_;  ///< -rate sgn(Γᵢ)
 };
 
@@ -229,8 +241,9 @@ class PointVortices {
                                   std::to_string(x.size()) + " x and " + std::to_string(y.size()) + " y");
     return {x.cwiseQuotient(c_.x_per_q), y.cwiseQuotient(c_.y_per_p)};
   }
-  Column x(const Read& q) const { return q.cwiseProduct(c_.x_per_q); }
-  Column y(const Read& p) const { return p.cwiseProduct(c_.y_per_p); }
+  /// The positions back. Throw std::invalid_argument for another number of vortices.
+  Column x(const Read& q) const { return times(c_.x_per_q, q); }
+  Column y(const Read& p) const { return times(c_.y_per_p, p); }
 
   Scalar energy(const Read& q, const Read& p) const {
     return effects::vortices::detail::pair_energy(c_, q, p);
@@ -291,6 +304,11 @@ class PointVortices {
 #endif
 
  private:
+  Column times(const Column& scale, const Read& coordinates) const {
+    semiexplicit::detail::require_same_dof("PointVortices", coordinates.size(), "vortices", dof(),
+                                           "give q and p of as many vortices");
+    return coordinates.cwiseProduct(scale);
+  }
   detail::VortexScales<Scalar> scales() const {
     return {c_.gamma.data(), c_.x_per_q.data(), c_.y_per_p.data()};
   }

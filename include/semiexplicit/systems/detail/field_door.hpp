@@ -1,6 +1,7 @@
 #pragma once
 
 #include <concepts>
+#include <tuple>
 #include <utility>
 
 #include <semiexplicit/core/parameters.hpp>
@@ -84,6 +85,16 @@ consteval bool field_adds() {
                 "add_potential or add_gradient of this field ends with a number, which would always be its "
                 "default: the time comes first, in add_time_derivative, too");
   return !faults.lost && (HasMembers<Field, Scalar> || HasDrivenMembers<Field, Scalar>);
+}
+
+/// Throws std::invalid_argument where a field gives A along a line of another curvature (0: in Cartesian
+/// coordinates). Such a field has `require_line(curvature)`; see BendField.
+template <class Scalar, class... Fields>
+void require_line(const std::tuple<Fields...>& fields, const Scalar& curvature) {
+  const auto require = [&](const auto& field) {
+    if constexpr (requires { field.require_line(curvature); }) field.require_line(curvature);
+  };
+  std::apply([&](const auto&... field) { (require(field), ...); }, fields);
 }
 
 template <class Field, class Scalar>

@@ -19,7 +19,10 @@ class FieldsInTime {
   using Column = Vector<Scalar, 3>;
   static constexpr bool has_electric = (PositionEffect<Fields> || ...);
 
-  explicit FieldsInTime(Fields... fields) : fields_(std::move(fields)...) {}
+  /// Throws std::invalid_argument for a field along a line of another curvature.
+  explicit FieldsInTime(const Scalar& curvature, Fields... fields) : fields_(std::move(fields)...) {
+    require_line(fields_, curvature);
+  }
 
   /// A.
   Column potential(const Scalar& t, const auto& x) const {

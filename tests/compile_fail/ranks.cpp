@@ -1,6 +1,9 @@
 // case no_mistake: compiles
 // case gauss_method: what is asked of it here takes norms of one process's state
 // case transformed: what is asked of it here takes norms of one process's state
+// case reversible_steps_over_ranks: what is asked of it here takes norms of one process's state
+// case field_size_over_ranks: what is asked of it here takes norms of one process's state
+// case time_scale_over_ranks: what is asked of it here takes norms of one process's state
 // case advised: what is asked of it here takes norms of one process's state
 // case in_ensemble: what is asked of it here takes norms of one process's state
 // case sum_of_columns: sum_over_ranks of this Hamiltonian cannot be called: write `Scalar sum_over_ranks(const Scalar& x) const`
@@ -64,6 +67,12 @@ int main() {
   run(Block{}, z, 1.0, Setting{});
 #elif defined(in_ensemble)
   Ensemble other(Block{}, std::vector{z});
+#elif defined(reversible_steps_over_ranks)
+  ReversibleSteps other(stepper, [](const auto&, const auto&) { return 1.0; });
+#elif defined(field_size_over_ranks)
+  monitors::FieldSize other(Block{});
+#elif defined(time_scale_over_ranks)
+  monitors::TimeScale other(Block{});
 #elif defined(transformed)
   TimeTransformed other(Block{}, monitors::Distance{}, 1.0);
 #endif

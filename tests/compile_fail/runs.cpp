@@ -43,11 +43,20 @@
 // case solver_without_options: does not list its options, so it could be resumed with others: write
 // case reversible_steps_changed_by_events: events that change the state need a stepper of equal steps, and this one chooses its steps
 // case reversible_steps_twice: this stepper chooses the times of its steps already: give ReversibleSteps its inner stepper
+// case reversible_steps_of_transformed: is TimeTransformed, by which its steps follow a monitor already: give ReversibleSteps a stepper of the Hamiltonian within
 // case every_part_of_a_step: every() counts steps: give a whole number of them, as 5 for 5.0
 // case stepper_of_other_numbers: has other numbers than its Scalar, in which dt comes: give both the same
 // case every_within_every: every() within every() would count the steps of the run, too: give one of them the product
 // case monitor_of_one_argument: this monitor function cannot be called: write `double operator()(const auto& q, const auto& p) const`
 // case monitor_without_gradient: this monitor function cannot be called: write `double operator()(const auto& q, auto&& dgdq) const`
+// case monitor_of_whole_numbers: this monitor function returns a whole number, or one of fewer digits than Scalar, which rounds it: return g as a Scalar
+// case monitor_of_no_number: this monitor function returns a whole number, or one of fewer digits than Scalar, which rounds it: return g as a Scalar
+// case monitor_of_float: this monitor function returns a whole number, or one of fewer digits than Scalar, which rounds it: return g as a Scalar
+// case monitor_value_of_float: this monitor function returns a whole number, or one of fewer digits than Scalar, which rounds it: return g as a Scalar
+// case monitor_with_gradient_of_float: this monitor function returns a whole number, or one of fewer digits than Scalar, which rounds it: return g as a Scalar
+// case monitor_with_whole_gradient: this monitor function returns a whole number, or one of fewer digits than Scalar, which rounds it: return g as a Scalar
+// case centre_of_float: this monitor function returns a whole number, or one of fewer digits than Scalar, which rounds it: return g as a Scalar
+// case centre_of_whole_numbers: a centre of whole numbers: write Eigen::Vector2d(0, 0)
 // case transformed_without_energy: has no public energy, by which the run is to be judged: write `Scalar energy(
 // case surface_without_on_event: events() takes kinds of events: write `on_event(surface, action)`
 // case surface_of_one_argument: this surface cannot be called, or tells no more than true and false, or whole numbers: write `[](const auto& q, const auto& p) { return q[0]; }`
@@ -216,6 +225,10 @@ struct NoStepper {
   using State = Point;
 };
 
+struct FloatValue {
+  float value(const auto& q, const auto&) const { return float(q[0]); }
+};
+
 int main() {
   const auto scheme = schemes::strang<double>();
   const auto right = [](double, const Point&) {};
@@ -285,6 +298,35 @@ int main() {
   auto sparse = every(4, every(10, right));
 #elif defined(monitor_of_one_argument)
   ReversibleSteps stepper(Semiexplicit(H, scheme), [](const auto& q) { return q[0]; });
+#elif defined(reversible_steps_of_transformed)
+  const TimeTransformed transformed(H, monitors::Distance(), 1.0);
+  ReversibleSteps stepper(Semiexplicit(transformed, scheme), monitors::Distance());
+#elif defined(monitor_of_whole_numbers)
+  ReversibleSteps stepper(Semiexplicit(H, scheme), [](const auto& q, const auto&) { return int(q[0]); });
+  stepper.step(z, 0.1);
+#elif defined(monitor_of_no_number)
+  ReversibleSteps stepper(Semiexplicit(H, scheme), [](const auto& q, const auto&) { return q[0] > 0; });
+  stepper.step(z, 0.1);
+#elif defined(monitor_of_float)
+  ReversibleSteps stepper(Semiexplicit(H, scheme), [](const auto& q, const auto&) { return float(q[0]); });
+  stepper.step(z, 0.1);
+#elif defined(monitor_value_of_float)
+  ReversibleSteps stepper(Semiexplicit(H, scheme), FloatValue());
+  stepper.step(z, 0.1);
+#elif defined(monitor_with_gradient_of_float)
+  const auto pace = [](const auto& q, const auto&, auto&&, auto&&) { return float(q[0]); };
+  ReversibleSteps stepper(Semiexplicit(H, scheme), pace);
+  stepper.step(z, 0.1);
+#elif defined(monitor_with_whole_gradient)
+  const TimeTransformed transformed(
+      H, [](const auto& q, auto&& dgdq) { return dgdq.setZero(), int(q[0]); }, 1.0);
+  transformed.extended(z, 0.0);
+#elif defined(centre_of_float)
+  const monitors::DistanceFrom from(Eigen::Matrix<float, 1, 1>(0.0f));
+  ReversibleSteps stepper(Semiexplicit(H, scheme), from);
+  stepper.step(z, 0.1);
+#elif defined(centre_of_whole_numbers)
+  const monitors::DistanceFrom from(Eigen::Vector2i(0, 0));
 #elif defined(monitor_without_gradient)
   TimeTransformed transformed(
       H, [](const auto& q) { return q[0]; }, 1.0);

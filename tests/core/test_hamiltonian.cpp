@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <concepts>
+#include <stdexcept>
 
 #include <semiexplicit/semiexplicit.hpp>
 #include <semiexplicit/systems.hpp>
@@ -130,6 +131,7 @@ TEST_CASE("A Hamiltonian is made of two lambdas", "[hamiltonian]") {
   static_assert(decltype(dynamic)::Dof == Eigen::Dynamic);
   CHECK(dof_of(fixed) == 1);
   CHECK(dof_of(dynamic) == 3);
+  CHECK_THROWS_AS(make_hamiltonian<double>(0, energy, gradient), std::invalid_argument);
 
   // The same steps as with the system of that formula.
   PhasePoint<double, 1> z(-3, 0), other = z;

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cmath>
+#include <cstddef>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -42,6 +43,14 @@ struct Fragile {
     dHdq[0] = k * q[0];
     dHdp[0] = k * p[0];
   }
+};
+
+/// Of no size.
+struct Empty {
+  using Scalar = double;
+  static constexpr int Dof = Eigen::Dynamic;
+  Eigen::Index dof() const { return 0; }
+  void gradient(In<double, Dof>, In<double, Dof>, Out<double, Dof>, Out<double, Dof>) const {}
 };
 
 const auto scheme = schemes::low_defect6_s13<double>();
@@ -155,6 +164,45 @@ TEST_CASE("A member whose gradient throws says so, and the others go on") {
       }
     }
   }
+}
+
+TEST_CASE("A member for which the family throws says so, and the others go on") {
+  Eigen::MatrixXd k(1, 13);
+  for (Eigen::Index i = 0; i < 13; ++i) k(0, i) = 1 + 0.1 * double(i);
+  const std::vector<PhasePoint<double, 1>> starts(13, PhasePoint<double, 1>(1, 0));
+  Eigen::MatrixXd wrong = k;
+  for (const Eigen::Index i : {0, 5, 6}) wrong(0, i) = -1;
+  const auto family = []<class S>(const S* parameters) {
+    if (any_of(parameters[0] < 0.0)) throw std::invalid_argument("k is negative");
+    return Fragile<S>{parameters[0], 10};
+  };
+  const auto check = [&](auto solver, bool in_lanes) {
+    Ensemble ensemble(family, wrong, starts, scheme, solver), undisturbed(family, k, starts, scheme, solver);
+    CHECK(ensemble.in_lanes() == in_lanes);
+    std::vector<int> heard(13, 0);
+    const auto count = [&](Eigen::Index member, double, const auto&) { ++heard[std::size_t(member)]; };
+    CHECK(ensemble.run({.dt = 0.05, .steps = 50}, count).failed == 3);
+    CHECK(ensemble.run({.dt = 0.05, .steps = 100, .done = 50}, count).failed == 3);
+    undisturbed.run({.dt = 0.05, .steps = 100});
+    for (Eigen::Index i = 0; i < 13; ++i) {
+      CAPTURE(i);
+      const IntegrationReport& report = ensemble.report(i);
+      if (wrong(0, i) < 0) {
+        CHECK(report.status == Status::gradient_threw);
+        CHECK(ensemble.failure(i) == "the family threw: k is negative");
+        CHECK((report.steps == 0 && report.t == 0 && heard[std::size_t(i)] == 1));
+        CHECK(same_bits(ensemble.state(i), starts[0]));
+      } else {
+        CHECK((report.ok() && report.steps == 100 && heard[std::size_t(i)] == 101));
+        CHECK(report.evaluations == undisturbed.report(i).evaluations);
+        CHECK(same_bits(ensemble.state(i), undisturbed.state(i)));
+      }
+    }
+  };
+  check(SimplifiedNewton{}, true);
+  check(Broyden{}, false);
+  CHECK(refuses([&] { Ensemble(family, Eigen::MatrixXd::Constant(1, 13, -1), starts, scheme); },
+                "k is negative"));
 }
 
 TEST_CASE("A member whose own observer throws says so, and the others go on") {
@@ -309,6 +357,8 @@ TEST_CASE("An ensemble that makes no sense is refused") {
   states[1] = PhasePoint<double, Eigen::Dynamic>(5);
   CHECK(refuses([&] { Ensemble(lattice, states, scheme); },
                 "member 1 has 5 degrees of freedom and the Hamiltonian 4"));
+  states.assign(3, PhasePoint<double, Eigen::Dynamic>());
+  CHECK(refuses([&] { Ensemble(Empty(), states, scheme); }, "0 degrees of freedom; give it one at least"));
   Ensemble fine(Lattice5(), lattices(3), scheme);
   CHECK(refuses([&] { fine.run({.dt = 0.1, .steps = -1}); }, "must not be negative"));
   CHECK(refuses([&] { fine.run({.dt = 0.1, .steps = 1, .t0 = std::nan("")}); }, "t0 is not finite"));

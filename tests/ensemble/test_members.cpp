@@ -281,7 +281,9 @@ TEST_CASE("Members of different sizes are refused") {
   const auto family = [](const double* k) { return systems::NlsLattice<double>(Eigen::Index(k[0])); };
   const std::vector<PhasePoint<double, Eigen::Dynamic>> starts(3, PhasePoint<double, Eigen::Dynamic>(5));
   CHECK(refuses([&] { Ensemble(family, sizes, starts, scheme); },
-                "the Hamiltonian of member 1 has 7 degrees of freedom, and that of member 0 has 5"));
+                "the Hamiltonian of member 1 has 7 degrees of freedom, and the first one has 5"));
+  sizes << -1, 5, 5;  // NlsLattice throws
+  CHECK(Ensemble(family, sizes, starts, scheme).run({.dt = 0.01, .steps = 2}).failed == 1);
   sizes << 5, 5, 5;
   Ensemble fine(family, sizes, starts, scheme);
   CHECK(refuses([&] { fine.set_state(2, PhasePoint<double, Eigen::Dynamic>(4)); },

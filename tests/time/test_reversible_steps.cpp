@@ -621,6 +621,11 @@ TEST_CASE("The ready monitor functions have the values and gradients that they s
   const Kepler h;
   CHECK(monitors::FieldSize(h).value(Eigen::Vector2d(3, 4), Eigen::Vector2d(0, 1)) ==
         Approx(1 / std::hypot(1.0 / 25, 1.0)));
+  // Of a driven system without dt/ds = 1 and the work.
+  const Autonomous driven(from_energy<1>([](const auto& t, const auto& at, const auto& momentum) {
+    return (momentum[0] * momentum[0] + at[0] * at[0]) / 2 + 5.0 * t;
+  }));
+  CHECK(monitors::FieldSize(driven).value(Eigen::Vector2d(3e-3, 2), Eigen::Vector2d(4e-3, 1)) == Approx(200));
 
   const auto slopes_match = [&](const auto& g) {
     Eigen::Matrix<double, 6, 1> at, slope, shifted;
@@ -773,6 +778,19 @@ TEST_CASE("Reversible steps that were moved from say so, whatever their monitor 
   ReversibleSteps to(std::move(from));
   CHECK(from.step(z, 0.1).status == Status::invalid_stepper);
   CHECK(to.step(z, 0.1).ok());
+}
+
+TEST_CASE("Monitor functions of dynamic size work on where they were moved from", "[reversible steps]") {
+  const KeplerOf<double, Eigen::Dynamic> h;
+  const Eigen::VectorXd q = Eigen::Vector2d(3, 4), p = Eigen::Vector2d(0, 1);
+  const auto check = [&](auto monitor) {
+    const double value = monitor.value(q, p);
+    const auto moved = std::move(monitor);
+    CHECK(moved.value(q, p) == value);
+    CHECK(monitor.value(q, p) == value);
+  };
+  check(monitors::FieldSize(h));
+  check(monitors::TimeScale(h));
 }
 
 TEST_CASE("A run of more steps than anyone can wait for comes back", "[reversible steps]") {

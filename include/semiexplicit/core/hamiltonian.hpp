@@ -233,7 +233,11 @@ class LambdaHamiltonian {
                 "return a Scalar");
 
   LambdaHamiltonian(Eigen::Index dof, Energy energy, Gradient gradient)
-      : dof_(dof), energy_(std::move(energy)), gradient_(std::move(gradient)) {}
+      : dof_(dof), energy_(std::move(energy)), gradient_(std::move(gradient)) {
+    if (dof < 1)
+      throw std::invalid_argument("make_hamiltonian: " + std::to_string(dof) +
+                                  " degrees of freedom; give one or more");
+  }
 
   Eigen::Index dof() const { return dof_; }
   Scalar energy(const In<Scalar, Dof>& q, const In<Scalar, Dof>& p) const { return energy_(q, p); }
@@ -261,7 +265,8 @@ requires(Dof > 0) auto make_hamiltonian(Energy energy, Gradient gradient) {
   return LambdaHamiltonian<Scalar, Dof, Energy, Gradient>(Dof, std::move(energy), std::move(gradient));
 }
 
-/// The same with the size `dof` known at run time: `make_hamiltonian<double>(n, energy, gradient)`.
+/// The same with the size `dof` known at run time: `make_hamiltonian<double>(n, energy, gradient)`. Throws
+/// std::invalid_argument where it is below one.
 template <class Scalar, class Energy, class Gradient>
 auto make_hamiltonian(Eigen::Index dof, Energy energy, Gradient gradient) {
   return LambdaHamiltonian<Scalar, Eigen::Dynamic, Energy, Gradient>(dof, std::move(energy),

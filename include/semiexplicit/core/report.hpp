@@ -23,7 +23,7 @@ enum class Status {
   invalid_step,    ///< dt is zero, NaN or Inf
   invalid_stepper,  ///< the stepper was moved from
   stopped,          ///< a run only: an observer returned false
-  gradient_threw,   ///< a member of an Ensemble only: its gradient threw an exception
+  gradient_threw,   ///< a member of an Ensemble only: its gradient, or its family, threw an exception
   close_encounter,  ///< an exact flow only: bodies came closer than the limit of its scene
   invalid_monitor,  ///< of steps that follow a monitor function: it is not finite and positive, or grew too
                     ///< fast
@@ -63,7 +63,7 @@ SEMIEXPLICIT_COLD inline std::string describe(Status status) {
     case Status::stopped:
       return "stopped by an observer";
     case Status::gradient_threw:
-      return "the gradient threw an exception";
+      return "the gradient, or the family that makes it, threw an exception";
     case Status::close_encounter:
       return "two bodies come closer than the limit of the scene, below which their interaction is not small "
              "and a step of an exact flow does not resolve it; integrate the scene without exactly<...>() "

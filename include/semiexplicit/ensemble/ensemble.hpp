@@ -39,9 +39,9 @@ namespace semiexplicit {
 ///
 /// A member's result depends on nothing but its start and parameters: not on the threads, not on the others.
 /// One that fails stays at its last good state, with the reason in its report, and the others go on; so does
-/// one whose gradient throws. Threads share the Hamiltonian's copies' data, so a gradient that writes to
-/// memory of its own needs one a thread (thread_local, as from_energy() has). Memory: 4d numbers a member,
-/// stepped one by one 6d, and its report.
+/// one whose gradient throws, or for whose parameters the family throws. Threads share the Hamiltonian's
+/// copies' data, so a gradient that writes to memory of its own needs one a thread (thread_local, as
+/// from_energy() has). Memory: 4d numbers a member, stepped one by one 6d, and its report.
 template <class Family, class Solver = SimplifiedNewton>
 class Ensemble {
   static constexpr bool lanes = detail::MakesPacks<Family> && std::same_as<Solver, SimplifiedNewton>;
@@ -57,13 +57,17 @@ class Ensemble {
   static constexpr const char* name = "Ensemble";
 
   /// `parameters` has a column a member; the scheme is the usual one, low_defect6_s13, unless given. Throws
-  /// std::invalid_argument where there is no member, where the sizes do not fit together, and unless the
-  /// scheme passes its own check and the solver's options make sense.
+  /// std::invalid_argument where there is no member, where the sizes do not fit together or are below one,
+  /// and unless the scheme passes its own check and the solver's options make sense; and what the family
+  /// throws where it throws for all members.
   Ensemble(Family family, Eigen::MatrixXd parameters, const std::vector<State>& starts,
            Scheme<double> scheme = usual_scheme<double>(false), Solver solver = {})
       : hamiltonians_{std::move(family), std::move(parameters)},
         records_(checked(starts)),
         members_(hamiltonians_, size(), std::move(scheme), std::move(solver)) {
+    if (dof() < 1)
+      throw std::invalid_argument("Ensemble: the Hamiltonian has " + std::to_string(dof()) +
+                                  " degrees of freedom; give it one at least");
     require_equal_sizes();
     for (Eigen::Index i = 0; i < size(); ++i) set_state(i, starts[static_cast<std::size_t>(i)]);
   }
@@ -182,7 +186,7 @@ class Ensemble {
     const std::string& thrown = records_.thrown[static_cast<std::size_t>(member)];
     return thrown.empty() ? semiexplicit::describe(report(member).status) : thrown;
   }
-  /// A member's own Hamiltonian, of plain numbers.
+  /// A member's own Hamiltonian, of plain numbers; what the family throws for it comes out.
   auto hamiltonian(Eigen::Index member) const {
     require_member(member);
     return hamiltonians_.plain(member);
@@ -345,10 +349,17 @@ class Ensemble {
   void require_equal_sizes() const {
     if constexpr (Dof == Eigen::Dynamic && detail::MakesPlain<Family>) {
       if (hamiltonians_.parameters.rows() == 0) return;
+      const auto dof_of_member = [&](Eigen::Index i) {
+        try {
+          return dof_of(hamiltonians_.plain(i));
+        } catch (...) {  // run() tells of it
+          return dof();
+        }
+      };
       for (Eigen::Index i = 0; i < size(); ++i)
-        if (const Eigen::Index own = dof_of(hamiltonians_.plain(i)); own != dof())
+        if (const Eigen::Index own = dof_of_member(i); own != dof())
           throw std::invalid_argument("Ensemble: the Hamiltonian of member " + std::to_string(i) + " has " +
-                                      std::to_string(own) + " degrees of freedom, and that of member 0 has " +
+                                      std::to_string(own) + " degrees of freedom, and the first one has " +
                                       std::to_string(dof()) + "; give each size an ensemble of its own");
     }
   }

@@ -62,6 +62,19 @@ struct MemberHamiltonians {
   /// A member's own, of plain numbers.
   auto plain(Eigen::Index member) const { return family(parameters.col(member).data()); }
 
+  /// made(i), a Hamiltonian, of the first member i for which the family does not throw. Where it does for
+  /// all, what it throws for the last one comes out.
+  template <class Made>
+  auto first(const Made& made) const {
+    for (Eigen::Index i = 0; i + 1 < parameters.cols(); ++i) {
+      try {
+        return made(i);
+      } catch (...) {  // run() tells of it
+      }
+    }
+    return made(parameters.cols() - 1);
+  }
+
   /// By its value one member's Hamiltonian is told from another at z.
   template <class State>
   double gradient_size(Eigen::Index member, const State& z) const {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <exception>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -52,7 +53,7 @@ struct PackRun {
   LaneChoice going{};
   std::array<IntegrationReport, static_cast<std::size_t>(pack_width)> report{};
   std::int64_t steps = 0;
-  std::exception_ptr gradient_threw, observer_threw;
+  std::exception_ptr family_threw, gradient_threw, observer_threw;
 
   /// Steps to the end of the part, or to where a gradient or an observer throws. in_parts(k) tries the failed
   /// step of lane k in parts.
@@ -135,7 +136,8 @@ class LaneMembers {
   LaneMembers(const MemberHamiltonians<Family>& all, Eigen::Index size, Scheme<double> scheme,
               SimplifiedNewton solver)
       : size_(size),
-        first_(all.family(all.packs(0).data()), std::move(scheme), solver),
+        first_(all.first([&](Eigen::Index i) { return all.family(all.packs(i, true).data()); }),
+               std::move(scheme), solver),
         points_(static_cast<std::size_t>((size_ + width - 1) / width), PackPoint<Dof>(first_.dof())) {}
 
   /// The run is made of so many tasks, which threads share.
@@ -155,13 +157,13 @@ class LaneMembers {
     }
     PackPoint<Dof>& point = points_[static_cast<std::size_t>(task)];
     const std::vector<Many> parameters = all.packs(first);
-    Stepper stepper = first_.with(all.family(parameters.data()));
     if (part.begins() && watch.due(0)) run.tell(point, part, records, watch);
-    run.advance(
-        stepper, point, part, [&](std::size_t k) { return in_parts(all, k, point, run, k, part, records); },
-        records, watch);
-    // Some member's gradient throws: each goes on alone, in all lanes.
-    if (run.gradient_threw)
+    if (auto stepper = made(all, parameters, run))
+      run.advance(
+          *stepper, point, part,
+          [&](std::size_t k) { return in_parts(all, k, point, run, k, part, records); }, records, watch);
+    // Some member's family or gradient throws: each goes on alone, in all lanes.
+    if (run.family_threw || run.gradient_threw)
       for (std::size_t k = 0; k < run.going.size(); ++k)
         if (run.going[k]) run_alone(all, k, point, run, part, records, watch);
     for (Eigen::Index k = 0; k < width && first + k < size_; ++k)
@@ -205,6 +207,17 @@ class LaneMembers {
   }
   PackPoint<Dof>& point_of(Eigen::Index member) { return points_[static_cast<std::size_t>(member / width)]; }
 
+  /// What steps members of such parameters; nothing where the family throws, which the run then knows.
+  std::optional<Stepper> made(const MemberHamiltonians<Family>& all, const std::vector<Many>& parameters,
+                              PackRun& run) const {
+    try {
+      return first_.with(all.family(parameters.data()));
+    } catch (...) {
+      run.family_threw = std::current_exception();
+      return std::nullopt;
+    }
+  }
+
   /// The step of lane k of the point, that of the run's member in lane `who`, in parts.
   SEMIEXPLICIT_COLD bool in_parts(const MemberHamiltonians<Family>& all, std::size_t k, PackPoint<Dof>& point,
                                   PackRun& run, std::size_t who, const EnsemblePart& part,
@@ -212,15 +225,15 @@ class LaneMembers {
     if (part.subdivide == 0) return false;
     const std::vector<Many> parameters = all.packs(run.member[who], true);
     PackPoint<Dof> copies = point.alone(k);
-    LaneAlone<H> alone(first_.with(all.family(parameters.data())), copies);
     const IntegrationOptions<double> options{.dt = part.dt, .subdivide = part.subdivide};
     try {
+      LaneAlone<H> alone(first_.with(all.family(parameters.data())), copies);
       const bool done = step_in_parts(alone, copies, options, run.report[who]);
       if (!alone.continues(copies)) copies.drop_carry();
       point.take(k, copies);
       return done;
     } catch (...) {
-      gave_up(run.report[who], records.thrown[static_cast<std::size_t>(run.member[who])],
+      gave_up(run.report[who], records.thrown[static_cast<std::size_t>(run.member[who])], "the gradient",
               std::current_exception());
       return false;
     }
@@ -237,23 +250,25 @@ class LaneMembers {
     alone.observer_threw = run.observer_threw;
     PackPoint<Dof> copies = point.alone(k);
     const std::vector<Many> parameters = all.packs(run.member[k], true);
-    Stepper stepper = first_.with(all.family(parameters.data()));
     const auto parts = [&](std::size_t) {
       const bool done = in_parts(all, 0, copies, alone, 0, part, records);
       copies = copies.alone(0);
       return done;
     };
-    alone.advance(stepper, copies, part, parts, records, watch);
-    if (alone.gradient_threw)
-      gave_up(alone.report[0], records.thrown[static_cast<std::size_t>(run.member[k])], alone.gradient_threw);
+    if (auto stepper = made(all, parameters, alone))
+      alone.advance(*stepper, copies, part, parts, records, watch);
+    std::string& words = records.thrown[static_cast<std::size_t>(run.member[k])];
+    if (alone.family_threw) gave_up(alone.report[0], words, "the family", alone.family_threw);
+    if (alone.gradient_threw) gave_up(alone.report[0], words, "the gradient", alone.gradient_threw);
     point.take(k, copies);
     run.report[k] = alone.report[0];
     run.observer_threw = alone.observer_threw;
   }
 
-  static void gave_up(IntegrationReport& report, std::string& words, const std::exception_ptr& thrown) {
+  static void gave_up(IntegrationReport& report, std::string& words, const char* who,
+                      const std::exception_ptr& thrown) {
     report.status = Status::gradient_threw;
-    words = thrown_in_words("the gradient", thrown);
+    words = thrown_in_words(who, thrown);
   }
 
   Eigen::Index size_;

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <exception>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -27,7 +28,7 @@ class PlainMembers {
   using State = PhasePoint<double, Dof>;
 
   PlainMembers(const MemberHamiltonians<Family>& all, Eigen::Index size, Scheme<double> scheme, Solver solver)
-      : first_(all.plain(0), std::move(scheme), std::move(solver)),
+      : first_(all.first([&](Eigen::Index i) { return all.plain(i); }), std::move(scheme), std::move(solver)),
         states_(static_cast<std::size_t>(size), State(first_.dof())),
         carried_(states_.size()) {}
 
@@ -40,11 +41,7 @@ class PlainMembers {
     const auto i = static_cast<std::size_t>(task);
     IntegrationReport& report = records.report[i];
     if (report.status != Status::success) return;
-    Stepper stepper = first_.with(all.plain(task));
-    if (!carried_[i].empty()) {
-      CheckpointMemory restore(carried_[i], CheckpointMemory::Read::restore);
-      stepper.visit_memory(restore);
-    }
+    std::optional<Stepper> stepper;
     std::exception_ptr observer_threw;
     Status told = Status::success;
     IntegrationReport seen = report;
@@ -60,7 +57,12 @@ class PlainMembers {
       }
     };
     try {
-      report = integrate(stepper, states_[i],
+      stepper.emplace(first_.with(all.plain(task)));
+      if (!carried_[i].empty()) {
+        CheckpointMemory restore(carried_[i], CheckpointMemory::Read::restore);
+        stepper->visit_memory(restore);
+      }
+      report = integrate(*stepper, states_[i],
                          {.dt = part.dt,
                           .steps = part.until,
                           .on_failure = OnFailure::stop,
@@ -70,16 +72,19 @@ class PlainMembers {
                          tell);
       if (told == Status::observer_threw) report.status = told;
     } catch (...) {
-      records.thrown[i] = thrown_in_words("the gradient", std::current_exception());
+      if (!stepper && part.begins()) tell(part.t0, states_[i], report);
+      records.thrown[i] = thrown_in_words(stepper ? "the gradient" : "the family", std::current_exception());
       report = seen;
       report.status = Status::gradient_threw;
       report.dt = part.dt;
       report.t = part.time(report.steps);
     }
     report.seconds = 0;
-    CheckpointMemory memory;
-    stepper.visit_memory(memory);
-    carried_[i] = memory.bytes();
+    if (stepper) {
+      CheckpointMemory memory;
+      stepper->visit_memory(memory);
+      carried_[i] = memory.bytes();
+    }
     if (observer_threw) std::rethrow_exception(observer_threw);
   }
 

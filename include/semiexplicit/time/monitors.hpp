@@ -4,11 +4,13 @@
 #include <cstdint>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <utility>
 
 #include <semiexplicit/core/extended_phase_space.hpp>
 #include <semiexplicit/core/hamiltonian_door.hpp>
 #include <semiexplicit/core/phase_point.hpp>
+#include <semiexplicit/core/ranks.hpp>
 #include <semiexplicit/time/pace.hpp>
 
 /// Monitor functions for TimeTransformed, which asks for their gradients, and ReversibleSteps, which takes
@@ -49,6 +51,9 @@ struct Distance {
 /// g = |q - centre|^power: the same towards another point.
 template <class Scalar, int Dof>
 class DistanceFrom {
+  static_assert(!std::is_integral_v<Scalar>,
+                "a centre of whole numbers: write Eigen::Vector2d(0, 0) for Eigen::Vector2i(0, 0)");
+
  public:
   explicit DistanceFrom(Vector<Scalar, Dof> centre, double power = 1.5)
       : centre_(std::move(centre)), power_(power) {}
@@ -141,12 +146,14 @@ struct ClosestPair {
 
 /// g = 1/|∇H|, the size of the vector field: steps of equal length in phase space. q and p are compared in
 /// their own units: scale H where these differ. A value is one gradient call, and there is no gradient: for
-/// ReversibleSteps. One of dynamic size works in memory of its own.
+/// ReversibleSteps. One of dynamic size works in memory of its own. Of a driven system the time and its
+/// momentum do not count.
 template <class H>
 class FieldSize {
  public:
   using Scalar = typename semiexplicit::detail::HamiltonianDoor<H>::Scalar;
   static constexpr int Dof = semiexplicit::detail::HamiltonianDoor<H>::Dof;
+  static_assert(semiexplicit::detail::is_in_one_process<H>());
 
   explicit FieldSize(H hamiltonian)
       : hamiltonian_(std::move(hamiltonian)), at_(dof_of(hamiltonian_)), gradient_(at_) {}
@@ -155,11 +162,12 @@ class FieldSize {
   Scalar value(const Q& q, const P& p) const {
     semiexplicit::detail::require_same_dof("monitors::FieldSize", q.size(), "Hamiltonian",
                                            dof_of(hamiltonian_), "give it that of the stepper");
+    if (at_.dof() != q.size()) at_ = gradient_ = PhasePoint<Scalar, Dof>(q.size());  // it was moved from
     at_.q() = q;
     at_.p() = p;
     semiexplicit::detail::gradient_at(hamiltonian_, at_.vector().data(), gradient_.vector().data(),
                                       at_.dof());
-    return 1 / semiexplicit::detail::norm(gradient_.vector());
+    return 1 / semiexplicit::detail::state_size(hamiltonian_, gradient_);
   }
   /// Gradient calls of a value.
   std::int64_t gradients() const { return 1; }
@@ -186,6 +194,7 @@ class TimeScale {
  public:
   using Scalar = typename semiexplicit::detail::HamiltonianDoor<H>::Scalar;
   static constexpr int Dof = semiexplicit::detail::HamiltonianDoor<H>::Dof;
+  static_assert(semiexplicit::detail::is_in_one_process<H>());
   using Options = TimeScaleOptions<Scalar>;
 
   /// Throws std::invalid_argument unless all options are positive and finite.
@@ -209,6 +218,7 @@ class TimeScale {
     using std::sqrt;
     semiexplicit::detail::require_same_dof("monitors::TimeScale", q.size(), "Hamiltonian",
                                            dof_of(hamiltonian_), "give it that of the stepper");
+    if (at_.dof() != q.size()) at_ = here_ = ahead_ = PhasePoint<Scalar, Dof>(q.size());  // it was moved from
     at_.q() = q;
     at_.p() = p;
     field(here_);

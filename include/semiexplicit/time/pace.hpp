@@ -1,7 +1,10 @@
 #pragma once
 
 #include <concepts>
+#include <type_traits>
+#include <utility>
 
+#include <semiexplicit/core/parameters.hpp>
 #include <semiexplicit/core/phase_point.hpp>
 
 namespace semiexplicit {
@@ -62,6 +65,15 @@ consteval bool is_monitor() {
   return ValueMonitor<G, Scalar, Dof>;
 }
 
+/// What a monitor function returned, as a Scalar.
+template <class Scalar, class Value>
+Scalar monitor_value(Value&& g) {
+  static_assert(!is_narrower<std::remove_cvref_t<Value>, Scalar>,
+                "this monitor function returns a whole number, or one of fewer digits than Scalar, which "
+                "rounds it: return g as a Scalar");
+  return static_cast<Scalar>(std::forward<Value>(g));
+}
+
 /// A monitor that is one of the system's own coordinates, not of the time where that is one.
 template <class G>
 inline constexpr bool leaves_time_out = false;
@@ -70,14 +82,14 @@ inline constexpr bool leaves_time_out = false;
 template <bool Timed, class G, class Scalar, int Dof>
 Scalar pace(const G& g, const PhasePoint<Scalar, Dof>& z, [[maybe_unused]] PhasePoint<Scalar, Dof>& scratch) {
   if constexpr (Timed && leaves_time_out<G>)
-    return static_cast<Scalar>(g.value(z.q().head(z.dof() - 1), z.p().head(z.dof() - 1)));
+    return monitor_value<Scalar>(g.value(z.q().head(z.dof() - 1), z.p().head(z.dof() - 1)));
   else if constexpr (HasMonitorValue<G, Scalar, Dof>)
-    return static_cast<Scalar>(g.value(z.q(), z.p()));
+    return monitor_value<Scalar>(g.value(z.q(), z.p()));
   else if constexpr (PhaseMonitor<G, Scalar, Dof>) {
     auto dgdq = scratch.q(), dgdp = scratch.p();  // a monitor may take them by reference
-    return static_cast<Scalar>(g(z.q(), z.p(), dgdq, dgdp));
+    return monitor_value<Scalar>(g(z.q(), z.p(), dgdq, dgdp));
   } else
-    return static_cast<Scalar>(g(z.q(), z.p()));
+    return monitor_value<Scalar>(g(z.q(), z.p()));
 }
 
 }  // namespace detail

@@ -10,11 +10,33 @@
 #include <semiexplicit/core/checkpointable.hpp>
 #include <semiexplicit/core/extended_phase_space.hpp>
 #include <semiexplicit/core/phase_point.hpp>
+#include <semiexplicit/core/ranks.hpp>
 #include <semiexplicit/core/stepper.hpp>
 #include <semiexplicit/core/two_sum.hpp>
 #include <semiexplicit/time/pace.hpp>
 
 namespace semiexplicit {
+
+namespace detail {
+
+/// Compiles for a stepper of a Hamiltonian, where it says which, whose steps are of the time, and whose state
+/// is in one process.
+template <class S>
+consteval bool times_of_steps_are_free() {
+  if constexpr (SaysItsHamiltonianOf<S, S::State::Dof>) {
+    using H = std::remove_cvref_t<decltype(std::declval<const S&>().hamiltonian())>;
+    if constexpr (InExtendedPhaseSpace<H>)
+      static_assert(H::steps_in_time,
+                    "the Hamiltonian of this stepper is TimeTransformed, by which its steps follow a monitor "
+                    "already: give ReversibleSteps a stepper of the Hamiltonian within, and one monitor for "
+                    "both");
+    return is_in_one_process<H>();
+  } else {
+    return true;
+  }
+}
+
+}  // namespace detail
 
 /// Steps that follow the motion and can be undone: each takes about the time g(q, p) dt, where g > 0 is a
 /// monitor function, the local time scale, and the density ρ = dt/time of the steps is carried from step to
@@ -65,6 +87,7 @@ class ReversibleSteps {
   static_assert(!ChoosesSteps<S>,
                 "this stepper chooses the times of its steps already: give ReversibleSteps "
                 "its inner stepper, and one monitor for both");
+  static_assert(detail::times_of_steps_are_free<S>());
 
  public:
   using Scalar = typename S::Scalar;

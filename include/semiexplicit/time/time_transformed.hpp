@@ -151,9 +151,9 @@ class TimeTransformed
     auto dgdq = dg.q(), dgdp = dg.p();  // a monitor may take them by reference
     const Scalar g = [&] {
       if constexpr (PhaseMonitor<G, Scalar, own>)
-        return monitor_(q, p, dgdq, dgdp);
+        return detail::monitor_value<Scalar>(monitor_(q, p, dgdq, dgdp));
       else
-        return monitor_(q, dgdq);
+        return detail::monitor_value<Scalar>(monitor_(q, dgdq));
     }();
     return g > Scalar(0) ? g : std::numeric_limits<Scalar>::quiet_NaN();
   }

@@ -59,14 +59,17 @@ void require_restored(const Observer& observer, std::int64_t steps) {
 }
 
 /// Throws std::invalid_argument where an observer saves another stepper than the run's, which a resumed run
-/// would go on without.
+/// would go on without, and std::logic_error where it put back another state than the run goes on from.
 template <class S, class Observer>
-void require_saved(const S& stepper, const Observer& observer) {
+void require_saved(const S& stepper, const typename S::State& state, std::int64_t steps,
+                   const Observer& observer) {
   if constexpr (requires { referred(observer).saves(stepper); })
     if (!referred(observer).saves(stepper))
       throw std::invalid_argument(
           "integrate: the Checkpoints among the observers save another stepper, or a copy of the run's: make "
           "them with the very stepper that integrate() is given");
+  if constexpr (requires { referred(observer).require_put_back(state, steps); })
+    referred(observer).require_put_back(state, steps);
 }
 
 /// Whether the run ends at a time that the stepper's own steps are to meet.
@@ -444,7 +447,7 @@ IntegrationReport integrate_checked(S& stepper, typename S::State& state,
         "integrate: subdivide goes with no observer that changes the state (events() with such an action), "
         "whose search takes whole steps; leave subdivide at 0 and take a shorter dt");
   const auto start = std::chrono::steady_clock::now();
-  (require_saved(stepper, observers), ...);
+  (require_saved(stepper, state, options.done.steps, observers), ...);
   if (options.done.steps > 0) (require_restored(observers, options.done.steps), ...);
   IntegrationReport report = options.done;
   report.dt = static_cast<double>(options.dt);

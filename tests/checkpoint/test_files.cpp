@@ -6,8 +6,10 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include <semiexplicit/chaos.hpp>
 #include <semiexplicit/checkpoint.hpp>
@@ -225,6 +227,14 @@ TEST_CASE("Where a checkpoint cannot be written, that is said and the old one st
   fs::create_directory(run.folder.path / "folder");
   CHECK(says(said_of(run.folder.path / "folder"), "folder: "));
   CHECK_FALSE(fs::exists(run.folder.path / "folder.part"));
+  CHECK(says(complaint([&] { Checkpoints(run.folder.path / "nowhere" / "file", {}, stepper, run.options); }),
+             "check that the folder exists"));
+  if (fs::exists("/dev/null"))
+    CHECK(refuses([&] { Checkpoints("/dev/null", {}, stepper, run.options); }, "is a pipe or a device"));
+  Checkpoints("", {}, stepper, run.options);  // none are wanted
+  Checkpoints(run.folder.path / "new", {}, stepper, run.options);
+  CHECK_FALSE(fs::exists(run.folder.path / "new"));
+  CHECK_FALSE(fs::exists(run.folder.path / "new.part"));
   CHECK(contents(run.file) == old);
   CHECK(refuses([&] { Checkpoints("x", {.every = -1}, stepper, run.options); }, "every is negative"));
   CHECK(refuses([&] { Checkpoints("x", {.seconds = 0}, stepper, run.options); }, "seconds is not positive"));
@@ -251,6 +261,80 @@ TEST_CASE("By the clock, after steps, and away when the run is done", "[checkpoi
   integrate(stepper, z, options, fours);
   z = {-3, 0};
   CHECK(fours.resume(z).steps == 8);
+}
+
+TEST_CASE("Where not every step is shown, what is saved is the first one behind a multiple of `every`",
+          "[checkpoint]") {
+  const Folder folder;
+  GaussLegendre stepper(systems::Product<double>{}, {.stages = 1});
+  const IntegrationOptions<double> options{.dt = 0.1, .steps = 29};
+  for (const auto& [shown, saved] : {std::pair(1, 20), std::pair(3, 21), std::pair(25, 25)}) {
+    PhasePoint<double, 1> z(-3, 0), again = z;
+    Checkpoints checkpoints(folder.path / "run.checkpoint", {.every = 10}, stepper, options);
+    integrate(stepper, z, options, every(shown, checkpoints));
+    CHECK(checkpoints.resume(again).steps == saved);
+    checkpoints.remove();
+  }
+}
+
+TEST_CASE("A run goes on with the very state that was put back, or is refused", "[checkpoint]") {
+  const Interrupted run;
+  IntegrationOptions<double> options = run.options;
+  options.steps = 40;
+  GaussLegendre stepper(run.h, {.stages = 2});
+  Invariants<double, 1> seen(run.h);
+  Checkpoints checkpoints(run.file, {.every = 10}, stepper, options, seen);
+  PhasePoint<double, 1> z = run.start, saved = z;
+  options.done = checkpoints.resume(saved);
+  REQUIRE(options.done.steps == 20);
+  const std::string remedy = "give integrate() the state that resume() was given";
+  const auto refused = [&](auto&& observer) {
+    return says(complaint<std::logic_error>([&] { integrate(stepper, z, options, seen, observer); }), remedy);
+  };
+  CHECK(refused(checkpoints));
+  CHECK(refused(std::ref(checkpoints)));
+  CHECK(refused(every(2, checkpoints)));
+  CHECK(same(z, run.start));
+  CHECK(integrate(stepper, saved, options, seen, checkpoints).steps == 40);
+}
+
+TEST_CASE("What is saved by hand as step 0 is how the run began", "[checkpoint]") {
+  const Interrupted run;
+  GaussLegendre stepper(run.h, {.stages = 2});
+  Invariants<double, 1> seen(run.h);
+  Checkpoints checkpoints(run.file, {.every = 10}, stepper, run.options, seen);
+  PhasePoint<double, 1> z = run.start;
+  const auto is_refused = [&] {
+    const std::string old = contents(run.file),
+                      said = complaint<std::logic_error>([&] { checkpoints.save(z, {}); });
+    return says(said, "give the report of the run") && contents(run.file) == old;
+  };
+  checkpoints.resume(z);
+  CHECK(is_refused());
+  z = run.start;
+  const auto report = integrate(stepper, z, run.options, seen, checkpoints);
+  CHECK(is_refused());
+  checkpoints.save(z, report);
+  z = run.start;
+  checkpoints.save(z, {});
+  CHECK(checkpoints.resume(z).steps == 0);
+}
+
+TEST_CASE("A table does not replace a checkpoint", "[checkpoint]") {
+  const Interrupted run;
+  const std::string old = contents(run.file), words = "a checkpoint is there; give another name";
+  CHECK(says(complaint([&] { CsvTrajectory(run.file, 1); }), words));
+  CHECK_FALSE(fs::exists(run.file.string() + ".part"));
+  const fs::path other = run.folder.path / "run.csv";
+  CsvWriter csv(other, {"t"});
+  csv.row({1});
+  fs::rename(run.file, other);
+  CHECK(says(complaint([&] { csv.commit(); }), words));
+  CHECK(contents(other) == old);
+  fs::remove(other);
+  csv.commit();
+  csv.commit();
+  CHECK(contents(other) == "t\n1\n");
 }
 
 TEST_CASE("A checkpoint neither replaces nor removes a file of another kind", "[checkpoint]") {

@@ -70,6 +70,11 @@
 // case changed_by_events_within_estimate: events that change the state are an argument of integrate() itself
 // case changed_by_events_within_at_times: events that change the state are an argument of integrate() itself
 // case changed_by_events_by_reference: events that change the state are an argument of integrate() itself
+// case saved_within_every: compiles
+// case saved_within_at_times: Checkpoints save the run where a step ends, and within at_times(), a section, events() or
+// case saved_within_section: Checkpoints save the run where a step ends, and within at_times(), a section, events() or
+// case saved_within_events: Checkpoints save the run where a step ends, and within at_times(), a section, events() or
+// case saved_within_estimate: Checkpoints save the run where a step ends, and within at_times(), a section, events() or
 #include <functional>
 #include <vector>
 
@@ -91,6 +96,10 @@
     defined(changed_by_events_within_estimate) || defined(changed_by_events_within_at_times) || \
     defined(changed_by_events_by_reference)
 #define changed_by_events
+#endif
+#if defined(saved_within_every) || defined(saved_within_at_times) || defined(saved_within_section) || \
+    defined(saved_within_events) || defined(saved_within_estimate)
+#define saved_within
 #endif
 
 using namespace semiexplicit;
@@ -360,6 +369,20 @@ int main() {
   Invariants invariants(H);
   Checkpoints checkpoints("file", {}, stepper, options, invariants);
   integrate(stepper, z, options, checkpoints, right, invariants);
+#elif defined(saved_within)
+  Semiexplicit stepper(H, scheme);
+  Checkpoints checkpoints("file", {}, stepper, options);
+#if defined(saved_within_at_times)
+  integrate(stepper, z, options, at_times(H, {0.5}, std::ref(checkpoints)));
+#elif defined(saved_within_section)
+  integrate(stepper, z, options, poincare_section(H, first, every(2, checkpoints)));
+#elif defined(saved_within_events)
+  integrate(stepper, z, options, events(H, on_event(first, change), on_event(first, checkpoints)));
+#elif defined(saved_within_estimate)
+  integrate(stepper, z, options, with_error_estimate(stepper, {}, checkpoints));
+#else
+  integrate(stepper, z, options, every(2, checkpoints), std::ref(checkpoints));
+#endif
 #elif defined(changed_by_events)
   Semiexplicit stepper(H, scheme);
   auto watch = events(H, on_event(first, change));

@@ -464,6 +464,35 @@ TEST_CASE("The file of an ensemble whose observers have the same options names t
       EnsembleCheckpoints(many.file, {}, many.start, many.options, all).settings().size());  // 1, 11 members
 }
 
+TEST_CASE("The members go on where they were put back, and what is saved has their number of steps") {
+  const Folder folder;
+  const auto file = folder.path / "run.checkpoint";
+  EnsembleOptions options{.dt = 0.05, .steps = 20, .together = 10};
+  const PhasePoint<double, 1> z(-3, 0);
+  Ensemble ensemble(Product<double>{}, std::vector(3, z), scheme);
+  {
+    auto first = ensemble;
+    EnsembleCheckpoints checkpoints(file, {.every = 10}, first, options);
+    first.run(options, checkpoints);
+    const auto old = contents(file);
+    for (const int steps : {0, 10, 500})
+      CHECK(refuses([&] { checkpoints.save(steps); }, "steps are said to be done, and 20 are"));
+    CHECK(contents(file) == old);
+    checkpoints.save(20);
+  }
+  options.steps = 40;
+  EnsembleCheckpoints checkpoints(file, {.every = 10}, ensemble, options);
+  options.done = checkpoints.resume();
+  CHECK(options.done == 20);
+  const auto there = ensemble.state(1);
+  ensemble.set_state(1, z);
+  CHECK(says(complaint<std::logic_error>([&] { ensemble.run(options, checkpoints); }),
+             "leave the members where it has put them"));
+  CHECK(same_bits(ensemble.state(1), z));
+  ensemble.set_state(1, there);
+  CHECK(ensemble.run(options, checkpoints).done == 40);
+}
+
 TEST_CASE("The checkpoint of an ensemble that was moved from is refused") {
   Saved saved;
   auto list = times();

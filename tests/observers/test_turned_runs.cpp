@@ -290,6 +290,33 @@ TEST_CASE("Going on after finish() loses no interval", "[observers]") {
   }
 }
 
+TEST_CASE("Another orbit is served the times anew, one that begins where the last one ended is not",
+          "[observers]") {
+  using Times = std::vector<double>;
+  const auto served_by = [](double dt, Times times, const auto& second) {
+    Times served;
+    auto at = at_times(rotor, std::move(times), [&](double t, const Point&) { served.push_back(t); });
+    auto move = stepper();
+    Point z(1, 0), w(0.5, 0);
+    integrate(move, z, {.dt = dt, .steps = 10}, at);
+    at.finish();
+    second(move, w, at);
+    at.finish();
+    return served;
+  };
+  const auto from = [](double t0, double dt) {
+    return [=](auto& move, Point& w, auto& at) { integrate(move, w, {.dt = dt, .steps = 10, .t0 = t0}, at); };
+  };
+  CHECK(served_by(0.1, {0.0, 0.5, 1.0}, from(0, 0.1)) == Times{0, 0.5, 1, 0, 0.5, 1});
+  CHECK(served_by(-0.1, {0.0, -0.5, -1.0}, from(0, -0.1)) == Times{0, -0.5, -1, 0, -0.5, -1});
+  CHECK(served_by(0.1, {0.0, 7.0}, from(0, 0.1)) == Times{0, 0});
+  CHECK(served_by(0.1, {0.5}, from(0, 0.1)) == Times{0.5, 0.5});
+  CHECK(served_by(-0.1, {-0.5}, from(0, -0.1)) == Times{-0.5, -0.5});
+  CHECK(served_by(0.1, {0.5, 1.0, 1.5}, from(1.0, 0.1)) == Times{0.5, 1, 1.5});  // changed by hand
+  CHECK(served_by(0.1, {0.5, 1.0, 5.5}, from(5.0, 0.1)) == Times{0.5, 1, 5.5});  // after a gap
+  CHECK(served_by(0.1, {0.0, 0.5, 1.0}, from(0.25, 0.1)) == Times{0, 0.5, 1, 0.5, 1});
+}
+
 TEST_CASE("The last of the times is served although n (T/n) is rounded below T", "[observers]") {
   int served = 0;
   for (int n = 1; n <= 300; ++n) {

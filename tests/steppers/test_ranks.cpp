@@ -10,7 +10,11 @@
 #include <thread>
 #include <vector>
 
+#include <semiexplicit/checkpoint.hpp>
 #include <semiexplicit/semiexplicit.hpp>
+
+#include "folder.hpp"
+#include "refusal.hpp"
 
 namespace test_ranks {
 
@@ -274,6 +278,16 @@ TEST_CASE("A site that was moved by hand on one rank is a new state on all") {
     together.segment(begin, blocks[rank]) = run(Block{blocks[rank], &team, rank}, begin);
   });
   CHECK((together - whole).norm() <= 1e-12 * whole.norm());
+}
+
+TEST_CASE("Checkpoints over ranks are taken by steps") {
+  Team team(1);
+  const Folder folder;
+  const auto file = folder.path / "rank.checkpoint";
+  Semiexplicit stepper(Block{4, &team, 0}, schemes::strang<double>());
+  const IntegrationOptions<double> options{.dt = 0.1, .steps = 10};
+  CHECK(refuses([&] { Checkpoints(file, {.seconds = 60}, stepper, options); }, "give .every"));
+  Checkpoints(file, {.every = 10}, stepper, options);
 }
 
 TEST_CASE("What fails on one rank fails on all, with one status and every state as it was") {

@@ -19,6 +19,7 @@
 #include <semiexplicit/core/checkpointable.hpp>
 #include <semiexplicit/core/gradient_size.hpp>
 #include <semiexplicit/core/phase_point.hpp>
+#include <semiexplicit/core/ranks.hpp>
 #include <semiexplicit/integrate.hpp>
 
 namespace semiexplicit {
@@ -78,10 +79,17 @@ class StartOfRun {
  public:
   void set(std::uint64_t checksum) { checksum_ = checksum; }
   /// After so many steps of the run, where after none checksum() is its start. Throws std::logic_error where
-  /// that is not known.
+  /// that is not known, or another one.
   template <class Checksum>
   void require(std::int64_t steps, const Checksum& checksum) {
-    if (steps == 0) set(checksum());
+    if (steps == 0) {
+      const std::uint64_t start = checksum();
+      if (checksum_ && checksum_ != start)
+        throw std::logic_error(
+            "Checkpoints: save() at step 0 of another state than the run began with; give the report of the "
+            "run, that of integrate(), or of another run Checkpoints of its own");
+      set(start);
+    }
     if (!checksum_)
       throw std::logic_error(
           "checkpoints of a run that goes on from an earlier part: how it began is not known; call resume() "
@@ -89,8 +97,16 @@ class StartOfRun {
   }
   /// What a resume() has put back after so many steps, which no run may begin with at step 0.
   void put_back(std::int64_t steps, std::uint64_t checksum) { put_back_ = {steps, checksum}; }
-  /// require() for a run that is shown; std::logic_error also where it begins with what was put back,
-  /// `option` being where the result of resume() belongs.
+  /// Throws std::logic_error where a run goes on after so many steps with another state than was put back
+  /// there; `remedy` says which one that was.
+  template <class Checksum>
+  void require_put_back(std::int64_t steps, const Checksum& checksum, const std::string& remedy) const {
+    if (steps > 0 && put_back_ && put_back_->first == steps && put_back_->second != checksum())
+      throw std::logic_error("Checkpoints: resume() put another state back to step " + std::to_string(steps) +
+                             " than the run goes on from; " + remedy);
+  }
+  /// require() for a run that is shown, which may begin anew; std::logic_error where it begins with what was
+  /// put back, `option` being where the result of resume() belongs.
   template <class Checksum>
   void follow(std::int64_t steps, const Checksum& checksum, const std::string& option) {
     if (steps == 0 && put_back_ && put_back_->second == checksum())
@@ -98,6 +114,7 @@ class StartOfRun {
           "Checkpoints: resume() put the state back to step " + std::to_string(put_back_->first) +
           ", and the run begins with it at step 0; give what resume() returns as " + option);
     put_back_.reset();
+    if (steps == 0) set(checksum());
     require(steps, checksum);
   }
   /// Saves it, or compares it with that of the file: `another` is what that may be, in words.
@@ -112,6 +129,15 @@ class StartOfRun {
   std::optional<std::uint64_t> checksum_;
   std::optional<std::pair<std::int64_t, std::uint64_t>> put_back_;
 };
+
+/// Whether the state of this stepper is one rank's block of a larger one.
+template <class S>
+consteval bool goes_over_ranks() {
+  if constexpr (SaysItsHamiltonianOf<S, S::State::Dof>)
+    return SumsOverRanks<std::remove_cvref_t<decltype(std::declval<const S&>().hamiltonian())>>;
+  else
+    return false;
+}
 
 /// Whether both are one object.
 template <class T, class Other>
@@ -173,16 +199,16 @@ void restore_all_or_nothing(CheckpointMemory& from, const Visit& visit, const Re
 ///     csv.commit();
 ///     checkpoints.remove();
 ///
-/// Comes behind all observers that it can keep, for it saves what those before it have seen; the compiler
-/// refuses others. The file is written whole and flushed to the disk before it takes the place of the one
-/// before; where that fails, std::runtime_error is thrown and the old one stays. From resume(), or the first
-/// save, on it is locked as long as this object lives, and another run on it is refused; in this process
-/// another object may resume from it and go on, which ends this one's right to the file. Refers to the
-/// stepper and the observers, which must outlive it. `steps` may grow from run to run, and `t_end` where the
-/// steps that it takes stay the same: it is refused where dt divides one of the times only. What was shown
-/// at the t_end of then keeps that time, which may differ from t0 + n dt by its rounding. A checkpoint
-/// holds for the compiler and the flags that the program was built with, as the last bits of any
-/// floating-point result do.
+/// Comes behind all observers that it can keep, for it saves what those before it have seen, and within none
+/// but every(); the compiler refuses others. The file is written whole and flushed to the disk before it
+/// takes the place of the one before; where that fails, std::runtime_error is thrown and the old one stays.
+/// From resume(), or the first save, on it is locked as long as this object lives, and another run on it is
+/// refused; in this process another object may resume from it and go on, which ends this one's right to the
+/// file. Refers to the stepper and the observers, which must outlive it. `steps` may grow from run to run,
+/// and `t_end` where the steps that it takes stay the same: it is refused where dt divides one of the times
+/// only. What was shown at the t_end of then keeps that time, which may differ from t0 + n dt by its
+/// rounding. A checkpoint holds for the compiler and the flags that the program was built with, as the last
+/// bits of any floating-point result do.
 template <class S, class... Observers>
 class Checkpoints {
  public:
@@ -191,7 +217,9 @@ class Checkpoints {
   using State = typename S::State;
   static constexpr bool saves_others = true;
 
-  /// Throws std::invalid_argument where every is negative or seconds are not positive.
+  /// Throws std::invalid_argument where every is negative, seconds are not positive, or the stepper goes over
+  /// ranks and every is not given; for a path that is a pipe or a device; and std::runtime_error where no
+  /// file can be made there. It makes none.
   Checkpoints(const std::filesystem::path& path, CheckpointOptions options, S& stepper,
               const IntegrationOptions<Scalar>& run, Observers&... observers)
       : file_(path),
@@ -200,6 +228,12 @@ class Checkpoints {
         settings_(settings_of(stepper, run, options_.run, observers...)),
         observers_(observers...) {
     options_.check("Checkpoints");
+    if constexpr (detail::goes_over_ranks<S>())
+      if (options_.every == 0)
+        throw std::invalid_argument(
+            "Checkpoints: the Hamiltonian has sum_over_ranks(), and by the clock its ranks would save after "
+            "different steps; give .every");
+    file_.require_place();
   }
 
   /// Puts stepper, observers and z, which comes as the run began, back to where the file has them, and gives
@@ -241,17 +275,20 @@ class Checkpoints {
     if (so_far.at_event) return;  // a run is resumed at the end of a step
     start_.follow(
         so_far.steps, [&] { return checksum_of(z); }, "IntegrationOptions::done");
-    if (so_far.steps < std::exchange(seen_, so_far.steps)) {  // another run
+    if (so_far.steps < std::max(std::exchange(seen_, so_far.steps), last_)) {  // another run
       last_ = so_far.steps;
       next_look_ = 0;
     }
     if (so_far.steps == last_) return;
-    if (options_.every > 0 ? so_far.steps % options_.every != 0 : !time_has_come(so_far.steps)) return;
+    // Not every step may be shown: the multiple of `every` may lie between two of them.
+    if (options_.every > 0 ? so_far.steps / options_.every == last_ / options_.every
+                           : !time_has_come(so_far.steps))
+      return;
     save(z, so_far);
   }
 
   /// Writes a checkpoint now. Throws std::invalid_argument at an event within a step, where no run can be
-  /// gone on with.
+  /// gone on with, and std::logic_error where so_far has no steps and z is not how the run began.
   void save(const State& z, const IntegrationReport& so_far) {
     if (so_far.at_event)
       throw std::invalid_argument(
@@ -273,6 +310,11 @@ class Checkpoints {
   template <class Other>
   bool saves(const Other& stepper) const {
     return detail::is_same_object(stepper_, stepper);
+  }
+  /// Throws std::logic_error where a run goes on after so many steps from another z than resume() put back.
+  void require_put_back(const State& z, std::int64_t steps) const {
+    start_.require_put_back(
+        steps, [&] { return checksum_of(z); }, "give integrate() the state that resume() was given");
   }
 
   /// Lines "what: value" of all that the run was made with, by which its checkpoints are known.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cerrno>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -78,6 +79,22 @@ struct CheckpointFrame {
   }
 };
 
+/// As much of a regular file as tells whether it is a checkpoint; nothing where it cannot be opened.
+inline std::optional<std::string> head_of(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in.is_open()) return {};
+  std::string head(CheckpointFrame::magic.size(), '\0');
+  in.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(in.gcount()));
+  return head;
+}
+
+/// Throws std::runtime_error, in the name of what is to be written, where a checkpoint has the name of that.
+inline void refuse_checkpoint(const std::filesystem::path& name, const std::filesystem::path& there) {
+  if (head_of(there) == CheckpointFrame::magic)
+    throw std::runtime_error(name.string() + ": a checkpoint is there; give another name, or move it away");
+}
+
 /// All of a file, or nothing where there is none. Throws std::runtime_error where it cannot be read.
 inline std::optional<std::string> read_if_there(const std::filesystem::path& path) {
   std::error_code failure;
@@ -99,15 +116,24 @@ class CheckpointFile {
  public:
   explicit CheckpointFile(const std::filesystem::path& path) : path_(fixed(path)) {}
 
+  /// Throws where no file of that name can be written, without making one: std::invalid_argument for a pipe
+  /// or a device, std::runtime_error where the folder is missing or not writable, or the name is a folder. A
+  /// name that is empty is for read() and write() to refuse.
+  void require_place() const {
+    if (path_.empty()) return;
+    refuse_device();
+#if !defined(_WIN32)
+    const std::filesystem::path folder = Destination(path_).path.parent_path();
+    if (access(folder.c_str(), W_OK) != 0) throw_file_error(path_, "cannot be written", errno);
+#endif
+  }
+
   /// Hands the contents to restore(), and gives false where there is no such file. What that throws as
   /// std::invalid_argument gets the name of the file; the file is not locked then. Throws std::runtime_error
   /// where it cannot be read or written, or another run that is alive has it open.
   template <class Restore>
   bool read(const Restore& restore) {
-    std::error_code failure;
-    if (std::filesystem::is_other(path_, failure))  // opening a pipe would wait for its other end
-      throw std::invalid_argument("checkpoint " + path_.string() +
-                                  ": is a pipe or a device; give the name of a file");
+    refuse_device();  // opening a pipe would wait for its other end
     const Destination refuses_bad_names(path_);
     // Who is to be refused must not touch the .part, which another run is about to write.
     Descriptor lock;
@@ -176,19 +202,23 @@ class CheckpointFile {
     if (!lock_.is(path_)) lock_ = lock_existing(path_, takes_over_);
   }
 
+  void refuse_device() const {
+    std::error_code failure;
+    if (std::filesystem::is_other(path_, failure))
+      throw std::invalid_argument("checkpoint " + path_.string() +
+                                  ": is a pipe or a device; give the name of a file");
+  }
+
   /// Results may have been put there since, in place of the checkpoint or over it.
   void refuse_other_kind() const {
     const Destination to(path_);
     if (to.direct) return;
-    std::string head(CheckpointFrame::magic.size(), '\0');
-    std::ifstream in(to.path, std::ios::binary);
+    const auto head = head_of(to.path);
     std::error_code failure;
-    if (!in.is_open() && std::filesystem::exists(to.path, failure))
+    if (!head && std::filesystem::exists(to.path, failure))
       throw std::runtime_error("checkpoint " + path_.string() +
                                ": a file that cannot be read is there; give another name, or move it away");
-    in.read(head.data(), static_cast<std::streamsize>(head.size()));
-    head.resize(static_cast<std::size_t>(in.gcount()));
-    if (!head.empty() && head != CheckpointFrame::magic)
+    if (head && !head->empty() && *head != CheckpointFrame::magic)
       throw std::runtime_error("checkpoint " + path_.string() +
                                ": a file of another kind is there; give another name, or move it away");
   }

@@ -47,7 +47,8 @@ concept Interpolates = requires {
 };
 
 /// An observer that saves what those before it have seen, as Checkpoints: `static constexpr bool saves_others
-/// = true;`. No observer that a checkpoint can keep may stand behind it.
+/// = true;`. No observer that a checkpoint can keep may stand behind it, nor may it stand within one that
+/// shows other states than those of the run's steps.
 template <class O>
 concept SavesOthers = requires {
   requires bool(detail::Referred<O>::saves_others);
@@ -173,10 +174,22 @@ bool notify(O& observer, const Scalar& t, const State& state, const IntegrationR
   }
 }
 
+/// Compiles unless one of these observers, which are shown other states than those of the run's steps, saves
+/// the run.
+template <class... Observers>
+consteval bool saves_no_run() {
+  static_assert(!(SavesOthers<Observers> || ...),
+                "Checkpoints save the run where a step ends, and within at_times(), a section, events() or "
+                "with_error_estimate() they are shown other states: give them to integrate() itself, as the "
+                "last of its observers; every() may be around them");
+  return true;
+}
+
 /// The same for a state between the steps, which an observer of the run has found: its report says dt = 0, so
 /// that who counts counts these calls.
 template <class O, class Scalar, class State>
 bool notify_between(O& observer, const Scalar& t, const State& state, const IntegrationReport& so_far) {
+  static_assert(saves_no_run<O>());
   if constexpr (!TakesRunReport<O, Scalar, State>) return notify(observer, t, state, so_far);
   IntegrationReport between = so_far;
   between.dt = 0;

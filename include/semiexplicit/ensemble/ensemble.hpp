@@ -180,6 +180,15 @@ class Ensemble {
     require_member(member);
     return records_.report[static_cast<std::size_t>(member)];
   }
+  /// Throws std::invalid_argument unless the members that can go on have taken so many steps.
+  void require_done(std::int64_t done) const {
+    for (const IntegrationReport& one : records_.report)
+      if (one.status == Status::success && one.steps != done)
+        throw std::invalid_argument(
+            "Ensemble: " + std::to_string(done) + " steps are said to be done, and " +
+            std::to_string(one.steps) +
+            " are; give what EnsembleCheckpoints::resume() or the last run's report says");
+  }
   /// Why a member failed in the last run, in words.
   std::string failure(Eigen::Index member) const {
     require_member(member);
@@ -285,6 +294,8 @@ class Ensemble {
         throw std::invalid_argument(
             "Ensemble: the EnsembleCheckpoints among the observers save another ensemble, or a copy of this "
             "one: make them with the very one that is run");
+    if constexpr (requires { detail::referred(observer).require_put_back(options.done); })
+      detail::referred(observer).require_put_back(options.done);
     if constexpr (const auto& all = detail::referred(observer); requires {
                     { all.members() } -> std::same_as<Eigen::Index>;
                   }) {
@@ -316,13 +327,9 @@ class Ensemble {
                                   std::to_string(options.steps) +
                                   "; steps counts those of the earlier part, too");
     if (options.done == 0) return;
+    require_done(options.done);
     for (const IntegrationReport& one : records_.report) {
       if (one.status != Status::success) continue;
-      if (one.steps != options.done)
-        throw std::invalid_argument(
-            "Ensemble: " + std::to_string(options.done) + " steps are said to be done, and " +
-            std::to_string(one.steps) +
-            " are; give what EnsembleCheckpoints::resume() or the last run's report says");
       detail::require_step("Ensemble", one, options.dt);
       detail::require_start("Ensemble", one, options.t0);
     }

@@ -39,7 +39,8 @@ class EnsembleCheckpoints {
   using Members = Ensemble<Family, Solver>;
 
   /// Throws std::invalid_argument where every is negative, seconds are not positive, or a list has not one
-  /// observer a member, and std::logic_error, as resume() and save() do, where the ensemble was moved from.
+  /// observer a member, std::logic_error, as resume() and save() do, where the ensemble was moved from, and
+  /// for the path as Checkpoints does.
   EnsembleCheckpoints(const std::filesystem::path& path, CheckpointOptions options, Members& ensemble,
                       const EnsembleOptions& run, std::vector<Observers>&... observers)
       : file_(path),
@@ -48,6 +49,7 @@ class EnsembleCheckpoints {
         observers_(observers...),
         settings_(settings_of(run)) {
     options_.check("EnsembleCheckpoints");
+    file_.require_place();
   }
 
   /// Puts the ensemble, which comes as the run began, and the observers back to where the file has them, and
@@ -91,10 +93,19 @@ class EnsembleCheckpoints {
   bool saves(const Other& ensemble) const {
     return detail::is_same_object(ensemble_, ensemble);
   }
+  /// Throws std::logic_error where a run goes on after so many steps from other states than resume() put
+  /// back.
+  void require_put_back(std::int64_t done) const {
+    start_.require_put_back(
+        done, [this] { return checksum_of_states(); },
+        "leave the members where it has put them, without set_state()");
+  }
 
-  /// Writes a checkpoint now, after so many steps of each member.
+  /// Writes a checkpoint now, after so many steps of each member. Throws std::invalid_argument where the
+  /// members have taken another number.
   void save(std::int64_t done) {
     require_members();
+    ensemble_.require_done(done);
     start_.require(done, [this] { return checksum_of_states(); });
     CheckpointMemory memory;
     values_.clear();

@@ -15,6 +15,7 @@
 
 #include <Eigen/Core>
 
+#include <semiexplicit/checkpoint/file.hpp>
 #include <semiexplicit/io/checksum.hpp>
 #include <semiexplicit/io/durable_file.hpp>
 
@@ -30,8 +31,8 @@ class CsvWriter {
  public:
   static constexpr const char* name = "CsvWriter";
 
-  /// Throws std::invalid_argument where the name of a column would make two of it; see DurableFile for the
-  /// rest.
+  /// Throws std::invalid_argument where the name of a column would make two of it, and std::runtime_error
+  /// where `path` is a checkpoint; see DurableFile for the rest.
   CsvWriter(std::filesystem::path path, const std::vector<std::string>& columns)
       : path_(path), columns_(columns.size()), file_(std::move(path), DurableFile::Uncommitted::kept) {
     for (std::size_t i = 0; i < columns.size(); ++i) {
@@ -41,6 +42,7 @@ class CsvWriter {
       header_ += (i > 0 ? "," : "") + columns[i];
     }
     header_ += '\n';
+    refuse_checkpoint();
   }
 
   /// Throws std::invalid_argument where the number of values is not that of the columns, and
@@ -66,8 +68,9 @@ class CsvWriter {
   /// Whether there are no rows yet: a run that goes on would lose those of its beginning.
   bool fresh() const { return file_.length() == 0; }
 
-  /// Ends the file and gives it its name.
+  /// Ends the file and gives it its name. Throws std::runtime_error where a checkpoint has that by now.
   void commit() {
+    refuse_checkpoint();
     if (fresh()) file_.write(header_);
     file_.commit();
   }
@@ -94,6 +97,10 @@ class CsvWriter {
   }
 
  private:
+  void refuse_checkpoint() const {
+    if (!file_.direct() && !file_.committed()) detail::refuse_checkpoint(path_, file_.destination());
+  }
+
   /// The first bytes of a file, by their number and checksum.
   struct Beginning {
     std::uint64_t length = 0, sum = semiexplicit::checksum("");

@@ -450,7 +450,15 @@ class AtTimes {
   /// Takes in the next state; false where the observer asked to stop.
   bool operator()(const Scalar& s, const State& z, const IntegrationReport& run = {}) {
     bool go_on = true;
-    intervals_.take(s, z, run, [&](std::size_t i) { go_on = look(i, run) && go_on; });
+    const std::size_t states = intervals_.dense.size();
+    const Scalar end = states > 0 ? clock(states - 1) : s;
+    detail::FirstException thrown;
+    thrown.of([&] { intervals_.take(s, z, run, [&](std::size_t i) { go_on = look(i, run) && go_on; }); });
+    if (orbit_ != intervals_.orbits()) {
+      begin_orbit();
+      if (states > 0) begin_times(end, run.dt > 0);
+    }
+    thrown.pass_on();
     return go_on;
   }
 
@@ -462,12 +470,11 @@ class AtTimes {
     if (states > 1) look(states - 2, {}, true);
     if (states != 1) return;  // a run of no step
     between_ = intervals_.dense.state(0);
-    if (orbit_ != intervals_.orbits()) begin_orbit(0);
     while (next_ < times_.size() && !(beyond(times_[next_], clock(0)) || beyond(clock(0), times_[next_])))
       serve(times_[next_++], {});
   }
 
-  /// How many of the times were come to.
+  /// How many of the times the orbit has come to.
   std::size_t served() const { return next_; }
   /// The largest error of the interpolation at these times, estimated, relative to the size of the state; see
   /// DenseOutput::interpolation_error().
@@ -517,13 +524,24 @@ class AtTimes {
       return intervals_.dense.time(i) + shift_;
   }
 
-  /// State i is the first one of an orbit, or of what is known of it.
-  void begin_orbit(std::size_t i) {
+  /// The only state is the first one of an orbit.
+  void begin_orbit() {
     orbit_ = intervals_.orbits();
     if constexpr (extended && !own_time)
-      shift_ = system().time(intervals_.dense.state(i)) - intervals_.dense.time(i);
-    rounding_.begin(clock(i));
-    see_rounding(i);
+      shift_ = system().time(intervals_.dense.state(0)) - intervals_.dense.time(0);
+    rounding_.begin(clock(0));
+    see_rounding(0);
+  }
+
+  /// An orbit that begins at the `end` of the last one goes on with the times, any other is served anew those
+  /// that do not lie before its start.
+  void begin_times(const Scalar& end, bool forward) {
+    const Scalar start = clock(0);
+    const auto earlier = [&](const Scalar& a, const Scalar& b) {
+      return forward ? beyond(b, a) : beyond(a, b);
+    };
+    if (!earlier(start, end) && !earlier(end, start)) return;
+    while (next_ > 0 && !earlier(times_[next_ - 1], start)) --next_;
   }
 
   /// The time of state i is rounded as the run's is where it is made of that.
@@ -544,7 +562,6 @@ class AtTimes {
   /// Serves the times of an interval. One that lies behind it by rounding waits for the next, or for
   /// finish(), which sees the `last` one, unless it is served as well from here.
   bool look(std::size_t i, const IntegrationReport& run, bool last = false) {
-    if (orbit_ != intervals_.orbits()) begin_orbit(i);
     const Scalar from = clock(i), to = clock(i + 1);
     see_rounding(i + 1);
     const bool forward = intervals_.dense.interval(i) > Scalar(0);
@@ -606,7 +623,7 @@ class AtTimes {
   Observer observer_;
   State between_;
   std::size_t next_ = 0;
-  std::int64_t orbit_ = -1;   ///< of those that were begun
+  std::int64_t orbit_ = 0;    ///< of those that were begun
   Scalar shift_ = Scalar(0);  ///< from the run's time to that of the orbit
   detail::TimeRounding<Scalar> rounding_;
 };
@@ -617,7 +634,9 @@ class AtTimes {
 /// then the phase point without time. Call finish() at the end: the last ones wait for it where fewer than
 /// nodes - 1 steps were taken from the start, or from the last event that changed the state, and so do those
 /// behind the end by a rounding that is more than 1/64 of a step, or of a physical time. A named observer is
-/// referred to, a temporary is kept. Throws std::invalid_argument for times that are not finite, not sorted,
+/// referred to, a temporary is kept. An orbit that begins where and when the last one ended, or at that time,
+/// goes on with the times; any other is served them anew, from its start on. Throws std::invalid_argument for
+/// times that are not finite, not sorted,
 /// there twice, or lie before the start. What the observer throws is passed on when the other times of the
 /// step were handed to it; a gradient that throws within the interpolation costs the observer that time.
 ///

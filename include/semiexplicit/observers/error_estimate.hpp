@@ -32,6 +32,7 @@ class ErrorEstimate {
   using State = typename S::State;
   static constexpr const char* name = "with_error_estimate";
   static_assert(detail::is_stepper<S>());
+  static_assert(detail::saves_no_run<Observers...>());
   static_assert(
       requires(const State& z) { z.vector(); },
       "with_error_estimate takes steppers of phase points, and this one moves two copies: take "

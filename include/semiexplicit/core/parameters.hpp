@@ -87,19 +87,21 @@ SEMIEXPLICIT_POINTER_TO(add_potential)
 SEMIEXPLICIT_POINTER_TO(add_time_derivative)
 #undef SEMIEXPLICIT_POINTER_TO
 
-/// Whether a function with `count` parameters takes a Scalar as a number of fewer digits, or a whole one, in
-/// the place that is given, counted from 0.
+/// Whether a Number is a whole one, or has fewer digits than a Scalar, which it would round.
+template <class Number, class Scalar>
+inline constexpr bool is_coarser = std::is_integral_v<Number> || (std::is_floating_point_v<Number> &&
+                                                                  std::numeric_limits<Number>::digits <
+                                                                      std::numeric_limits<Scalar>::digits);
+
+/// Whether a function with `count` parameters takes a Scalar as a number that rounds it, in the place that is
+/// given, counted from 0.
 template <class Scalar, std::size_t count, std::size_t place, class Function>
 constexpr bool rounds(Function) {
   using Found = Parameters<Function>;
-  if constexpr (Found::count == count) {
-    using Number = std::remove_cvref_t<typename Found::template FromLast<count - 1 - place>>;
-    return std::is_integral_v<Number> ||
-           (std::is_floating_point_v<Number> &&
-            std::numeric_limits<Number>::digits < std::numeric_limits<Scalar>::digits);
-  } else {
+  if constexpr (Found::count == count)
+    return is_coarser<std::remove_cvref_t<typename Found::template FromLast<count - 1 - place>>, Scalar>;
+  else
     return false;
-  }
 }
 
 /// The class that declares a member, by a pointer to it.

@@ -87,17 +87,23 @@ auto clock_of(const S& stepper) {
     return 0;
 }
 
+/// What a step says to a run, whose own `stopped` is: from a step, its solver or its flow it is a failure.
+inline StepReport said_by_step(StepReport report) {
+  if (report.status == Status::stopped) report.status = Status::invalid_stepper;
+  return report;
+}
+
 /// A step of size dt, not beyond t_end.
 template <class S>
 StepReport one_step(S& stepper, typename S::State& state, const typename S::Scalar& dt,
                     const IntegrationOptions<typename S::Scalar>& options) {
   if constexpr (ChoosesSteps<S>)
-    if (ends_by_clock<S>(options)) return stepper.step_until(state, dt, *options.t_end);
-  return stepper.step(state, dt);
+    if (ends_by_clock<S>(options)) return said_by_step(stepper.step_until(state, dt, *options.t_end));
+  return said_by_step(stepper.step(state, dt));
 }
 
-/// The failed step from `state` as 2, 4, ... equal ones, the first number that succeeds; adds to the report
-/// what they cost.
+/// The failed step from `state`, the last good one, as 2, 4, ... equal ones, the first number that succeeds;
+/// adds to the report what they cost.
 template <class S>
 SEMIEXPLICIT_COLD bool step_in_parts(S& stepper, typename S::State& state,
                                      const IntegrationOptions<typename S::Scalar>& options,
@@ -359,7 +365,7 @@ Status cut_at_events(S& stepper, typename S::State& start, Known& known, typenam
   const auto move = [&](const Scalar& x, typename S::State& z) {
     z = start;
     if (x == Scalar(0)) return StepReport{};
-    const StepReport one = stepper.step(z, x);
+    const StepReport one = one_step(stepper, z, x, options);
     report.evaluations += one.evaluations;
     report.gradients += one.gradients;
     return one;
@@ -415,10 +421,13 @@ Status cut_at_events(S& stepper, typename S::State& start, Known& known, typenam
     if (!shown && (h != Scalar(0) || !go_on)) go_on = tell() && go_on;
     if (!go_on) return Status::stopped;
     if (h == Scalar(0)) continue;
-    report.last = stepper.step(state, h);
+    report.last = one_step(stepper, state, h, options);
     report.evaluations += report.last.evaluations;
     report.gradients += report.last.gradients;
-    if (!report.last.ok()) return report.last.status;
+    if (!report.last.ok()) {
+      state = start;
+      return report.last.status;
+    }
   }
 }
 
@@ -488,21 +497,16 @@ IntegrationReport integrate_checked(S& stepper, typename S::State& state,
                 "only one observer of a run may change the state: put these events into one events(H, ...)");
 
   if (report.steps == 0 && !wanted()) return finish(Status::stopped);
-  // The state at the last whole step, or at the last event behind that.
-  const auto kept = [&] {
-    if constexpr (changing_observers == 1)
-      return typename S::State(state);
-    else
-      return 0;
-  };
-  [[maybe_unused]] auto last_good = kept();
+  // The state at the last whole step, or at the last event behind that, for who goes on from there.
+  std::optional<typename S::State> last_good;
+  if (changing_observers == 1 || options.subdivide > 0) last_good.emplace(state);
   const auto at_end = [&] {
     if constexpr (ChoosesSteps<S>)
       if (by_clock) return stepper.reached(*options.t_end);
     return report.steps >= options.steps;
   };
   while (!at_end()) {
-    if constexpr (changing_observers == 1) last_good = state;
+    if (last_good) *last_good = state;
     if constexpr (ChoosesSteps<S>)
       if (stepper.time() != t)
         throw std::logic_error(
@@ -514,16 +518,19 @@ IntegrationReport integrate_checked(S& stepper, typename S::State& state,
     report.gradients += report.last.gradients;
     if constexpr (ChoosesSteps<S>)
       if (report.last.ok()) report.taken = static_cast<double>(stepper.taken());
-    if (!report.last.ok() && !step_in_parts(stepper, state, options, report)) return fail(report.last.status);
+    if (!report.last.ok()) {
+      if (last_good) state = *last_good;
+      if (!step_in_parts(stepper, state, options, report)) return fail(report.last.status);
+    }
     if constexpr (changing_observers == 1) {
       auto& changes = changing(observers...);
       const Status status = [&, known = changes.known()]() mutable {
         try {
-          return cut_at_events(stepper, last_good, known, state, t, time_after(report.steps + 1), options,
+          return cut_at_events(stepper, *last_good, known, state, t, time_after(report.steps + 1), options,
                                report, wanted, changes);
         } catch (...) {
-          state = last_good;
-          changes.back_to(known, last_good);
+          state = *last_good;
+          changes.back_to(known, *last_good);
           throw;
         }
       }();

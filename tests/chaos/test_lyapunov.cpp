@@ -267,4 +267,14 @@ TEST_CASE("The work of a driven system has no part in its exponents", "[lyapunov
   }
 }
 
+TEST_CASE("The series of an exponent that there is not is refused", "[lyapunov]") {
+  Semiexplicit stepper(systems::Product<double>(), schemes::low_defect6_s13());
+  LyapunovExponents one(stepper, 1);
+  PhasePoint<double, 1> z(-3, 0);
+  integrate(stepper, z, {.dt = 0.05, .steps = 10}, one);
+  CHECK(one.series(0).size() == one.times().size());
+  for (const int j : {-1, 1, 10'000'000})
+    CHECK(refuses([&] { one.series(j); }, "LyapunovExponents: series(" + std::to_string(j) + ") of 1"));
+}
+
 }  // namespace test_lyapunov

@@ -8,6 +8,8 @@
 // case energy_time_last: the energy of this Hamiltonian ends with a number, which would always be its default: the time comes first
 // case check_without_energy: has no public energy, by which the run is to be judged: write `Scalar energy(
 // case cost_without_energy: has no public energy, by which the run is to be judged: write `Scalar energy(
+// case cost_of_whole_numbers: this function tells no more than true and false, or whole numbers, which hides how far it strayed
+// case cost_of_a_bool: this function tells no more than true and false, or whole numbers, which hides how far it strayed
 // case driven_without_energy: of this driven Hamiltonian there is no K to judge a run by: write `Scalar energy(const Scalar& t
 #include <semiexplicit/accuracy/cost_of_accuracy.hpp>
 #include <semiexplicit/derivatives/check_gradient.hpp>
@@ -55,6 +57,10 @@ int main() {
   check_gradient(Mine(), z);
 #elif defined(cost_without_energy)
   cost_of_accuracy(Mine(), z, 10);
+#elif defined(cost_of_whole_numbers)
+  cost_of_accuracy(Mine(), z, 10, {.observable = [](const auto& q, const auto&) { return int(q[0]); }});
+#elif defined(cost_of_a_bool)
+  cost_of_accuracy(Mine(), z, 10, {.observable = [](const auto& q, const auto&) { return q[0] > 0; }});
 #elif defined(driven_without_energy)
   Invariants invariants{Autonomous(Driven())};
 #else

@@ -1,10 +1,12 @@
 // case no_mistake: compiles
 // case outputs_by_value: takes dHdq or dHdp by value, so what it writes is lost: take both as Out<Scalar, Dof>
 // case without_dof: does not say how many degrees of freedom it has: write `static constexpr int Dof = 2;` in it
-// case swapped: takes the time as a whole number, or the member as none: of members write (Eigen::Index member, double t
-// case any_swapped: takes the time as a whole number, or the member as none: of members write (Eigen::Index member, double t
-// case long_swapped: takes the time as a whole number, or the member as none: of members write (Eigen::Index member, double t
-// case whole_time: takes the time as a whole number, or the member as none: of members write (Eigen::Index member, double t
+// case swapped: takes the time as a whole number, or one of fewer digits than double, or the member as no whole one: of members write
+// case any_swapped: takes the time as a whole number, or one of fewer digits than double, or the member as no whole one: of members write
+// case long_swapped: takes the time as a whole number, or one of fewer digits than double, or the member as no whole one: of members write
+// case whole_time: takes the time as a whole number, or one of fewer digits than double, or the member as no whole one: of members write
+// case float_time: takes the time as a whole number, or one of fewer digits than double, or the member as no whole one: of members write
+// case float_time_of_whole: takes the time as a whole number, or one of fewer digits than double, or the member as no whole one: of members write
 // case of_both: can be called of members and of the whole, and one of both would never be: give two observers
 // case one_by_value: takes dHdq or dHdp by value, so what it writes is lost: take both as Out<Scalar, Dof>
 #include <semiexplicit/ensemble.hpp>
@@ -53,12 +55,16 @@ int main() {
   ensemble.run({.dt = 0.1, .steps = 1}, [](double, int, const auto&, const auto&) {});
 #elif defined(whole_time)
   ensemble.run({.dt = 0.1, .steps = 1}, [](int, const EnsembleReport&) {});
+#elif defined(float_time)
+  ensemble.run({.dt = 0.1, .steps = 1}, [](int, float, const auto&) {});
+#elif defined(float_time_of_whole)
+  ensemble.run({.dt = 0.1, .steps = 1}, [](float, const EnsembleReport&) {});
 #elif defined(of_both)
   ensemble.run({.dt = 0.1, .steps = 1}, OfBoth{});
 #else
   ensemble.run(
       {.dt = 0.1, .steps = 1}, [](Eigen::Index, double, const PhasePoint<double, 1>&) {},
-      [](auto, auto, const auto&) {}, [](double, const EnsembleReport&) {}, [](int, float, const auto&) {},
+      [](auto, auto, const auto&) {}, [](double, const EnsembleReport&) {}, [](int, double, const auto&) {},
       [](std::size_t, const double&, auto, const auto&) {},
       [](auto, auto t, const auto&, const IntegrationReport&) { return t + 1 > 0; });
 #endif

@@ -5,6 +5,9 @@
 // case field_size_over_ranks: what is asked of it here takes norms of one process's state
 // case time_scale_over_ranks: what is asked of it here takes norms of one process's state
 // case advised: what is asked of it here takes norms of one process's state
+// case events_on_one_rank: what is asked of it here takes norms of one process's state
+// case section_on_one_rank: what is asked of it here takes norms of one process's state
+// case estimate_on_one_rank: what is asked of it here takes norms of one process's state
 // case in_ensemble: what is asked of it here takes norms of one process's state
 // case sum_of_columns: sum_over_ranks of this Hamiltonian cannot be called: write `Scalar sum_over_ranks(const Scalar& x) const`
 // case sum_of_whole_numbers: sum_over_ranks of this Hamiltonian cannot be called: write `Scalar sum_over_ranks(const Scalar& x) const`
@@ -61,10 +64,17 @@ struct OwnSolver {
 int main() {
   [[maybe_unused]] PhasePoint<double, 2> z({1, 2}, {0, 0});
   Semiexplicit stepper(Block{}, schemes::strang<double>(), OwnSolver{});
+  [[maybe_unused]] const auto first = [](const auto& q, const auto&) { return q[0]; };
 #if defined(gauss_method)
   GaussLegendre other(Block{});
 #elif defined(advised)
   run(Block{}, z, 1.0, Setting{});
+#elif defined(events_on_one_rank)
+  auto watch = events(Block{}, on_event(first, [](double, PhasePoint<double, 2>& at) { at.p()[0] = 1; }));
+#elif defined(section_on_one_rank)
+  auto section = poincare_section(Block{}, first, [](double, const auto&) {});
+#elif defined(estimate_on_one_rank)
+  auto estimate = with_error_estimate(stepper);
 #elif defined(in_ensemble)
   Ensemble other(Block{}, std::vector{z});
 #elif defined(reversible_steps_over_ranks)

@@ -1,9 +1,9 @@
 // case no_mistake: compiles
 // case observer_of_other_arguments: this observer cannot be called: write `void operator()(const Scalar& t, const State& state)`
 // case observer_wants_mutable_state: this observer cannot be called: write `void operator()(const Scalar& t, const State& state)`
-// case time_as_whole_number: takes the time as a whole number, which rounds it: write `double t`
-// case any_time_as_whole_number: takes the time as a whole number, which rounds it: write `double t`
-// case class_time_as_whole_number: takes the time as a whole number, which rounds it: write `double t`
+// case time_as_whole_number: takes the time as a whole number, or one of fewer digits than Scalar, which rounds it: write `const Scalar& t`
+// case any_time_as_whole_number: takes the time as a whole number, or one of fewer digits than Scalar, which rounds it: write `const Scalar& t`
+// case class_time_as_whole_number: takes the time as a whole number, or one of fewer digits than Scalar, which rounds it: write `const Scalar& t`
 // case nested_observer: this observer cannot be called: write `void operator()(const Scalar& t, const State& state)`
 // case solver_without_workspace: this solver has no memory to work in: write `template <class Vec> struct Workspace`
 // case solver_without_solve: this solver has no `template <class Residual, class Vec> SolverReport
@@ -23,7 +23,16 @@
 // case estimate_of_a_copy: takes the state by value, so that it stays where it is: write `StepReport step(State&
 // case inner_without_memory: shows its memory: write `template <class Visitor> void visit_memory(
 // case fresh_as_data: fresh() of this observer cannot be called: write `bool fresh() const`
-// case action_at_whole_times: this action takes the time as a whole number, which rounds it: write `double t`
+// case time_as_float: takes the time as a whole number, or one of fewer digits than Scalar, which rounds it: write `const Scalar& t`
+// case any_time_as_float: takes the time as a whole number, or one of fewer digits than Scalar, which rounds it: write `const Scalar& t`
+// case action_at_whole_times: this action takes the time as a whole number, or one of fewer digits than Scalar, which rounds it: write
+// case action_at_floats: this action takes the time as a whole number, or one of fewer digits than Scalar, which rounds it: write
+// case invariant_of_whole_numbers: this function tells no more than true and false, or whole numbers, which hides how far it strayed
+// case invariant_of_a_bool: this function tells no more than true and false, or whole numbers, which hides how far it strayed
+// case step_until_whole_times: step_until, begin or reached of this stepper takes a time as a whole number, or one of fewer digits
+// case step_until_float: step_until, begin or reached of this stepper takes a time as a whole number, or one of fewer digits
+// case begins_at_whole_times: step_until, begin or reached of this stepper takes a time as a whole number, or one of fewer digits
+// case reached_whole_times: step_until, begin or reached of this stepper takes a time as a whole number, or one of fewer digits
 // case surface_of_whole_numbers: this surface cannot be called, or tells no more than true and false, or whole numbers: write
 // case step_until_of_a_copy: takes the state by value, so that it stays where it is: write `StepReport step(State&
 // case step_until_alone: has a step_until() as one that chooses its steps, and lacks another part of ChoosesSteps
@@ -229,6 +238,39 @@ struct NoEnergy {
     dHdq = q, dHdp = p;
   }
 };
+/// Chooses its steps.
+struct Chooses {
+  using Scalar = double;
+  using State = Point;
+  using Fixed = MyStepper;
+  using Clock = double;
+  double at = 0, last = 0;
+  Fixed inner;
+#if defined(step_until_float)
+  using Until = float;
+#elif defined(step_until_whole_times)
+  using Until = int;
+#else
+  using Until = const double&;
+#endif
+#ifdef begins_at_whole_times
+  void begin(const Point&, long t) { at = static_cast<double>(t); }
+#else
+  void begin(const Point&, auto t) { at = t; }
+#endif
+#ifdef reached_whole_times
+  bool reached(int t) const { return at >= t; }
+#else
+  bool reached(double t) const { return at >= t; }
+#endif
+  StepReport step(Point& z, const double& dt) { return at += last = dt, z.q()[0] += dt, StepReport{}; }
+  StepReport step_until(Point& z, const double& dt, Until) { return step(z, dt); }
+  double time() const { return at; }
+  double taken() const { return last; }
+  Clock clock() const { return at; }
+  void rewind(const Clock& clock, const Point&) { at = clock; }
+  const Fixed& stepper() const { return inner; }
+};
 struct NoStepper {
   using Scalar = double;
   using State = Point;
@@ -252,6 +294,10 @@ int main() {
   const auto observer = [](long, const auto&, const IntegrationReport&) {};
 #elif defined(class_time_as_whole_number)
   const WholeTime observer;
+#elif defined(time_as_float)
+  const auto observer = [](float, const Point&) {};
+#elif defined(any_time_as_float)
+  const auto observer = [](float, const auto&) {};
 #elif defined(time_as_whole_number)
   const auto observer = [](int, const Point&) {};
 #else
@@ -349,6 +395,15 @@ int main() {
   auto watch = events(H, on_event([](const auto& q, const auto&) { return q[0] > 0; }, right));
 #elif defined(action_at_whole_times)
   auto watch = events(H, on_event(first, [](int, Point& at) { at.p()[0] = 1; }));
+#elif defined(action_at_floats)
+  auto watch = events(H, on_event(first, [](float, Point& at) { at.p()[0] = 1; }));
+#elif defined(invariant_of_whole_numbers)
+  Invariants(H).add("whole", [](const auto& q, const auto&) { return int(q[0]); });
+#elif defined(invariant_of_a_bool)
+  Invariants(H).add("bool", [](const auto& q, const auto&) { return q[0] > 0; });
+#elif defined(step_until_whole_times) || defined(step_until_float) || defined(begins_at_whole_times) || \
+    defined(reached_whole_times)
+  integrate(Chooses{}, z, options, right);
 #elif defined(surface_of_whole_numbers)
   auto watch = events(H, on_event([](const auto& q, const auto&) { return int(q[0]); }, right));
 #elif defined(surface_of_a_kept_bool)
@@ -409,5 +464,11 @@ int main() {
   Semiexplicit stepper(systems::Product<double>(), scheme, MySolver());
   integrate(stepper, z, {.dt = 0.1, .steps = 10}, right, observer);
   integrate(Semiexplicit(H, scheme), z, {.dt = 0.1, .steps = 10}, right);  // a temporary
+  integrate(
+      Chooses{}, z, options, [](auto, const auto&) {}, [](long double, const auto&) {});
+  Invariants(H)
+      .add("float", [](const auto& q, const auto&) { return float(q[0]); })
+      .add("product", [](const auto& q, const auto& p) { return q.transpose() * p; })
+      .add("of vectors", [](Vector<double, 1> q, Vector<double, 1>) mutable { return q[0]; });
 #endif
 }

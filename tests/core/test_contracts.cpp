@@ -74,6 +74,33 @@ TEST_CASE("A member called fresh() of an observer without memory does not stop a
   CHECK(observer.calls == 10);
 }
 
+struct WithMemory : WithFresh {  // and does not list its options
+  void visit_memory(auto&& visit) { visit(calls); }
+};
+/// A stepper that neither lists its options nor shows its memory.
+struct Own {
+  using Scalar = double;
+  using State = PhasePoint<double, 2>;
+  decltype(stepper_of(Plain())) inner = stepper_of(Plain());
+  StepReport step(State& z, const double& dt) { return inner.step(z, dt); }
+  Eigen::Index dof() const { return 2; }
+};
+
+TEST_CASE("An observer with memory that is fresh stops a resumed run, whether or not it can be saved",
+          "[contracts]") {
+  auto stepper = stepper_of(Plain());
+  const auto resumed = [&](auto observer) {
+    auto z = start;
+    IntegrationOptions<double> options{.dt = 0.02, .steps = 10};
+    options.done = integrate(stepper, z, options);
+    options.steps = 20;
+    return refusal([&] { integrate(stepper, z, options, observer); });
+  };
+  CHECK(says(resumed(WithMemory()), "an observer knows nothing of what came before"));
+  CHECK(says(resumed(with_error_estimate(stepper)), "an observer knows nothing of what came before"));
+  CHECK(says(resumed(with_error_estimate(Own())), "an observer knows nothing of what came before"));
+}
+
 TEST_CASE("A stepper that was moved from says so", "[contracts]") {
   const auto scheme = schemes::strang<double>();
   const auto check = [](auto from, auto z) {

@@ -360,7 +360,9 @@ TEST_CASE("An ensemble that makes no sense is refused") {
   states.assign(3, PhasePoint<double, Eigen::Dynamic>());
   CHECK(refuses([&] { Ensemble(Empty(), states, scheme); }, "0 degrees of freedom; give it one at least"));
   Ensemble fine(Lattice5(), lattices(3), scheme);
-  CHECK(refuses([&] { fine.run({.dt = 0.1, .steps = -1}); }, "must not be negative"));
+  CHECK(refuses([&] { fine.run({.dt = 0.1, .steps = -2}); }, "must not be negative"));
+  CHECK(refuses([&] { fine.run({.dt = 0.1}); }, "give steps, or there is no end"));
+  CHECK(fine.run({.dt = 0.1, .steps = 0}).ok());
   CHECK(refuses([&] { fine.run({.dt = 0.1, .steps = 1, .t0 = std::nan("")}); }, "t0 is not finite"));
   CHECK(refuses([&] { fine.run({.dt = 1e307, .steps = 30}); }, "t0 + steps dt is not finite"));
   CHECK(fine.run({.dt = 0, .steps = 1}).failed == 3);

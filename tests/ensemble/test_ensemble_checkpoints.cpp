@@ -321,6 +321,37 @@ TEST_CASE("A resume() of an ensemble that is refused leaves the rows of its memb
   CHECK(run(Lattice<5>{}, Interrupt{20}) == 10);
 }
 
+struct Counts {  // calls, of the whole or of members
+  static constexpr const char* name = "Counts";
+  mutable std::int64_t calls = 0;
+  bool fresh() const { return calls == 0; }
+  void describe(auto&) const {}
+  void visit_memory(auto&& visit) { visit(calls); }
+};
+struct OfWhole : Counts {
+  void operator()(double, const EnsembleReport&) { ++calls; }
+};
+struct OfMembers : Counts {
+  void operator()(Eigen::Index, double, const PhasePoint<double, 5>&) const { ++calls; }
+};
+
+TEST_CASE("Observers of one's own that know nothing of the earlier part are refused by a resumed ensemble") {
+  const auto resumed = [](auto observer, std::int64_t calls, std::int64_t every = 1) {
+    Ensemble ensemble(Lattice<5>{}, std::vector(1, lattices()[0]), scheme);
+    EnsembleOptions options{.dt = 0.02, .steps = 10, .every = every, .threads = 1};
+    options.done = ensemble.run(options).done;
+    options.steps = 20;
+    observer.calls = calls;
+    return refusal([&] { ensemble.run(options, observer); });
+  };
+  const std::string why = "the run is resumed after step 10, and an observer knows nothing of what came";
+  CHECK(says(resumed(OfWhole(), 0), why));
+  CHECK(says(resumed(OfMembers(), 0), why));
+  CHECK(resumed(OfWhole(), 11) == accepted);
+  CHECK(resumed(OfMembers(), 11) == accepted);
+  CHECK(resumed(OfMembers(), 0, 0) == accepted);  // hears of no step
+}
+
 TEST_CASE("An ensemble whose observers hear of no step is resumed") {
   const Folder folder;
   const auto run = [&](Interrupt dies) {

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include <semiexplicit/ensemble.hpp>
@@ -211,6 +212,25 @@ TEST_CASE("A gradient that deduces one type for both halves takes packs") {
   CHECK(deduced.step(x, 0.05)[0].ok());
   CHECK(written.step(y, 0.05)[0].ok());
   CHECK(same_bits(x.lane(0), y.lane(0)));
+}
+
+TEST_CASE("A point of another size has no place in a pack") {
+  PackPoint<Eigen::Dynamic> z(2);
+  CHECK(refuses([&] { z.set_lane(0, PhasePoint<double, Eigen::Dynamic>(3)); },
+                "PackPoint: the state has 3 degrees of freedom and the pack 2"));
+  CHECK(refuses([&] { z.set_lane(0, PhasePoint<double, Eigen::Dynamic>(1)); }, "PackPoint"));
+}
+
+TEST_CASE("A pack that was moved from says so") {
+  SemiexplicitPack from(systems::NlsLattice<double, 3>(), schemes::strang<double>());
+  SemiexplicitPack to = std::move(from);
+  PackPoint<3> z(3);
+  for (std::size_t k = 0; k < lanes; ++k) z.set_lane(k, {{1, 0.5, 0.2}, {0, 0.1, 0.3}});
+  const auto before = z.lane(0);
+  for (const StepReport& lane : from.step(z, 0.01))  // NOLINT: that is what is tested
+    CHECK(lane.status == Status::invalid_stepper);
+  CHECK(z.lane(0).vector() == before.vector());
+  CHECK(to.step(z, 0.01)[0].ok());
 }
 
 }  // namespace test_pack

@@ -160,4 +160,38 @@ TEST_CASE("Dense output of large values is as exact as they are", "[dense_output
     }
 }
 
+TEST_CASE("What dense output does not hold is refused by the range that it holds", "[dense output]") {
+  for (const double direction : {1.0, -1.0}) {
+    DenseOutput dense(rotor, 3);
+    PhasePoint<double, 1> z;
+    const auto refuses = [&](const auto& action, const std::string& text) {
+      return says(complaint<std::out_of_range>(action), text);
+    };
+    const std::string none = "DenseOutput: it holds no state yet";
+    CHECK(refuses([&] { dense.at(0, z); }, none));
+    CHECK(refuses([&] { dense.begin(); }, none));
+    CHECK(refuses([&] { dense.end(); }, none));
+    CHECK(refuses([&] { dense.state(0); }, none));
+    dense(0, exact(0));
+    dense.at(0, z);
+    CHECK(z.vector() == exact(0).vector());
+    CHECK(refuses([&] { dense.at(0.1, z); }, "from 0 to 0"));
+    for (int n = 1; n <= 4; ++n) dense(direction * 0.1 * n, exact(direction * 0.1 * n));
+    const auto range = direction > 0 ? "lies outside what it holds, from 0.2 to 0.4"
+                                     : "lies outside what it holds, from -0.2 to -0.4";
+    for (const double t : {0.19, 0.41, -1.0, std::numeric_limits<double>::infinity(), std::nan("")}) {
+      CAPTURE(t);
+      CHECK(refuses([&] { dense.at(direction * t, z); }, range));
+    }
+    for (const double t : {0.2 - 1e-15, 0.2, 0.3, 0.4, 0.4 + 1e-15, 0.401}) {
+      CAPTURE(t);
+      dense.at(direction * t, z);
+      CHECK((z.vector() - exact(direction * t).vector()).norm() < 1e-6);
+    }
+    CHECK(refuses([&] { dense.state(3); }, "there is no state 3; they count from 0 to 2"));
+    CHECK(refuses([&] { dense.time(9); }, "there is no state 9; they count from 0 to 2"));
+    CHECK(refuses([&] { dense.interval(2); }, "there is no state 3; they count from 0 to 2"));
+  }
+}
+
 }  // namespace test_dense_output

@@ -11,8 +11,11 @@
 #include <vector>
 
 #include <semiexplicit/derivatives.hpp>
+#include <semiexplicit/ensemble.hpp>
 #include <semiexplicit/semiexplicit.hpp>
 #include <semiexplicit/systems.hpp>
+
+#include "refusal.hpp"
 
 namespace test_run {
 
@@ -337,6 +340,90 @@ TEST_CASE("A run that goes on from a report with another dt is refused", "[integ
   CHECK(done.dt == 0.1);
   CHECK_THROWS_AS(integrate(stepper, z, {.dt = 0.05, .steps = 200, .done = done}), std::invalid_argument);
   CHECK(integrate(stepper, z, {.dt = 0.1, .steps = 200, .done = done}).t == Approx(20));
+}
+
+/// Leaves the state where its failed step came to; one longer than that fails.
+struct LeavesFailed {
+  using Scalar = double;
+  using State = Point;
+  double longest = 0.05;
+  StepReport step(Point& z, const double& dt) {
+    z.q()[0] += dt;
+    return {.status = dt > longest ? Status::no_convergence : Status::success};
+  }
+};
+
+TEST_CASE("Parts of a failed step begin at the last good state, wherever the failed step left it",
+          "[integrate]") {
+  Point z(0, 0);
+  const auto report = integrate(LeavesFailed{}, z, {.dt = 0.08, .steps = 10, .subdivide = 4});
+  CHECK(report.subdivided == 10);
+  CHECK(z.q()[0] == Approx(report.t).epsilon(1e-14));
+  z = Point(0, 0);
+  CHECK_THROWS_AS(integrate(LeavesFailed{.longest = 1e-9}, z, {.dt = 0.08, .steps = 10, .subdivide = 4}),
+                  IntegrationError);
+  CHECK(z.q()[0] == 0);
+}
+
+TEST_CASE("Where the rest of a step behind an event fails, the state is that of the event", "[integrate]") {
+  const auto kick = [](double, Point& at) { at.p()[0] += 1; };
+  for (const Status said : {Status::no_convergence, Status::stopped}) {
+    struct FailsShort {
+      using Scalar = double;
+      using State = Point;
+      Status said;
+      StepReport step(Point& z, const double& dt) {
+        z.q()[0] += dt;
+        return {.status = z.p()[0] > 0 ? said : Status::success};
+      }
+    };
+    const auto drift = make_hamiltonian<double, 1>([](const auto&, const auto& p) { return p[0]; },
+                                                   [](const auto&, const auto&, auto& dHdq, auto& dHdp) {
+                                                     dHdq[0] = 0;
+                                                     dHdp[0] = 1;
+                                                   });
+    auto watch = events(drift, on_event([](const auto& q, const auto&) { return q[0] - 0.25; }, kick));
+    Point z(0, 0);
+    const auto report =
+        integrate(FailsShort{said}, z, {.dt = 0.1, .steps = 10, .on_failure = OnFailure::stop}, watch);
+    CHECK_FALSE(report.ok());
+    CHECK(report.at_event);
+    CHECK(z.q()[0] == Approx(0.25));
+    CHECK(z.p()[0] == 1);
+  }
+}
+
+/// A solver that says what only a run may.
+struct Stops {
+  template <class Vec>
+  struct Workspace {
+    Workspace(const Stops&, Eigen::Index) {}
+  };
+  template <class Residual, class Vec>
+  SolverReport<typename Vec::Scalar> solve(Residual&, Vec&, Workspace<Vec>&) const {
+    return {.status = Status::stopped, .evaluations = 1};
+  }
+};
+
+TEST_CASE("A step or a solver that says `stopped` has failed", "[integrate]") {
+  const auto check = [](auto stepper) {
+    Point z(-3, 0.5);
+    auto again = stepper;
+    const auto report =
+        integrate(stepper, z, {.dt = 0.1, .steps = 10, .on_failure = OnFailure::stop, .subdivide = 2});
+    CHECK_FALSE(report.ok());
+    CHECK(report.status == Status::invalid_stepper);
+    CHECK(report.steps == 0);
+    CHECK(z.vector() == Point(-3, 0.5).vector());
+    CHECK(says(complaint<IntegrationError>([&] { integrate(again, z, {.dt = 0.1, .steps = 10}); }),
+               "said `stopped`, which is for a run to say"));
+  };
+  check(Script{.reports = std::vector(20, StepReport{.status = Status::stopped})});
+  check(Semiexplicit(product, schemes::strang(), Stops{}));
+  Ensemble ensemble(product, std::vector(2, Point(-3, 0.5)), schemes::strang(), Stops{});
+  const auto all = ensemble.run({.dt = 0.1, .steps = 10});
+  CHECK(all.failed == 2);
+  CHECK_FALSE(all.ok());
 }
 
 }  // namespace test_run

@@ -179,11 +179,15 @@ TEST_CASE("Options that make no sense are refused before a step is taken", "[sol
       options.max_iterations = none;
       CHECK(refused(options, "max_iterations is below 1"));
     }
-    for (const double tolerance : {-1e-16, std::nan("")}) {
-      auto options = solver;
-      options.stop = StoppingRule::product(tolerance);
-      CHECK(refused(options, "the tolerance of the stopping rule is negative or NaN"));
-    }
+    for (const double tolerance : {-1e-16, std::nan(""), std::numeric_limits<double>::infinity()})
+      for (const auto rule : {StoppingRule::product(tolerance), StoppingRule::paper(tolerance)}) {
+        auto options = solver;
+        options.stop = rule;
+        CHECK(refused(options, "the tolerance of the stopping rule is negative, NaN or Inf"));
+      }
+    auto options = solver;
+    options.stop = StoppingRule::product(1);
+    CHECK(refused(options, "the tolerance of the product rule, relative to the state, is 1 or more"));
   });
   Residual residual{mild(0.5)};
   CHECK(refuses([&] { solve(Broyden{.memory = 0}, residual); }, "Broyden: memory is below 1"));

@@ -76,6 +76,9 @@ class Observable {
  private:
   template <class Result>
   static Value column(Result&& result) {
+    static_assert(!std::is_integral_v<std::remove_cvref_t<Result>>,
+                  "this function tells no more than true and false, or whole numbers, which hides how far it "
+                  "strayed: let it return a number with fractions, as `double`");
     if constexpr (std::convertible_to<Result, Scalar>)
       return Value::Constant(1, Scalar(result));
     else

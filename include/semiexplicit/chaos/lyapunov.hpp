@@ -3,6 +3,8 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include <semiexplicit/chaos/detail/tangent_run.hpp>
@@ -102,9 +104,14 @@ class LyapunovExponents {
   }
 
   /// The times since the first state at which the estimates were kept, twenty a decade or every step, of a
-  /// backward run negative; and the j-th exponent at each, 0 being the largest.
+  /// backward run negative; and the j-th exponent at each, 0 being the largest. Throws std::invalid_argument
+  /// for another j than 0 to count - 1.
   const std::vector<double>& times() const { return times_; }
   std::vector<Scalar> series(Eigen::Index j = 0) const {
+    if (j < 0 || j >= sums_.size())
+      throw std::invalid_argument("LyapunovExponents: series(" + std::to_string(j) + ") of " +
+                                  std::to_string(sums_.size()) +
+                                  " exponents; give 0 to their number less one");
     std::vector<Scalar> list;
     for (std::size_t i = 0; i < times_.size(); ++i)
       list.push_back(samples_[i * static_cast<std::size_t>(sums_.size()) + static_cast<std::size_t>(j)]);

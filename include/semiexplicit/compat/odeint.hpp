@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <utility>
 
 #include <boost/numeric/odeint/stepper/stepper_categories.hpp>
@@ -113,6 +114,9 @@ class OdeintStepper {
   }
   template <class From, class To>
   static void copy(const From& from, To&& to) {
+    static_assert(!detail::is_narrower<std::remove_cvref_t<decltype(*from.begin())>, value_type>,
+                  "the state is of whole numbers, or ones of fewer digits than the stepper's, to which each "
+                  "step would be rounded: give one of the stepper's Scalar, as std::vector<double>");
     require_size(static_cast<Eigen::Index>(from.size()), to.size());
     auto source = from.begin();
     for (Eigen::Index i = 0; i < to.size(); ++i, ++source) to[i] = *source;

@@ -61,16 +61,15 @@ template <class T>
 concept TellsWhetherFresh = requires(const T& observer) {
   requires is_bool<decltype(observer.fresh())>;
 };
-/// Whether an observer that a checkpoint can keep has seen nothing yet and must not be left out where a run
-/// is resumed.
+/// Whether an observer that has memory has seen nothing yet and must not be left out where a run is resumed.
 template <class O>
 bool is_fresh(const O& observer) {
   using T = Referred<O>;
-  static_assert(TellsWhetherFresh<T> || !Checkpointable<T> ||
+  static_assert(TellsWhetherFresh<T> || !HasMemory<T> ||
                     !(
                         requires(T & mine) { mine.fresh(); } || requires { &T::fresh; }),
                 "fresh() of this observer cannot be called: write `bool fresh() const`");
-  if constexpr (Checkpointable<T> && TellsWhetherFresh<T>)
+  if constexpr (HasMemory<T> && TellsWhetherFresh<T>)
     return referred(observer).fresh();
   else
     return false;

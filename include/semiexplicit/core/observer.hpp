@@ -6,6 +6,7 @@
 #include <type_traits>
 #include <utility>
 
+#include <semiexplicit/core/parameters.hpp>
 #include <semiexplicit/core/referred.hpp>
 #include <semiexplicit/core/report.hpp>
 
@@ -56,9 +57,17 @@ concept SavesOthers = requires {
 
 namespace detail {
 
-/// Stand for a time and for a number in a list where a call is tried: these convert to numbers of one kind.
+/// Stand for a number where a call is tried, and convert to numbers of one kind: to those that keep the
+/// digits of a time, to those that round it, and to those that count places in a list.
+template <class Given>
 struct AnyTime {
   template <std::floating_point T>
+  requires(!is_narrower<T, Given>) operator T() const;
+};
+template <class Given>
+struct AnyRounded {
+  template <class T>
+  requires is_narrower<T, Given>
   operator T() const;
 };
 struct AnyPlace {
@@ -113,13 +122,13 @@ struct AtPlace {
       return false;
     }
   }
-  /// Whether a time is rounded to a whole number there.
+  /// Whether a time is rounded there: to a whole number, or to fewer digits.
   template <std::size_t place>
   static consteval bool rounds() {
     using Given = std::tuple_element_t<place, std::tuple<Arguments...>>;
     if constexpr (std::is_arithmetic_v<Given> && std::is_invocable_v<O&, Arguments...>) {
       if constexpr (converts(with<place, OtherNumber<Given>>()))
-        return takes(with<place, AnyPlace>()) && !takes(with<place, AnyTime>());
+        return takes(with<place, AnyRounded<Given>>()) && !takes(with<place, AnyTime<Given>>());
     }
     return false;
   }
@@ -128,7 +137,7 @@ struct AtPlace {
   static consteval bool is_no_place() {
     if constexpr (std::is_invocable_v<O&, Arguments...>) {
       if constexpr (converts(with<place, float>()))
-        return takes(with<place, AnyTime>()) && !takes(with<place, AnyPlace>());
+        return takes(with<place, AnyTime<float>>()) && !takes(with<place, AnyPlace>());
     }
     return false;
   }
@@ -147,11 +156,13 @@ consteval bool is_observer() {
       "of events() that is to change it takes the very State& of the stepper, which may have the time in "
       "it)");
   using Called = Referred<O>;
-  static_assert(!AtPlace<Called, Scalar, State>::template rounds<0>() &&
-                    !AtPlace<Called, Scalar, State, StepReport>::template rounds<0>() &&
-                    !AtPlace<Called, Scalar, State, IntegrationReport>::template rounds<0>(),
-                "this observer takes the time as a whole number, which rounds it: write `double t`; how many "
-                "steps were taken the IntegrationReport of a third parameter says");
+  static_assert(
+      !AtPlace<Called, Scalar, State>::template rounds<0>() &&
+          !AtPlace<Called, Scalar, State, StepReport>::template rounds<0>() &&
+          !AtPlace<Called, Scalar, State, IntegrationReport>::template rounds<0>(),
+      "this observer takes the time as a whole number, or one of fewer digits than Scalar, which "
+      "rounds it: write `const Scalar& t`; how many steps were taken the IntegrationReport of a third "
+      "parameter says");
   return Observer<O, Scalar, State>;
 }
 

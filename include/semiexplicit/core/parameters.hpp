@@ -96,16 +96,15 @@ inline constexpr bool is_narrower = std::is_integral_v<Number> || (std::is_float
                                                                    std::numeric_limits<Number>::digits <
                                                                        std::numeric_limits<Scalar>::digits);
 
-/// Whether a function with `count` parameters takes a Scalar as a number of fewer digits, or a whole one, in
-/// the place that is given, counted from 0.
+/// Whether a function with `count` parameters takes a Scalar as a narrower number in the place that is given,
+/// counted from 0.
 template <class Scalar, std::size_t count, std::size_t place, class Function>
 constexpr bool rounds(Function) {
   using Found = Parameters<Function>;
-  if constexpr (Found::count == count) {
+  if constexpr (Found::count == count)
     return is_narrower<std::remove_cvref_t<typename Found::template FromLast<count - 1 - place>>, Scalar>;
-  } else {
+  else
     return false;
-  }
 }
 
 /// Whether a function that is called with `count` arguments takes a number behind them, as the time, for

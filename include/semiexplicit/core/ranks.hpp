@@ -20,7 +20,8 @@ namespace semiexplicit {
 ///
 /// Semiexplicit, MidpointProjection, ExplicitSplitting, Pihajoki and Tao take such an H, with every solver of
 /// the library; what takes norms of its own (GaussLegendre, tangent vectors, time transformations,
-/// ReversibleSteps, FieldSize and TimeScale, run() and cost_of_accuracy(), an Ensemble) refuses it.
+/// ReversibleSteps, FieldSize and TimeScale, run() and cost_of_accuracy(), an Ensemble) or looks at one block
+/// only (events and sections, with_error_estimate()) refuses it.
 template <class T, class Scalar = typename T::Scalar>
 concept SumsOverRanks = requires(const T& t, const Scalar& x) {
   { t.sum_over_ranks(x) } -> std::convertible_to<Scalar>;

@@ -21,7 +21,7 @@ enum class Status {
   not_finite,      ///< a gradient or a copy became NaN or Inf within the step
   invalid_state,   ///< the state has the wrong size, or is NaN or Inf itself
   invalid_step,    ///< dt is zero, NaN or Inf
-  invalid_stepper,  ///< the stepper was moved from
+  invalid_stepper,  ///< the stepper was moved from, or its step, solver or flow said `stopped`
   stopped,          ///< a run only: an observer returned false
   gradient_threw,   ///< a member of an Ensemble only: its gradient, or its family, threw an exception
   close_encounter,  ///< an exact flow only: bodies came closer than the limit of its scene
@@ -59,7 +59,8 @@ SEMIEXPLICIT_COLD inline std::string describe(Status status) {
     case Status::invalid_step:
       return "dt is zero, NaN or Inf; give a finite step other than zero";
     case Status::invalid_stepper:
-      return "the stepper was moved from; use the one that it was moved to, or make a new one";
+      return "the stepper was moved from: use the one that it was moved to, or make a new one; or its step, "
+             "solver or flow said `stopped`, which is for a run to say: let it return no_convergence";
     case Status::stopped:
       return "stopped by an observer";
     case Status::gradient_threw:

@@ -116,6 +116,17 @@ concept NamesDofOtherwise = !requires(const S& stepper) {
     requires(S& stepper) { stepper.dof(); } ||
     requires { requires std::is_member_function_pointer_v<decltype(&S::dof)>; });
 
+/// Whether a member that takes a time there, which is no template, rounds it.
+template <class S>
+constexpr bool rounds_times() {
+  using Scalar = typename S::Scalar;
+  const auto until = pointer_to_step_until<S, typename S::State>();
+  bool found = rounds<Scalar, 3, 1>(until) || rounds<Scalar, 3, 2>(until);
+  if constexpr (requires { &S::begin; }) found = found || rounds<Scalar, 2, 1>(&S::begin);
+  if constexpr (requires { &S::reached; }) found = found || rounds<Scalar, 1, 0>(&S::reached);
+  return found;
+}
+
 /// Compiles for a stepper; of anything else the compiler says what is missing.
 template <class S>
 consteval bool is_stepper() {
@@ -141,6 +152,10 @@ consteval bool is_stepper() {
         !rounds<typename S::Scalar, 2, 1>(pointer_to_step<S, typename S::State, typename S::Scalar, true>()),
         "the step of this stepper takes dt as a whole number, or one of fewer digits than Scalar, which "
         "rounds it: write `StepReport step(State& state, const Scalar& dt)`");
+  if constexpr (ChoosesSteps<S>)
+    static_assert(!rounds_times<S>(),
+                  "step_until, begin or reached of this stepper takes a time as a whole number, or one of "
+                  "fewer digits than Scalar, which rounds it: write `const Scalar& t`");
   static_assert(!NamesHamiltonianOtherwise<S>,
                 "hamiltonian() of this stepper cannot be called: write `const H& hamiltonian() const`");
   static_assert(!NamesDofOtherwise<S>,

@@ -243,7 +243,7 @@ class Ensemble {
 
   template <class O>
   static constexpr bool of_member = MemberObserver<std::remove_cvref_t<O>, State>;
-  /// Whether it takes a time as a whole number, or a member's as a time.
+  /// Whether it takes a time that is rounded, or a member's number as a time.
   template <class O>
   static consteval bool misplaces() {
     using Called = detail::Referred<O>;
@@ -286,8 +286,9 @@ class Ensemble {
                   "would never be: give two observers");
     static_assert(
         !misplaces<std::remove_cvref_t<O>>(),
-        "this observer of an ensemble takes the time as a whole number, or the member as none: of members "
-        "write (Eigen::Index member, double t, const State& state), of the whole (double t, const "
+        "this observer of an ensemble takes the time as a whole number, or one of fewer digits than "
+        "double, or the member as no whole one: of members write (Eigen::Index member, double t, const "
+        "State& state), of the whole (double t, const "
         "EnsembleReport& report)");
     if constexpr (requires { detail::referred(observer).saves(*this); })
       if (!detail::referred(observer).saves(*this))
@@ -296,6 +297,12 @@ class Ensemble {
             "one: make them with the very one that is run");
     if constexpr (requires { detail::referred(observer).require_put_back(options.done); })
       detail::referred(observer).require_put_back(options.done);
+    const auto require_seen = [&](bool fresh, const char* remedy) {
+      if (fresh)
+        throw std::invalid_argument("Ensemble: the run is resumed after step " +
+                                    std::to_string(options.done) +
+                                    ", and an observer knows nothing of what came before; " + remedy);
+    };
     if constexpr (const auto& all = detail::referred(observer); requires {
                     { all.members() } -> std::same_as<Eigen::Index>;
                   }) {
@@ -306,15 +313,17 @@ class Ensemble {
       // Those of members whose run has ended see no more.
       const bool goes_on = options.done > 0 && options.every > 0;
       for (Eigen::Index i = 0; goes_on && i < size(); ++i)
-        if (report(i).ok() && all.fresh(i))
-          throw std::invalid_argument(
-              "Ensemble: the run is resumed after step " + std::to_string(options.done) +
-              ", and an observer knows nothing of what came before; name it among those of "
-              "EnsembleCheckpoints");
+        require_seen(report(i).ok() && all.fresh(i), "name it among those of EnsembleCheckpoints");
+    } else if (options.done > 0 && (!of_member<O> || options.every > 0)) {
+      require_seen(detail::is_fresh(observer),
+                   "EnsembleCheckpoints keeps those of each() only: save this one yourself and put it back "
+                   "before the run");
     }
   }
 
   void require(const EnsembleOptions& options) const {
+    if (options.steps == options.not_given)
+      throw std::invalid_argument("Ensemble: give steps, or there is no end");
     if (options.steps < 0 || options.every < 0 || options.threads < 0 || options.together < 0 ||
         options.done < 0)
       throw std::invalid_argument(

@@ -20,8 +20,9 @@ namespace semiexplicit {
 
 /// How far to go with all members of an ensemble, and how.
 struct EnsembleOptions {
-  double dt = 0;           ///< the step; negative goes back in time
-  std::int64_t steps = 0;  ///< how many, those of `done` included
+  double dt = 0;  ///< the step; negative goes back in time
+  static constexpr std::int64_t not_given = -1;
+  std::int64_t steps = not_given;  ///< how many, those of `done` included
   std::int64_t every =
       1;            ///< the observers of members hear of the start and of every so many steps; 0: of none
   int threads = 0;  ///< 0: what OpenMP takes; one a task at most. Without OpenMP there is one

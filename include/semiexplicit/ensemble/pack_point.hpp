@@ -56,8 +56,9 @@ class PackPoint {
     return point;
   }
 
-  /// Puts a phase point of the same size into lane k.
+  /// Puts a phase point into lane k; throws std::invalid_argument for one of another size.
   void set_lane(std::size_t k, const PhasePoint<double, Dof>& point) {
+    detail::require_same_dof("PackPoint", point.dof(), "pack", dof());
     for (std::size_t i = 0; i < z.size(); ++i) {
       z[i][k] = point.vector()[static_cast<Eigen::Index>(i)];
       carry[i][k] = 0;

@@ -54,8 +54,8 @@ class SemiexplicitPack {
   /// reports count what the lane by itself would have taken.
   PackReport step(State& state, double dt, const LaneChoice& wanted = all_lanes()) {
     PackReport report{};
-    if (!detail::valid_step(dt)) return failed(report, Status::invalid_step);
-    if (state.z.size() != size()) return failed(report, Status::invalid_state);
+    const Status start = detail::status_at_start(dt, !scheme_.b.empty(), state.z.size() == f_.size());
+    if (start != Status::success) return failed(report, start);
     const Mask in_play(wanted.data(), detail::unaligned);
     const Many size_z = state_size(state);
     Many e = detail::call_inlined([&] { return sweep(state.z.data(), nullptr, dt); });

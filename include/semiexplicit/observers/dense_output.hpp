@@ -13,6 +13,7 @@
 #include <vector>
 
 #include <semiexplicit/core/checkpointable.hpp>
+#include <semiexplicit/core/cold.hpp>
 #include <semiexplicit/core/extended_phase_space.hpp>
 #include <semiexplicit/core/gradient_size.hpp>
 #include <semiexplicit/core/hamiltonian_door.hpp>
@@ -99,20 +100,23 @@ class DenseOutput {
     return ++size_ > 1;
   }
 
-  /// The number of states it holds, and the i-th of them, the oldest first.
+  /// The number of states it holds, and the i-th of them, the oldest first. Throws std::out_of_range, here
+  /// and below, for what it does not hold.
   std::size_t size() const { return size_; }
-  const Scalar& time(std::size_t i) const { return node(i).t; }
-  const State& state(std::size_t i) const { return node(i).z; }
+  const Scalar& time(std::size_t i) const { return held(i).t; }
+  const State& state(std::size_t i) const { return held(i).z; }
   /// The time from state i to the next one.
-  const Scalar& interval(std::size_t i) const { return node(i + 1).after; }
+  const Scalar& interval(std::size_t i) const { return held(i + 1).after; }
 
   /// Whether it holds as many states as it was told to; before that the interpolation is of a lower degree.
   bool ready() const { return size_ == wanted_; }
-  const Scalar& begin() const { return node(0).t; }
-  const Scalar& end() const { return node(size_ - 1).t; }
+  const Scalar& begin() const { return held(0).t; }
+  const Scalar& end() const { return held(size_ > 0 ? size_ - 1 : 0).t; }
 
-  /// z becomes the interpolated state at t, which must not lie outside begin() to end().
+  /// z becomes the interpolated state at t, which lies between begin() and end(), but for the rounding of
+  /// times.
   void at(const Scalar& t, State& z) {
+    require_within(t);
     std::size_t i = 0;
     while (i + 2 < size_ && (end() > begin() ? time(i + 1) <= t : time(i + 1) >= t)) ++i;
     after(i, t - time(i), z);
@@ -180,6 +184,32 @@ class DenseOutput {
 
   Node& node(std::size_t i) { return kept_[(first_ + i) % wanted_]; }
   const Node& node(std::size_t i) const { return kept_[(first_ + i) % wanted_]; }
+  const Scalar& gap(std::size_t i) const { return node(i + 1).after; }
+  const Node& held(std::size_t i) const {
+    if (i >= size_) refuse_number(i);
+    return node(i);
+  }
+  [[noreturn]] SEMIEXPLICIT_COLD void refuse_number(std::size_t i) const {
+    if (size_ == 0) throw std::out_of_range("DenseOutput: it holds no state yet; show it those of a run");
+    throw std::out_of_range("DenseOutput: there is no state " + std::to_string(i) +
+                            "; they count from 0 to " + std::to_string(size_ - 1));
+  }
+  /// Beyond the ends by less than 1/64 of the interval there the interpolation holds, and a time may be so
+  /// late that it is rounded by more.
+  void require_within(const Scalar& t) const {
+    using std::abs;
+    const Scalar rounding = 4 * Eigen::NumTraits<Scalar>::epsilon() * (abs(begin()) + abs(end()));
+    const auto next_to = [&](const Scalar& to, std::size_t behind) {
+      const Scalar part = size_ > 1 ? Scalar(abs(node(behind).after) / 64) : Scalar(0);
+      return abs(t - to) <= std::max(rounding, part);
+    };
+    const bool within = end() > begin() ? t >= begin() && t <= end() : t <= begin() && t >= end();
+    if (within || next_to(begin(), 1) || next_to(end(), size_ - 1)) return;
+    throw std::out_of_range("DenseOutput: t = " + detail::in_words(t, 9) +
+                            " lies outside what it holds, from " + detail::in_words(begin(), 9) + " to " +
+                            detail::in_words(end(), 9) +
+                            "; ask while the run is there, or let at_times() ask");
+  }
 
   const typename State::Storage& field(Node& at) {
     if (!at.has_field) {
@@ -202,11 +232,11 @@ class DenseOutput {
     Places(const DenseOutput& dense, std::size_t i) {
       const std::size_t size = dense.size_;
       place[i] = Scalar(0);
-      for (std::size_t k = i; k + 1 < size; ++k) place[k + 1] = place[k] + dense.interval(k);
-      for (std::size_t k = i; k > 0; --k) place[k - 1] = place[k] - dense.interval(k - 1);
+      for (std::size_t k = i; k + 1 < size; ++k) place[k + 1] = place[k] + dense.gap(k);
+      for (std::size_t k = i; k > 0; --k) place[k - 1] = place[k] - dense.gap(k - 1);
       // States that lie close together, as before and behind a step that was cut, are one to an interpolation
       // over longer steps.
-      const auto take = [&, least = dense.interval(i) / 8](std::size_t k, std::size_t& nearest) {
+      const auto take = [&, least = dense.gap(i) / 8](std::size_t k, std::size_t& nearest) {
         using std::abs;
         used[k] = abs(place[k] - place[nearest]) >= abs(least);
         if (used[k]) nearest = k;
@@ -259,7 +289,7 @@ class DenseOutput {
     using std::abs;
     using std::pow;
     judged_ = i;
-    const Scalar unit = interval(i);
+    const Scalar unit = gap(i);
     const auto larger = [&](auto&& of) { return std::max(Scalar(of(i)), Scalar(of(i + 1))); };
     const Scalar size = larger([&](std::size_t k) { return detail::state_size(hamiltonian_, node(k).z); });
     const Scalar speed = abs(unit) * larger([&](std::size_t k) {
@@ -307,11 +337,11 @@ class DenseOutput {
   }
 
   void note_error(const Places& at, std::size_t i, const Scalar& x, const Scalar& spread) {
-    if (i + 1 >= size_ || x == Scalar(0) || x == interval(i)) return;
+    if (i + 1 >= size_ || x == Scalar(0) || x == gap(i)) return;
     if (judged_ != i) judge(at, i);
     Scalar error = next_difference_;
     for (std::size_t k = 0; k < size_; ++k) {
-      const Scalar from = (x - at.place[k]) / interval(i);
+      const Scalar from = (x - at.place[k]) / gap(i);
       if (at.used[k]) error *= from * from;
     }
     error += Eigen::NumTraits<Scalar>::epsilon() * (1 + 2 * spread);  // of the fields about as much

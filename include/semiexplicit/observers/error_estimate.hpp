@@ -13,10 +13,24 @@
 #include <semiexplicit/core/extended_phase_space.hpp>
 #include <semiexplicit/core/observer.hpp>
 #include <semiexplicit/core/phase_point.hpp>
+#include <semiexplicit/core/ranks.hpp>
 #include <semiexplicit/core/stepper.hpp>
 #include <semiexplicit/observers/run_clock.hpp>
 
 namespace semiexplicit {
+
+namespace detail {
+
+/// Compiles unless the stepper says that its Hamiltonian is one rank's.
+template <class S>
+consteval bool steps_in_one_process() {
+  if constexpr (requires(const S& s) { requires HasScalar<std::remove_cvref_t<decltype(s.hamiltonian())>>; })
+    return is_in_one_process<std::remove_cvref_t<decltype(std::declval<const S&>().hamiltonian())>>();
+  else
+    return true;
+}
+
+}  // namespace detail
 
 /// What with_error_estimate() may be told.
 struct ErrorEstimateOptions {
@@ -37,6 +51,7 @@ class ErrorEstimate {
       requires(const State& z) { z.vector(); },
       "with_error_estimate takes steppers of phase points, and this one moves two copies: take "
       "Semiexplicit or MidpointProjection");
+  static_assert(detail::steps_in_one_process<S>());
   static_assert(!ChoosesSteps<S>,
                 "with_error_estimate takes a companion that steps by times: give stepper.stepper()");
 
@@ -127,7 +142,7 @@ class ErrorEstimate {
 
   /// See Describable.
   template <class List>
-  void describe(List& list) const requires Describable<S> {
+  void describe(List& list) const {
     list("companion", stepper_);
     list("parts", options_.parts);
     list("parted", options_.parted);
@@ -135,9 +150,9 @@ class ErrorEstimate {
   }
   /// The companion, and what its observers remember; see CheckpointMemory.
   template <class Visitor>
-  void visit_memory(Visitor&& visit) requires HasMemory<S> {
+  void visit_memory(Visitor&& visit) {
     static_assert(detail::is_of_known_size<S>());
-    stepper_.visit_memory(visit);
+    if constexpr (detail::is_checkpointable<S>()) stepper_.visit_memory(visit);
     visit(companion_.vector());
     visit(last_.vector());
     visit(parted_);

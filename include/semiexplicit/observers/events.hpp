@@ -11,6 +11,7 @@
 #include <type_traits>
 #include <utility>
 
+#include <semiexplicit/core/ranks.hpp>
 #include <semiexplicit/observers/dense_output.hpp>
 
 namespace semiexplicit {
@@ -25,13 +26,14 @@ namespace detail {
 template <class A, class Scalar, class State>
 concept StateChange = std::invocable<A&, const Scalar&, State&> && !Observer<A, Scalar, State>;
 
-/// Compiles unless an action that changes the state takes the time as a whole number.
+/// Compiles unless an action that changes the state takes a time that is rounded.
 template <class Action, class Scalar, class State>
 consteval bool is_action() {
   using Called = std::remove_cvref_t<Action>;
   if constexpr (StateChange<Called, Scalar, State>)
     static_assert(!AtPlace<Called, Scalar, State&>::template rounds<0>(),
-                  "this action takes the time as a whole number, which rounds it: write `double t`");
+                  "this action takes the time as a whole number, or one of fewer digits than Scalar, which "
+                  "rounds it: write `const Scalar& t`");
   return true;
 }
 
@@ -104,6 +106,7 @@ class Events {
  public:
   using Scalar = typename DenseOutput<H>::Scalar;
   using State = typename DenseOutput<H>::State;
+  static_assert(detail::is_in_one_process<H>());
   static_assert((detail::is_on_event<Kinds> && ...),
                 "events() takes kinds of events: write `on_event(surface, action)` for each");
   static_assert((detail::is_surface<decltype(std::declval<Kinds&>().surface), State>() && ...));

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <concepts>
 #include <functional>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -52,7 +54,13 @@ class Invariants {
   }
 
   /// One more function, by a name of its own, else std::invalid_argument is thrown.
-  Invariants& add(std::string called, Function value) {
+  template <std::convertible_to<Function> F>
+  Invariants& add(std::string called, F value) {
+    using Column = In<Scalar, Dof>;
+    using Value = std::remove_cvref_t<std::invoke_result_t<F&, const Column&, const Column&>>;
+    static_assert(!std::is_integral_v<Value>,
+                  "this function tells no more than true and false, or whole numbers, which hides how far it "
+                  "strayed: let it return a number with fractions, as `double`");
     for (const Row& row : rows_)
       if (row.name == called)
         throw std::invalid_argument("Invariants: there is a function named '" + called +

@@ -38,8 +38,8 @@ struct StoppingRule {
 
   /// e (‖m‖ + e) ≤ τ ‖z‖². The step ends with the mean of the copies, whose errors of symplecticity, of
   /// quadratic invariants and of reversibility are of this product's size, so τ is a relative drift budget a
-  /// step; it scales with the state. For ‖z‖ counts at most `moves` times what a step moves: an angle that is
-  /// not wound back, or a drift far from the origin, would loosen the rule without limit.
+  /// step, below 1; it scales with the state. For ‖z‖ counts at most `moves` times what a step moves: an
+  /// angle that is not wound back, or a drift far from the origin, would loosen the rule without limit.
   static constexpr StoppingRule product(double tau = 1e-16) { return {Kind::product, tau}; }
 
   static constexpr int moves = 100;
@@ -67,8 +67,12 @@ namespace detail {
 /// Throws std::invalid_argument, naming the solver and the remedy, for options that make no sense.
 inline void require_options(const char* solver, const StoppingRule& rule, int max_iterations) {
   const auto refuse = [&](const char* why) { throw std::invalid_argument(std::string(solver) + ": " + why); };
-  if (!(rule.tolerance >= 0))
-    refuse("the tolerance of the stopping rule is negative or NaN; give 0 or more, 1e-16 say");
+  if (!(rule.tolerance >= 0 && rule.tolerance <= std::numeric_limits<double>::max()))
+    refuse("the tolerance of the stopping rule is negative, NaN or Inf; give 0 or more, 1e-16 say");
+  if (rule.kind == StoppingRule::Kind::product && rule.tolerance >= 1)
+    refuse(
+        "the tolerance of the product rule, relative to the state, is 1 or more, so that any step would do; "
+        "give less, 1e-16 say");
   if (max_iterations < 1) refuse("max_iterations is below 1; give the evaluations that a step may take");
 }
 

@@ -215,11 +215,12 @@ TEST_CASE("Where there is no gradient no exact flow is advised, and no size told
 }
 
 TEST_CASE("Sizes at the state of another system are refused", "[exactly]") {
-  using Kinetic = effects::nbody::Kinetic<double>;
-  using Attraction = effects::nbody::Attraction<double>;
-  const effects::nbody::Bodies<double> bodies({1, 1e-3, 1e-3});
-  const Scene scene(Kinetic{bodies}, Attraction{bodies}, effects::nbody::Interaction<double>{bodies});
-  const auto stepper = stepper_for(scene, exactly<Kinetic, Attraction>());
+  using namespace effects::nbody;
+  const Bodies<double> bodies({1, 1e-3, 1e-3});
+  const Scene scene(effects::nbody::Kinetic<double>{bodies}, effects::nbody::Attraction<double>{bodies},
+                    Interaction<double>{bodies});
+  const auto stepper =
+      stepper_for(scene, exactly<effects::nbody::Kinetic<double>, effects::nbody::Attraction<double>>());
   const std::string said = ": the state has 2 degrees of freedom and the scene 6; give both the same size";
   const PhasePoint<double, Eigen::Dynamic> other(2);
   CHECK(refuses([&] { explain(stepper, other); }, "explain" + said));

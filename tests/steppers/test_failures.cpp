@@ -233,7 +233,7 @@ TEST_CASE("An equilibrium stays where it is", "[failures]") {
     });
   }
   // Away from the origin, where the gradient is zero as well: H = (q - 2)²/2 + p²/2.
-  const auto h = make_hamiltonian<double, 1>([](const auto&, const auto&) { return 0; },
+  const auto h = make_hamiltonian<double, 1>([](const auto&, const auto&) { return 0.0; },
                                              [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
                                                dHdq[0] = q[0] - 2;
                                                dHdp = p;
@@ -246,7 +246,7 @@ TEST_CASE("An equilibrium stays where it is", "[failures]") {
 
 TEST_CASE("A start at the origin that is no equilibrium leaves it", "[failures]") {
   // A state of size zero gives the stopping rule nothing to measure by. H = (q² + 1)(p² + 1)/2 + 3q - p.
-  const auto h = make_hamiltonian<double, 1>([](const auto&, const auto&) { return 0; },
+  const auto h = make_hamiltonian<double, 1>([](const auto&, const auto&) { return 0.0; },
                                              [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
                                                dHdq[0] = q[0] * (p[0] * p[0] + 1) + 3;
                                                dHdp[0] = p[0] * (q[0] * q[0] + 1) - 1;
@@ -265,7 +265,7 @@ TEST_CASE("A start at the origin that is no equilibrium leaves it", "[failures]"
 
 TEST_CASE("States of any size are stepped to the same relative accuracy", "[failures]") {
   // A quadratic H that is not separable: the step is linear.
-  const auto h = make_hamiltonian<double, 2>([](const auto&, const auto&) { return 0; },
+  const auto h = make_hamiltonian<double, 2>([](const auto&, const auto&) { return 0.0; },
                                              [](const auto& q, const auto& p, auto& dHdq, auto& dHdp) {
                                                dHdq[0] = q[0] + 0.3 * p[1];
                                                dHdq[1] = 2 * q[1] - 0.2 * p[0];

@@ -90,9 +90,10 @@ struct Keeping : Returning {
 static_assert(Autonomous<Keeping>::gradient_follows_work);
 /// With one that returns something else.
 struct Talking : ForcedOscillator {
-  bool gradient(double t, In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
+  const char* gradient(double t, In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq,
+                       Out<double, 1> dHdp) const {
     ForcedOscillator::gradient(t, q, p, dHdq, dHdp);
-    return true;
+    return "done";
   }
 };
 static_assert(!Autonomous<Talking>::gradient_follows_work && Autonomous<Talking>::follows_work);

@@ -15,12 +15,12 @@
 #include <type_traits>
 #include <utility>
 
-#include <semiexplicit/checkpoint/file.hpp>
 #include <semiexplicit/core/checkpointable.hpp>
 #include <semiexplicit/core/gradient_size.hpp>
 #include <semiexplicit/core/phase_point.hpp>
 #include <semiexplicit/core/ranks.hpp>
 #include <semiexplicit/integrate.hpp>
+#include <semiexplicit/io/checkpoint_file.hpp>
 
 namespace semiexplicit {
 

@@ -26,7 +26,7 @@ namespace semiexplicit {
 ///     }
 ///
 /// Which numbers there are must not depend on their values. Bytes are those of this machine; see
-/// checkpoint/file.hpp.
+/// io/checkpoint_file.hpp.
 class CheckpointMemory {
  public:
   /// Collects.

@@ -15,7 +15,7 @@
 
 #include <Eigen/Core>
 
-#include <semiexplicit/checkpoint/file.hpp>
+#include <semiexplicit/io/checkpoint_file.hpp>
 #include <semiexplicit/io/checksum.hpp>
 #include <semiexplicit/io/durable_file.hpp>
 

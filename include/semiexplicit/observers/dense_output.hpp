@@ -664,11 +664,11 @@ class AtTimes {
 /// then the phase point without time. Call finish() at the end: the last ones wait for it where fewer than
 /// nodes - 1 steps were taken from the start, or from the last event that changed the state, and so do those
 /// behind the end by a rounding that is more than 1/64 of a step, or of a physical time. A named observer is
-/// referred to, a temporary is kept. An orbit that begins where and when the last one ended, or at that time,
-/// goes on with the times; any other is served them anew, from its start on. Throws std::invalid_argument for
-/// times that are not finite, not sorted,
-/// there twice, or lie before the start. What the observer throws is passed on when the other times of the
-/// step were handed to it; a gradient that throws within the interpolation costs the observer that time.
+/// referred to, a temporary is kept. An orbit that begins at the time where the last one ended goes on with
+/// the times; any other is served them anew, from its start on. Throws std::invalid_argument for times that
+/// are not finite, not sorted, there twice, or lie before the start. What the observer throws is passed on
+/// when the other times of the step were handed to it; a gradient that throws within the interpolation costs
+/// the observer that time.
 ///
 /// Where a step is long the states between are far worse than those at the steps: interpolation_error()
 /// tells. If it is too large, shorten the steps, or end a run at each time by t_end. A time is met to its own

@@ -209,8 +209,8 @@ typename H::Scalar energy_rounding(const H& hamiltonian, const typename H::Scala
 /// Compares the gradient also with the other members that H may have, those for packs (HasPackGradient),
 /// registers (HasLaneGradient), halves (SeparableHamiltonian) and for ranges (HasRangeGradient, with its
 /// reach) at z and three points near it; with the exact flow and the rest (SplitHamiltonian), by some 150
-/// flows at each of these; and its derivative along one direction with hessian() and hessian_times(), by some
-/// 150 gradients each.
+/// flows at each of these, where that of the time 2t has to be that of t, twice; and its derivative along one
+/// direction with hessian() and hessian_times(), by some 150 gradients each.
 ///
 ///     if (const auto check = check_gradient(H, z); !check.ok()) std::cerr << check << '\n';
 ///

@@ -68,7 +68,7 @@ SEMIEXPLICIT_COLD inline std::string describe(GradientOutput output) {
              "same for every range, from what reach() says alone, or leave RangeGradientOf out";
     case GradientOutput::other_parts:
       return "is another number by flow() and the gradients of the rest, which FlowSplitting calls: together "
-             "they have to be the gradient";
+             "they have to be the gradient, and a flow of the time 2t is that of t, twice";
     case GradientOutput::other_hessian:
       return "has another derivative than hessian or hessian_times says: let them be that of the gradient, "
              "or "
@@ -401,25 +401,43 @@ SEMIEXPLICIT_COLD void compare_parts(const H& hamiltonian, OtherGradients<H>& ot
     const Scalar rate = std::max<Scalar>({largest_absolute(coupled.p()) / sizes[0].largest,
                                           largest_absolute(coupled.q()) / sizes[1].largest,
                                           (std::numeric_limits<Scalar>::min)()});
-    const Column q = z.q(), p = z.p();
-    Column dq = q, dp = p;
+    Column q = z.q(), p = z.p(), dq = q, dp = p;
+    const auto move = [&](const Scalar& t, const auto& from, auto& moved) {
+      q = from.head(d);
+      p = from.tail(d);
+      dq.setZero();
+      dp.setZero();
+      Status status;
+      if constexpr (HasPreparedFlow<H>)
+        status = hamiltonian.prepared(t).increments(q, p, dq, dp);
+      else
+        status = hamiltonian.flow(t, q, p, dq, dp);
+      moved << dq, dp;
+      if (status != Status::success) moved.setConstant(std::numeric_limits<Scalar>::quiet_NaN());
+    };
+    const Scalar step = Scalar(0.1) / rate;
     const auto slopes = OtherGradients<H>::agreed_slopes(
-        2 * d,
-        [&](const Scalar& t, auto& column) {
-          dq.setZero();
-          dp.setZero();
-          Status status;
-          if constexpr (HasPreparedFlow<H>)
-            status = hamiltonian.prepared(t).increments(q, p, dq, dp);
-          else
-            status = hamiltonian.flow(t, q, p, dq, dp);
-          column << -dp, dq;
-          if (status != Status::success) column.setConstant(std::numeric_limits<Scalar>::quiet_NaN());
-        },
-        Scalar(0.1) / rate);
+        2 * d, [&](const Scalar& t, auto& moved) { move(t, z.vector(), moved); }, step);
+    // Of the time 2t it is that of t, twice.
+    std::decay_t<decltype(z)> once(d), twice(d), again(d), there = z;
+    move(step, z.vector(), once.vector());
+    there.vector() += once.vector();
+    move(step, there.vector(), again.vector());
+    move(2 * step, z.vector(), twice.vector());
+    const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon();
+    const Scalar largest[2] = {largest_absolute(z.q()), largest_absolute(z.p())};
     for (Eigen::Index i = 0; i < 2 * d; ++i) {
-      const auto& slope = slopes[static_cast<std::size_t>(i)];
-      differs(i, rest.vector()[i] + slope.value, slope.uncertainty);
+      const Eigen::Index partner = i < d ? i + d : i - d;  // of which the slope is the motion
+      const auto& slope = slopes[static_cast<std::size_t>(partner)];
+      const Scalar moved = i < d ? Scalar(-slope.value) : slope.value;
+      differs(i, rest.vector()[i] + moved, slope.uncertainty);
+      using std::abs;
+      using std::sqrt;
+      const Scalar in_all = twice.vector()[partner],
+                   off = abs(once.vector()[partner] + again.vector()[partner] - in_all);
+      if (off >
+          sqrt(epsilon) * (abs(in_all) + abs(once.vector()[partner])) + 64 * epsilon * largest[i < d ? 1 : 0])
+        differs(i, std::numeric_limits<Scalar>::quiet_NaN(), Scalar(0));
     }
   });
 }

@@ -309,9 +309,9 @@ template <class H>
 consteval bool has_energy() {
   if constexpr (HasEnergy<H>) {
     using Column = InColumn<H>;
-    constexpr bool narrow = is_narrower<std::remove_cvref_t<decltype(std::declval<const H&>().energy(
-                                            std::declval<const Column&>(), std::declval<const Column&>()))>,
-                                        typename H::Scalar>;
+    using At = const Column&;
+    const auto energy = [](const auto& h) -> decltype(h.energy(std::declval<At>(), std::declval<At>())) {};
+    constexpr bool narrow = is_narrower<ResultOf<decltype(energy), const H&>, typename H::Scalar>;
     static_assert(
         !narrow,
         "the energy of this Hamiltonian is a whole number, or one of fewer digits than Scalar: let it "

@@ -254,27 +254,22 @@ template <class E>
 constexpr bool member_ends_with_a_number() {
   using At = EffectIn<E>;
   using To = EffectOut<E>;
+  constexpr std::size_t halves = ActsAs<E, OnBoth> ? 2 : 1;
   if constexpr (ActsAs<E, OnMotion>)
     return ends_with_a_number<3>(pointer_to_add_force<E, At, To, true>());
   else
-    return ends_with_a_number < ActsAs<E, OnBoth> ? 4
-           : 2 > (pointer_to_add_gradient<E, At, To, true>()) || ends_with_a_number < ActsAs<E, OnBoth>
-               ? 2
-               : 1 > (pointer_to_energy<E, At, At, true>());
+    return ends_with_a_number<2 * halves>(pointer_to_add_gradient<E, At, To, true>()) ||
+           ends_with_a_number<halves>(pointer_to_energy<E, At, At, true>());
 }
 /// Whether its energy is a whole number, or one of fewer digits.
 template <class E>
 constexpr bool has_narrow_energy() {
-  if constexpr (ActsAs<E, OnBoth> && HasCoupledMembers<E>)
-    return is_narrower<std::remove_cvref_t<decltype(std::declval<const E&>().energy(
-                           std::declval<const EffectIn<E>&>(), std::declval<const EffectIn<E>&>()))>,
-                       EffectScalar<E>>;
-  else if constexpr (!ActsAs<E, OnBoth> && HasHalfMembers<E>)
-    return is_narrower<
-        std::remove_cvref_t<decltype(std::declval<const E&>().energy(std::declval<const EffectIn<E>&>()))>,
-        EffectScalar<E>>;
-  else
-    return false;
+  using At = const EffectIn<E>&;
+  const auto of_one = [](const auto& effect) -> decltype(effect.energy(std::declval<At>())) {};
+  const auto of_both =
+      [](const auto& effect) -> decltype(effect.energy(std::declval<At>(), std::declval<At>())) {};
+  using Energy = std::conditional_t<ActsAs<E, OnBoth>, decltype(of_both), decltype(of_one)>;
+  return is_narrower<ResultOf<Energy, const E&>, EffectScalar<E>>;
 }
 
 /// Compiles for an effect; for what is none the compiler says what is missing, and only that.

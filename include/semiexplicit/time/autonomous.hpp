@@ -40,18 +40,14 @@ constexpr bool gradient_returns_another_number() {
 template <class H>
 constexpr bool tells_narrow_numbers() {
   using Scalar = typename H::Scalar;
-  bool narrow = false;
   using At = const InColumn<H>&;
-  if constexpr (requires(const H& h, const Scalar& t, At at) { h.time_derivative(t, at, at); })
-    narrow = is_narrower<std::remove_cvref_t<decltype(std::declval<const H&>().time_derivative(
-                             std::declval<const Scalar&>(), std::declval<At>(), std::declval<At>()))>,
-                         Scalar>;
-  if constexpr (requires(const H& h, const Scalar& t, At at) { h.energy(t, at, at); })
-    narrow =
-        narrow || is_narrower<std::remove_cvref_t<decltype(std::declval<const H&>().energy(
-                                  std::declval<const Scalar&>(), std::declval<At>(), std::declval<At>()))>,
-                              Scalar>;
-  return narrow;
+  const auto derivative = [](const auto& h) -> decltype(h.time_derivative(std::declval<const Scalar&>(),
+                                                                          std::declval<At>(),
+                                                                          std::declval<At>())) {};
+  const auto energy = [](const auto& h) -> decltype(h.energy(std::declval<const Scalar&>(),
+                                                             std::declval<At>(), std::declval<At>())) {};
+  return is_narrower<ResultOf<decltype(derivative), const H&>, Scalar> ||
+         is_narrower<ResultOf<decltype(energy), const H&>, Scalar>;
 }
 
 }  // namespace detail

@@ -68,8 +68,8 @@ void require_saved(const S& stepper, const typename S::State& state, std::int64_
       throw std::invalid_argument(
           "integrate: the Checkpoints among the observers save another stepper, or a copy of the run's: make "
           "them with the very stepper that integrate() is given");
-  if constexpr (requires { referred(observer).require_put_back(state, steps); })
-    referred(observer).require_put_back(state, steps);
+  if constexpr (requires { referred(observer).require_start(state, steps); })
+    referred(observer).require_start(state, steps);
 }
 
 /// Whether the run ends at a time that the stepper's own steps are to meet.

@@ -227,12 +227,18 @@ TEST_CASE("Where a checkpoint cannot be written, that is said and the old one st
   fs::create_directory(run.folder.path / "folder");
   CHECK(says(said_of(run.folder.path / "folder"), "folder: "));
   CHECK_FALSE(fs::exists(run.folder.path / "folder.part"));
-  CHECK(says(complaint([&] { Checkpoints(run.folder.path / "nowhere" / "file", {}, stepper, run.options); }),
-             "check that the folder exists"));
-  if (fs::exists("/dev/null"))
-    CHECK(refuses([&] { Checkpoints("/dev/null", {}, stepper, run.options); }, "is a pipe or a device"));
-  Checkpoints("", {}, stepper, run.options);  // none are wanted
-  Checkpoints(run.folder.path / "new", {}, stepper, run.options);
+  // Before the first step, whenever it would be saved; none is made.
+  const auto begins = [&](const fs::path& path) {
+    z = run.start;
+    Checkpoints checkpoints(path, {.seconds = 1e9}, stepper, run.options);
+    integrate(stepper, z, run.options, every(3, checkpoints));
+  };
+  CHECK(
+      says(complaint([&] { begins(run.folder.path / "nowhere" / "file"); }), "check that the folder exists"));
+  CHECK(z.vector() == run.start.vector());
+  if (fs::exists("/dev/null")) CHECK(refuses([&] { begins("/dev/null"); }, "is a pipe or a device"));
+  begins("");  // none are wanted
+  begins(run.folder.path / "new");
   CHECK_FALSE(fs::exists(run.folder.path / "new"));
   CHECK_FALSE(fs::exists(run.folder.path / "new.part"));
   CHECK(contents(run.file) == old);

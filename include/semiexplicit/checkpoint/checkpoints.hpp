@@ -218,8 +218,7 @@ class Checkpoints {
   static constexpr bool saves_others = true;
 
   /// Throws std::invalid_argument where every is negative, seconds are not positive, or the stepper goes over
-  /// ranks and every is not given; for a path that is a pipe or a device; and std::runtime_error where no
-  /// file can be made there. It makes none.
+  /// ranks and every is not given.
   Checkpoints(const std::filesystem::path& path, CheckpointOptions options, S& stepper,
               const IntegrationOptions<Scalar>& run, Observers&... observers)
       : file_(path),
@@ -233,7 +232,6 @@ class Checkpoints {
         throw std::invalid_argument(
             "Checkpoints: the Hamiltonian has sum_over_ranks(), and by the clock its ranks would save after "
             "different steps; give .every");
-    file_.require_place();
   }
 
   /// Puts stepper, observers and z, which comes as the run began, back to where the file has them, and gives
@@ -311,8 +309,11 @@ class Checkpoints {
   bool saves(const Other& stepper) const {
     return detail::is_same_object(stepper_, stepper);
   }
-  /// Throws std::logic_error where a run goes on after so many steps from another z than resume() put back.
-  void require_put_back(const State& z, std::int64_t steps) const {
+  /// Throws std::logic_error where a run is to go on after so many steps from another z than resume() put
+  /// back, and where no file can be made, of which it makes none: std::invalid_argument for a pipe or a
+  /// device, else std::runtime_error.
+  void require_start(const State& z, std::int64_t steps) const {
+    file_.require_place();
     start_.require_put_back(
         steps, [&] { return checksum_of(z); }, "give integrate() the state that resume() was given");
   }

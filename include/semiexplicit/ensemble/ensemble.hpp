@@ -295,8 +295,8 @@ class Ensemble {
         throw std::invalid_argument(
             "Ensemble: the EnsembleCheckpoints among the observers save another ensemble, or a copy of this "
             "one: make them with the very one that is run");
-    if constexpr (requires { detail::referred(observer).require_put_back(options.done); })
-      detail::referred(observer).require_put_back(options.done);
+    if constexpr (requires { detail::referred(observer).require_start(options.done); })
+      detail::referred(observer).require_start(options.done);
     const auto require_seen = [&](bool fresh, const char* remedy) {
       if (fresh)
         throw std::invalid_argument("Ensemble: the run is resumed after step " +

@@ -39,8 +39,7 @@ class EnsembleCheckpoints {
   using Members = Ensemble<Family, Solver>;
 
   /// Throws std::invalid_argument where every is negative, seconds are not positive, or a list has not one
-  /// observer a member, std::logic_error, as resume() and save() do, where the ensemble was moved from, and
-  /// for the path as Checkpoints does.
+  /// observer a member, and std::logic_error, as resume() and save() do, where the ensemble was moved from.
   EnsembleCheckpoints(const std::filesystem::path& path, CheckpointOptions options, Members& ensemble,
                       const EnsembleOptions& run, std::vector<Observers>&... observers)
       : file_(path),
@@ -49,7 +48,6 @@ class EnsembleCheckpoints {
         observers_(observers...),
         settings_(settings_of(run)) {
     options_.check("EnsembleCheckpoints");
-    file_.require_place();
   }
 
   /// Puts the ensemble, which comes as the run began, and the observers back to where the file has them, and
@@ -93,9 +91,10 @@ class EnsembleCheckpoints {
   bool saves(const Other& ensemble) const {
     return detail::is_same_object(ensemble_, ensemble);
   }
-  /// Throws std::logic_error where a run goes on after so many steps from other states than resume() put
-  /// back.
-  void require_put_back(std::int64_t done) const {
+  /// Throws std::logic_error where a run is to go on after so many steps from other states than resume() put
+  /// back, and where no file can be made, as Checkpoints::require_start().
+  void require_start(std::int64_t done) const {
+    file_.require_place();
     start_.require_put_back(
         done, [this] { return checksum_of_states(); },
         "leave the members where it has put them, without set_state()");

@@ -66,11 +66,11 @@ class Every {
   { return detail::referred(observer_).saves(stepper); }
   /// Refuses a run that goes on from another state than it put back; see Checkpoints.
   template <class State>
-  void require_put_back(const State& z, std::int64_t steps) const requires
+  void require_start(const State& z, std::int64_t steps) const requires
       requires(const detail::Referred<Observer>& observer) {
-    observer.require_put_back(z, steps);
+    observer.require_start(z, steps);
   }
-  { detail::referred(observer_).require_put_back(z, steps); }
+  { detail::referred(observer_).require_start(z, steps); }
 
   /// Whether the observer has seen nothing yet and cannot do without; see Checkpointable.
   bool fresh() const { return detail::is_fresh(observer_); }

@@ -8,8 +8,8 @@
 // case energy_time_last: the energy of this Hamiltonian ends with a number, which would always be its default: the time comes first
 // case check_without_energy: has no public energy, by which the run is to be judged: write `Scalar energy(
 // case cost_without_energy: has no public energy, by which the run is to be judged: write `Scalar energy(
-// case cost_of_whole_numbers: this function tells no more than true and false, or whole numbers, which hides how far it strayed
-// case cost_of_a_bool: this function tells no more than true and false, or whole numbers, which hides how far it strayed
+// case cost_of_whole_numbers: this function tells no more than true and false, whole numbers, or ones of fewer digits than Scalar, which hides how far it strayed
+// case cost_of_a_bool: this function tells no more than true and false, whole numbers, or ones of fewer digits than Scalar, which hides how far it strayed
 // case driven_without_energy: of this driven Hamiltonian there is no K to judge a run by: write `Scalar energy(const Scalar& t
 #include <semiexplicit/accuracy/cost_of_accuracy.hpp>
 #include <semiexplicit/derivatives/check_gradient.hpp>

@@ -12,6 +12,7 @@
 // case potential_time_last: takes a number behind the place, which would always be its default: the time comes first
 // case potential_answers: add_time_derivative of this field returns a bool or a Status, and nobody asks: let it return nothing
 // case time_last: add_potential or add_gradient of this field ends with a number, which would always be its default
+// case charge_of_whole_numbers: a charge of whole numbers: write 1.0 for 1
 // case two_components: the potential of this FieldFrom has not three components
 // case plane_potential: acts in another number of dimensions than 3, or on other numbers than the charge's
 // case potential_of_floats: acts in another number of dimensions than 3, or on other numbers than the charge's
@@ -99,6 +100,8 @@ int main() {
   static_assert(std::is_same_v<decltype(UniformField(UniformField(1))), UniformField<double>>);
 #if defined(potential_time_last)
   const FieldFrom field([](const auto& x, double t = 0) { return std::array{t * x[0], x[0], x[0]}; });
+#elif defined(charge_of_whole_numbers)
+  MagneticKinetic kinetic(1, 2, Mine{});
 #elif defined(two_components)
   MagneticKinetic kinetic(1.0, 1.0, FieldFrom([](const auto& x) { return std::array{x[0], x[1]}; }));
   Vector<double, 3> z(1, 2, 3), out(0, 0, 0);

@@ -27,8 +27,9 @@
 // case any_time_as_float: takes the time as a whole number, or one of fewer digits than Scalar, which rounds it: write `const Scalar& t`
 // case action_at_whole_times: this action takes the time as a whole number, or one of fewer digits than Scalar, which rounds it: write
 // case action_at_floats: this action takes the time as a whole number, or one of fewer digits than Scalar, which rounds it: write
-// case invariant_of_whole_numbers: this function tells no more than true and false, or whole numbers, which hides how far it strayed
-// case invariant_of_a_bool: this function tells no more than true and false, or whole numbers, which hides how far it strayed
+// case invariant_of_whole_numbers: this function tells no more than true and false, whole numbers, or ones of fewer digits than Scalar, which hides how far it strayed
+// case invariant_of_float: this function tells no more than true and false, whole numbers, or ones of fewer digits than Scalar, which hides how far it strayed
+// case invariant_of_a_bool: this function tells no more than true and false, whole numbers, or ones of fewer digits than Scalar, which hides how far it strayed
 // case step_until_whole_times: step_until, begin or reached of this stepper takes a time as a whole number, or one of fewer digits
 // case step_until_float: step_until, begin or reached of this stepper takes a time as a whole number, or one of fewer digits
 // case begins_at_whole_times: step_until, begin or reached of this stepper takes a time as a whole number, or one of fewer digits
@@ -399,6 +400,8 @@ int main() {
   auto watch = events(H, on_event(first, [](float, Point& at) { at.p()[0] = 1; }));
 #elif defined(invariant_of_whole_numbers)
   Invariants(H).add("whole", [](const auto& q, const auto&) { return int(q[0]); });
+#elif defined(invariant_of_float)
+  Invariants(H).add("float", [](const auto& q, const auto&) { return float(q[0]); });
 #elif defined(invariant_of_a_bool)
   Invariants(H).add("bool", [](const auto& q, const auto&) { return q[0] > 0; });
 #elif defined(step_until_whole_times) || defined(step_until_float) || defined(begins_at_whole_times) || \
@@ -467,7 +470,6 @@ int main() {
   integrate(
       Chooses{}, z, options, [](auto, const auto&) {}, [](long double, const auto&) {});
   Invariants(H)
-      .add("float", [](const auto& q, const auto&) { return float(q[0]); })
       .add("product", [](const auto& q, const auto& p) { return q.transpose() * p; })
       .add("of vectors", [](Vector<double, 1> q, Vector<double, 1>) mutable { return q[0]; });
 #endif

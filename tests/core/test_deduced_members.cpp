@@ -75,6 +75,44 @@ struct ColumnsDeduced : Sized<2> {
   }
 };
 
+/// The time beside the columns, of a type of its own.
+struct TimeBeside : Sized<2> {
+  template <class Time, class Column>
+  Time energy(Time t, const Column& q, const Column& p) const {
+    using std::cos;
+    return Time(q.dot(q)) / 2 * cos(t) + Time(p.dot(p)) / 2;
+  }
+  template <class Time, class Column, class A, class B>
+  double gradient(const Time& t, const Column& q, const Column& p, A& dHdq, B& dHdp) const {
+    using std::cos;
+    dHdq = q * cos(t);
+    dHdp = p;
+    return TimeDeduced().time_derivative(t, q, p);
+  }
+};
+
+/// Steppers of free motion, whose dt is deduced.
+struct Drift {
+  using Scalar = double;
+  using State = PhasePoint<double, 2>;
+  StepReport step(State& z, auto dt) {
+    z.q() += dt * z.p();
+    return {.status = Status::success};
+  }
+};
+struct DriftOfNumbers : Drift {
+  template <class Number>
+  StepReport step(PhasePoint<Number, 2>& z, const Number& dt) {
+    return Drift::step(z, dt);
+  }
+};
+struct DriftOfAll : Drift {
+  template <class Number, class Point>
+  StepReport step(Point& z, const Number& dt) {
+    return Drift::step(z, dt);
+  }
+};
+
 /// For packs, too.
 struct InPacks : Sized<1> {
   using PackGradientOf = InPacks;
@@ -185,6 +223,9 @@ TEST_CASE("Hamiltonians and effects may deduce all that they take and return", "
   CHECK(check_gradient(time, time.extended(start, 0.7)).ok());
   CHECK(check_gradient(all, all.extended(start, 0.7)).ok());
   CHECK(check_gradient(columns, columns.extended(start, 0.7)).ok());
+  const Autonomous beside(TimeBeside{});
+  check_run(beside, beside.extended(start, 0), "beside");
+  CHECK(check_gradient(beside, beside.extended(start, 0.7)).ok());
   check_run(Scene(Slope{}, Shear{}, Turn{}, Squares{}), start, "effects");
   check_run(Scene(effects::charges::MagneticKinetic(1.0, 1.0, Sheet{})),
             PhasePoint<double, 3>({1, 0, 0}, {0, 1, 0}), "field");
@@ -194,6 +235,9 @@ TEST_CASE("Hamiltonians and effects may deduce all that they take and return", "
 
 TEST_CASE("Steppers take parts that deduce all", "[hamiltonian_door]") {
   const PhasePoint<double, 1> z(0.7, -0.2);
+  check_run(Drift(), start);
+  check_run(DriftOfNumbers(), start);
+  check_run(DriftOfAll(), start);
   check_run(FlowSplitting(Flowing{}, schemes::aba82<double>()), start);
   check_run(ExplicitSplitting(WithParts{}, schemes::strang<double>()), z);
   check_run(GaussLegendre(WithParts{}), z);

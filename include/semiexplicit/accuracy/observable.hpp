@@ -8,6 +8,7 @@
 #include <utility>
 
 #include <semiexplicit/core/cold.hpp>
+#include <semiexplicit/core/parameters.hpp>
 #include <semiexplicit/core/phase_point.hpp>
 
 namespace semiexplicit {
@@ -21,7 +22,8 @@ struct Energy {};
 struct Trajectory {};
 /// All positions, likewise.
 struct Positions {};
-/// One entry of (q, p), counted from 0: the momenta follow the d positions. Beyond 2d - 1: std::out_of_range
+/// One entry of (q, p), counted from 0: the momenta follow the d positions, of a driven system (Autonomous) q
+/// and the time, then p and its momentum. Beyond 2d - 1: std::out_of_range
 /// where it is used.
 struct Coordinate {
   Eigen::Index index;
@@ -76,9 +78,10 @@ class Observable {
  private:
   template <class Result>
   static Value column(Result&& result) {
-    static_assert(!std::is_integral_v<std::remove_cvref_t<Result>>,
-                  "this function tells no more than true and false, or whole numbers, which hides how far it "
-                  "strayed: let it return a number with fractions, as `double`");
+    static_assert(
+        !detail::is_narrower<std::remove_cvref_t<Result>, Scalar>,
+        "this function tells no more than true and false, whole numbers, or ones of fewer digits than "
+        "Scalar, which hides how far it strayed: let it return a Scalar");
     if constexpr (std::convertible_to<Result, Scalar>)
       return Value::Constant(1, Scalar(result));
     else

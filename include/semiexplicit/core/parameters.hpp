@@ -46,9 +46,10 @@ template <class Pointer>
 inline constexpr bool points_to_function =
     std::is_member_function_pointer_v<Pointer> || std::is_function_v<std::remove_pointer_t<Pointer>>;
 
-/// pointer_to_step<C, T, U>(), and so on: a pointer to that member of C, which may be a template of T and U;
-/// else a nullptr, about which nothing is known. A template of one or three may deduce the time, of which T
-/// is no type: where its return type is deduced, too, its body would not compile. `all` says that none does.
+/// pointer_to_step<C, T, U>(), and so on: a null pointer of the type of that member of C, which may be a
+/// template of T and U; else a nullptr, about which nothing is known. No body is instantiated but where the
+/// return type is deduced: a template of one or three may deduce the time, of which T is no type. `all` says
+/// that none does.
 #define SEMIEXPLICIT_POINTER_TO(member)                                 \
   template <class C, class T, class U = T, bool all = false>            \
   consteval auto pointer_to_##member() {                                \
@@ -60,15 +61,15 @@ inline constexpr bool points_to_function =
         return false;                                                   \
     };                                                                  \
     if constexpr (requires { &C::member; })                             \
-      return &C::member;                                                \
+      return decltype(&C::member){};                                    \
     else if constexpr (is_of.template operator()<T>())                  \
-      return &C::template member<T>;                                    \
+      return decltype(&C::template member<T>){};                        \
     else if constexpr (is_of.template operator()<T, U>())               \
-      return &C::template member<T, U>;                                 \
+      return decltype(&C::template member<T, U>){};                     \
     else if constexpr (is_of.template operator()<T, T, U>())            \
-      return &C::template member<T, T, U>;                              \
+      return decltype(&C::template member<T, T, U>){};                  \
     else if constexpr (is_of.template operator()<T, T, U, U>())         \
-      return &C::template member<T, T, U, U>;                           \
+      return decltype(&C::template member<T, T, U, U>){};               \
     else                                                                \
       return nullptr;                                                   \
   }

@@ -58,9 +58,10 @@ class Invariants {
   Invariants& add(std::string called, F value) {
     using Column = In<Scalar, Dof>;
     using Value = std::remove_cvref_t<std::invoke_result_t<F&, const Column&, const Column&>>;
-    static_assert(!std::is_integral_v<Value>,
-                  "this function tells no more than true and false, or whole numbers, which hides how far it "
-                  "strayed: let it return a number with fractions, as `double`");
+    static_assert(
+        !detail::is_narrower<Value, Scalar>,
+        "this function tells no more than true and false, whole numbers, or ones of fewer digits than "
+        "Scalar, which hides how far it strayed: let it return a Scalar");
     for (const Row& row : rows_)
       if (row.name == called)
         throw std::invalid_argument("Invariants: there is a function named '" + called +

@@ -265,10 +265,10 @@ constexpr bool member_ends_with_a_number() {
 template <class E>
 constexpr bool has_narrow_energy() {
   using At = const EffectIn<E>&;
-  const auto of_one = [](const auto& effect) -> decltype(effect.energy(std::declval<At>())) {};
-  const auto of_both =
+  const auto energy_of_one = [](const auto& effect) -> decltype(effect.energy(std::declval<At>())) {};
+  const auto energy_of_both =
       [](const auto& effect) -> decltype(effect.energy(std::declval<At>(), std::declval<At>())) {};
-  using Energy = std::conditional_t<ActsAs<E, OnBoth>, decltype(of_both), decltype(of_one)>;
+  using Energy = std::conditional_t<ActsAs<E, OnBoth>, decltype(energy_of_both), decltype(energy_of_one)>;
   return is_narrower<ResultOf<Energy, const E&>, EffectScalar<E>>;
 }
 

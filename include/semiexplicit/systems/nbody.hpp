@@ -29,6 +29,8 @@ namespace semiexplicit::effects::nbody {
 /// Bodies from the innermost (the primary) outwards.
 template <class Scalar = double>
 class Bodies {
+  static_assert(!std::is_integral_v<Scalar>, "masses of whole numbers: write 1.0 for 1");
+
  public:
   using Vectors = std::vector<Vector<Scalar, 3>>;  ///< one column a body
 
@@ -303,6 +305,8 @@ struct Interaction {
 /// The direction of an axis.
 template <class Scalar = double>
 class Axis {
+  static_assert(!std::is_integral_v<Scalar>, "an axis of whole numbers: write 1.0 for 1");
+
  public:
   /// From a vector of any length but 0. Throws std::invalid_argument for that, and for NaN and Inf.
   Axis(Scalar x, Scalar y, Scalar z) : n_{x, y, z} {

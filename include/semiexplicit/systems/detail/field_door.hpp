@@ -2,6 +2,7 @@
 
 #include <concepts>
 #include <tuple>
+#include <type_traits>
 #include <utility>
 
 #include <semiexplicit/core/parameters.hpp>
@@ -28,6 +29,7 @@ concept HasDrivenMembers = requires(const Field& field, const Vector<Scalar, 3>&
 /// Compiles for a magnetic field whose members write to what they are given.
 template <class Field, class Scalar>
 consteval bool field_adds() {
+  static_assert(!std::is_integral_v<Scalar>, "a charge of whole numbers: write 1.0 for 1");
   using Column = Vector<Scalar, 3>;
   using At = const Column&;
   using Number = const Scalar&;

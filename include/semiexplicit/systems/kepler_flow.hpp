@@ -332,7 +332,7 @@ class UniversalKepler {
 /// orbit (from a periapsis at an eccentricity of 0.98 to 1e5 of them after a period), without a preferred
 /// sign: the energy of a million calls walks by some 1e-12 to an eccentricity of 0.5, by up to 1e-10 at 0.9
 /// and 1e-9 at 0.99. Where the calls come back to the same few places, the same roundings add up: with two to
-/// twelve calls a period, exactly, up to 2e-16 of the energy a call. Of n periods at once the phase has an
+/// twelve calls a period, exactly, up to 3e-16 of the energy a call. Of n periods at once the phase has an
 /// error of n such roundings. About 0.2 µs a call.
 ///
 /// Sources: E. Stiefel and G. Scheifele, Linear and Regular Celestial Mechanics (1971), section 11; J. Danby,

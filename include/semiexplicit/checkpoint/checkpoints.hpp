@@ -90,10 +90,7 @@ class StartOfRun {
             "run, that of integrate(), or of another run Checkpoints of its own");
       set(start);
     }
-    if (!checksum_)
-      throw std::logic_error(
-          "checkpoints of a run that goes on from an earlier part: how it began is not known; call resume() "
-          "with the initial state first");
+    require_known();
   }
   /// What a resume() has put back after so many steps, which no run may begin with at step 0.
   void put_back(std::int64_t steps, std::uint64_t checksum) { put_back_ = {steps, checksum}; }
@@ -109,13 +106,16 @@ class StartOfRun {
   /// put back, `option` being where the result of resume() belongs.
   template <class Checksum>
   void follow(std::int64_t steps, const Checksum& checksum, const std::string& option) {
-    if (steps == 0 && put_back_ && put_back_->second == checksum())
-      throw std::logic_error(
-          "Checkpoints: resume() put the state back to step " + std::to_string(put_back_->first) +
-          ", and the run begins with it at step 0; give what resume() returns as " + option);
+    if (steps == 0) {
+      const std::uint64_t start = checksum();
+      if (put_back_ && put_back_->second == start)
+        throw std::logic_error(
+            "Checkpoints: resume() put the state back to step " + std::to_string(put_back_->first) +
+            ", and the run begins with it at step 0; give what resume() returns as " + option);
+      set(start);
+    }
     put_back_.reset();
-    if (steps == 0) set(checksum());
-    require(steps, checksum);
+    require_known();
   }
   /// Saves it, or compares it with that of the file: `another` is what that may be, in words.
   void visit(CheckpointMemory& memory, const std::string& another) const {
@@ -126,18 +126,16 @@ class StartOfRun {
   }
 
  private:
+  void require_known() const {
+    if (!checksum_)
+      throw std::logic_error(
+          "checkpoints of a run that goes on from an earlier part: how it began is not known; call resume() "
+          "with the initial state first");
+  }
+
   std::optional<std::uint64_t> checksum_;
   std::optional<std::pair<std::int64_t, std::uint64_t>> put_back_;
 };
-
-/// Whether the state of this stepper is one rank's block of a larger one.
-template <class S>
-consteval bool goes_over_ranks() {
-  if constexpr (SaysItsHamiltonianOf<S, S::State::Dof>)
-    return SumsOverRanks<std::remove_cvref_t<decltype(std::declval<const S&>().hamiltonian())>>;
-  else
-    return false;
-}
 
 /// Whether both are one object.
 template <class T, class Other>
@@ -227,7 +225,7 @@ class Checkpoints {
         settings_(settings_of(stepper, run, options_.run, observers...)),
         observers_(observers...) {
     options_.check("Checkpoints");
-    if constexpr (detail::goes_over_ranks<S>())
+    if constexpr (SumsOverRanks<detail::SaidHamiltonian<S>>)
       if (options_.every == 0)
         throw std::invalid_argument(
             "Checkpoints: the Hamiltonian has sum_over_ranks(), and by the clock its ranks would save after "

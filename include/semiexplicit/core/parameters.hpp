@@ -227,15 +227,11 @@ constexpr bool loses_output() {
 
 /// A bool or a Status: what nobody asks of a member that writes to its outputs.
 template <class T>
-inline constexpr bool is_answer =
-    std::is_same_v<std::remove_cvref_t<T>, bool> || std::is_enum_v<std::remove_cvref_t<T>>;
+inline constexpr bool is_answer = std::is_same_v<T, bool> || std::is_enum_v<T>;
 /// Whether a member, called as for loses_output(), gives one: `Call` returns what the member does.
 template <class Call, class Object, class Given>
 constexpr bool answers() {
-  if constexpr (std::is_invocable_v<Call, Object&, Given&>)
-    return is_answer<std::invoke_result_t<Call, Object&, Given&>>;
-  else
-    return false;
+  return is_answer<ResultOf<Call, Object&, Given&>>;
 }
 /// What is wrong with a member that writes to an output.
 struct OutputFaults {

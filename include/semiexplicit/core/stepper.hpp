@@ -40,6 +40,20 @@ concept SaysItsHamiltonianOf = requires(const S& stepper) {
   requires Hamiltonian<std::remove_cvref_t<decltype(stepper.hamiltonian())>>;
   requires(std::remove_cvref_t<decltype(stepper.hamiltonian())>::Dof == Dof);
 };
+/// That Hamiltonian; of a stepper that says none an empty class.
+template <class S>
+struct HamiltonianSaidBy {
+  struct Type {
+    using Scalar = double;
+  };
+};
+template <class S>
+requires SaysItsHamiltonianOf<S, S::State::Dof>
+struct HamiltonianSaidBy<S> {
+  using Type = std::remove_cvref_t<decltype(std::declval<const S&>().hamiltonian())>;
+};
+template <class S>
+using SaidHamiltonian = typename HamiltonianSaidBy<S>::Type;
 template <class S>
 concept HasStep = requires(S& stepper, typename S::State& state, const typename S::Scalar& dt) {
   { stepper.step(state, dt) } -> std::same_as<StepReport>;

@@ -148,10 +148,50 @@ SEMIEXPLICIT_COLD std::array<EntrySizes<Scalar>, 2> sizes_of_halves(const PhaseP
   return {q.value_or(p.value_or(one)), p.value_or(q.value_or(one))};
 }
 
-/// The gradient of H as other members give it, at points around a z, and by how much each entry is off.
+/// By how much each entry of a gradient, or of its derivative, is off by another member of H.
 ///
-/// Points around z show how large the terms of an entry are, which may cancel at z, and by which alone it is
-/// judged, since others may be in other units.
+/// An entry is judged by its terms, which may cancel at one point but not at those around it, and by them
+/// alone, since others may be in other units.
+template <class State>
+class Disagreement {
+ public:
+  using Scalar = typename State::Scalar;
+
+  explicit Disagreement(Eigen::Index dof) : off_(dof), terms_(dof) {}
+
+  /// Another member says x. One whose uncertainty is infinite says nothing.
+  void note(Eigen::Index i, const Scalar& x, const Scalar& expected, const Scalar& uncertainty) {
+    using std::abs;
+    using std::isinf;
+    if (isinf(uncertainty)) return;
+    const Scalar found = abs(x - expected) - uncertainty;
+    auto& off = off_.vector()[i];
+    if (!(found <= off)) off = found == found ? found : std::numeric_limits<Scalar>::infinity();
+  }
+  void count(Eigen::Index i, const Scalar& expected) {
+    using std::abs;
+    for (Scalar* size : {&terms_.vector()[i], &largest_[half(i)]})
+      *size = std::max<Scalar>(*size, abs(expected));
+  }
+  /// Marks what is written and off by more than `part` of its terms, and than rounding.
+  void mark(std::vector<GradientOutput>& outputs, GradientOutput as, const Scalar& part) const {
+    const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon();
+    for (Eigen::Index i = 0; i < off_.vector().size(); ++i)
+      if (auto& output = outputs[static_cast<std::size_t>(i)];
+          output == GradientOutput::written && off_.vector()[i] > part * terms_.vector()[i] +
+                                                                      64 * epsilon * largest_[half(i)] +
+                                                                      (std::numeric_limits<Scalar>::min)())
+        output = as;
+  }
+
+ private:
+  std::size_t half(Eigen::Index i) const { return i < off_.dof() ? 0 : 1; }
+
+  State off_, terms_;
+  Scalar largest_[2] = {Scalar(0), Scalar(0)};
+};
+
+/// The gradient of H at and around z beside what other members of H make of it.
 template <Hamiltonian H>
 class OtherGradients {
  public:
@@ -159,14 +199,7 @@ class OtherGradients {
   using State = PhasePoint<Scalar, H::Dof>;
 
   OtherGradients(const H& hamiltonian, const State& z, std::vector<GradientOutput>& outputs)
-      : hamiltonian_(hamiltonian),
-        z_(z),
-        sizes_(sizes_of_halves(z)),
-        outputs_(outputs),
-        point_(z),
-        given_(z),
-        off_(State(z.dof())),
-        terms_(off_) {}
+      : hamiltonian_(hamiltonian), z_(z), sizes_(sizes_of_halves(z)), outputs_(outputs) {}
 
   /// Of the entries that are written, those that differ are marked as `mark`. `call(point, differs)` says
   /// differs(i, x, uncertainty) of entry i; where it throws std::logic_error the point is out of the domain.
@@ -174,29 +207,23 @@ class OtherGradients {
   void compare(GradientOutput mark, const Call& call) {
     using std::sqrt;
     constexpr int points = 4;
-    off_.vector().setZero();
-    terms_.vector().setZero();
-    Scalar largest[2] = {Scalar(0), Scalar(0)};
+    Disagreement<State> disagreement(z_.dof());
+    State point = z_, given = z_;
     std::uint64_t random = 1;
-    point_ = z_;
     for (int k = 0; k < points; ++k) {
-      for (Eigen::Index i = 0; k > 0 && i < point_.vector().size(); ++i) {
-        auto& x = point_.vector()[i];
-        x += Scalar(scattered(random)) / 4 * own_size(x, i);
-      }
+      if (k > 0) point.vector() += in_its_sizes(point, random).vector() / 4;
       try {
-        gradient_at(hamiltonian_, point_.vector().data(), given_.vector().data(), z_.dof());
-        if (!all_finite(given_.vector())) continue;
-        call(point_, [&](Eigen::Index i, const Scalar& x, const Scalar& uncertainty) {
-          note(i, x, given_.vector()[i], uncertainty);
+        gradient_at(hamiltonian_, point.vector().data(), given.vector().data(), z_.dof());
+        if (!all_finite(given.vector())) continue;
+        call(point, [&](Eigen::Index i, const Scalar& x, const Scalar& uncertainty) {
+          disagreement.note(i, x, given.vector()[i], uncertainty);
         });
       } catch (const std::logic_error&) {
         continue;
       }
-      for (Eigen::Index i = 0; i < given_.vector().size(); ++i)
-        count(i, given_.vector()[i], largest[half(i)]);
+      for (Eigen::Index i = 0; i < given.vector().size(); ++i) disagreement.count(i, given.vector()[i]);
     }
-    mark_those_off(mark, largest, sqrt(Eigen::NumTraits<Scalar>::epsilon()));
+    disagreement.mark(outputs_, mark, sqrt(Eigen::NumTraits<Scalar>::epsilon()));
   }
 
   /// The same of the derivative of the gradient along a direction that changes every entry, which
@@ -204,13 +231,10 @@ class OtherGradients {
   template <class Product>
   void compare_derivative(const Product& product) {
     using std::sqrt;
-    State direction = z_, at = z_, found(z_.dof());
-    Scalar largest[2] = {Scalar(0), Scalar(0)};
+    Disagreement<State> disagreement(z_.dof());
     std::uint64_t random = 1;
-    off_.vector().setZero();
-    terms_.vector().setZero();
-    for (Eigen::Index i = 0; i < z_.vector().size(); ++i)
-      direction.vector()[i] = Scalar(scattered(random)) * own_size(z_.vector()[i], i);
+    const State direction = in_its_sizes(z_, random);
+    State at = z_, found(z_.dof());
     try {
       product(direction, found);
     } catch (const std::logic_error&) {
@@ -225,10 +249,11 @@ class OtherGradients {
         Scalar(1) / 9);
     for (Eigen::Index i = 0; i < z_.vector().size(); ++i) {
       const auto& slope = slopes[static_cast<std::size_t>(i)];
-      note(i, found.vector()[i], slope.value, slope.uncertainty);
-      if (slope.judges) count(i, slope.value, largest[half(i)]);
+      disagreement.note(i, found.vector()[i], slope.value, slope.uncertainty);
+      if (slope.judges) disagreement.count(i, slope.value);
     }
-    mark_those_off(GradientOutput::other_hessian, largest, sqrt(sqrt(Eigen::NumTraits<Scalar>::epsilon())));
+    disagreement.mark(outputs_, GradientOutput::other_hessian,
+                      sqrt(sqrt(Eigen::NumTraits<Scalar>::epsilon())));
   }
 
   /// The derivative at 0 of each of `size` functions of one number, which f(s, column) writes; where steps of
@@ -265,39 +290,21 @@ class OtherGradients {
   }
 
  private:
-  std::size_t half(Eigen::Index i) const { return i < z_.dof() ? 0 : 1; }
-  Scalar own_size(const Scalar& x, Eigen::Index i) const {
-    return x == Scalar(0) ? sizes_[half(i)].typical : x;
-  }
-  void note(Eigen::Index i, const Scalar& x, const Scalar& expected, const Scalar& uncertainty) {
-    using std::abs;
-    using std::isinf;
-    if (isinf(uncertainty)) return;
-    const Scalar found = abs(x - expected) - uncertainty;
-    auto& off = off_.vector()[i];
-    if (!(found <= off)) off = found == found ? found : std::numeric_limits<Scalar>::infinity();
-  }
-  void count(Eigen::Index i, const Scalar& expected, Scalar& largest) {
-    using std::abs;
-    auto& terms = terms_.vector()[i];
-    terms = std::max<Scalar>(terms, abs(expected));
-    largest = std::max<Scalar>(largest, abs(expected));
-  }
-  void mark_those_off(GradientOutput mark, const Scalar* largest, const Scalar& part) {
-    const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon();
-    for (Eigen::Index i = 0; i < off_.vector().size(); ++i)
-      if (auto& output = outputs_[static_cast<std::size_t>(i)];
-          output == GradientOutput::written && off_.vector()[i] > part * terms_.vector()[i] +
-                                                                      64 * epsilon * largest[half(i)] +
-                                                                      (std::numeric_limits<Scalar>::min)())
-        output = mark;
+  /// A direction that changes each entry by up to its own size.
+  State in_its_sizes(const State& z, std::uint64_t& random) const {
+    State direction = z;
+    for (Eigen::Index i = 0; i < z.vector().size(); ++i) {
+      const Scalar x = z.vector()[i];
+      direction.vector()[i] =
+          Scalar(scattered(random)) * (x == Scalar(0) ? sizes_[i < z.dof() ? 0 : 1].typical : x);
+    }
+    return direction;
   }
 
   const H& hamiltonian_;
   const State& z_;
   std::array<EntrySizes<Scalar>, 2> sizes_;
   std::vector<GradientOutput>& outputs_;
-  State point_, given_, off_, terms_;
 };
 
 /// The gradient for packs: what each lane says.

@@ -19,19 +19,6 @@
 
 namespace semiexplicit {
 
-namespace detail {
-
-/// Compiles unless the stepper says that its Hamiltonian is one rank's.
-template <class S>
-consteval bool steps_in_one_process() {
-  if constexpr (requires(const S& s) { requires HasScalar<std::remove_cvref_t<decltype(s.hamiltonian())>>; })
-    return is_in_one_process<std::remove_cvref_t<decltype(std::declval<const S&>().hamiltonian())>>();
-  else
-    return true;
-}
-
-}  // namespace detail
-
 /// What with_error_estimate() may be told.
 struct ErrorEstimateOptions {
   int parts = 2;         ///< steps of the companion for one of the run; 1 where its method is a better one
@@ -51,7 +38,7 @@ class ErrorEstimate {
       requires(const State& z) { z.vector(); },
       "with_error_estimate takes steppers of phase points, and this one moves two copies: take "
       "Semiexplicit or MidpointProjection");
-  static_assert(detail::steps_in_one_process<S>());
+  static_assert(detail::is_in_one_process<detail::SaidHamiltonian<S>>());
   static_assert(!ChoosesSteps<S>,
                 "with_error_estimate takes a companion that steps by times: give stepper.stepper()");
 

@@ -19,21 +19,16 @@ namespace semiexplicit {
 
 namespace detail {
 
-/// Compiles for a stepper of a Hamiltonian, where it says which, whose steps are of the time, and whose state
-/// is in one process.
+/// Compiles for a stepper whose Hamiltonian, where it says one, has steps of the time and is in one process.
 template <class S>
 consteval bool times_of_steps_are_free() {
-  if constexpr (SaysItsHamiltonianOf<S, S::State::Dof>) {
-    using H = std::remove_cvref_t<decltype(std::declval<const S&>().hamiltonian())>;
-    if constexpr (InExtendedPhaseSpace<H>)
-      static_assert(H::steps_in_time,
-                    "the Hamiltonian of this stepper is TimeTransformed, by which its steps follow a monitor "
-                    "already: give ReversibleSteps a stepper of the Hamiltonian within, and one monitor for "
-                    "both");
-    return is_in_one_process<H>();
-  } else {
-    return true;
-  }
+  using H = SaidHamiltonian<S>;
+  if constexpr (InExtendedPhaseSpace<H>)
+    static_assert(H::steps_in_time,
+                  "the Hamiltonian of this stepper is TimeTransformed, by which its steps follow a monitor "
+                  "already: give ReversibleSteps a stepper of the Hamiltonian within, and one monitor for "
+                  "both");
+  return is_in_one_process<H>();
 }
 
 }  // namespace detail
@@ -214,12 +209,7 @@ class ReversibleSteps {
   }
 
  private:
-  static constexpr bool timed = [] {
-    if constexpr (requires(const S& s) { s.hamiltonian(); })
-      return InExtendedPhaseSpace<std::remove_cvref_t<decltype(std::declval<const S&>().hamiltonian())>>;
-    else
-      return false;
-  }();
+  static constexpr bool timed = InExtendedPhaseSpace<detail::SaidHamiltonian<S>>;
 
   Scalar left_to(const Scalar& t) const { return (t - clock_.time) - clock_.carry; }
 

@@ -68,6 +68,7 @@ consteval bool field_adds() {
       "it first in both and in `void add_time_derivative(const auto& t, const auto& x, auto& a) const`");
   using semiexplicit::detail::ends_with_a_number;
   using semiexplicit::detail::rounds;
+  // No template of four, whose factor is deduced, too, and no column.
   constexpr auto add_gradient = [] {
     if constexpr (requires { &Field::add_gradient; })
       return &Field::add_gradient;

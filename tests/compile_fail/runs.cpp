@@ -14,13 +14,17 @@
 // case dof_of_an_argument: dof() of this stepper cannot be called, or is no number: write `Eigen::Index dof() const`
 // case stepper_without_state: this stepper does not say what it moves: write `using Scalar = double; using State =
 // case stepper_without_step: this stepper has no step: write `StepReport step(State& state, const Scalar& dt)`
-// case step_of_a_copy: takes the state by value, so that it stays where it is: write `StepReport step(State&
-// case step_of_a_copy_on_lvalues: takes the state by value, so that it stays where it is: write `StepReport step(State&
-// case step_of_any_copy: takes the state by value, so that it stays where it is: write `StepReport step(State&
-// case step_of_a_longer_copy: takes the state by value, so that it stays where it is: write `StepReport step(State&
+// case step_of_a_copy: takes the state by value or const, so that it stays where it is: write `StepReport step(State&
+// case step_of_a_copy_on_lvalues: takes the state by value or const, so that it stays where it is: write `StepReport step(State&
+// case step_of_any_copy: takes the state by value or const, so that it stays where it is: write `StepReport step(State&
+// case step_of_a_longer_copy: takes the state by value or const, so that it stays where it is: write `StepReport step(State&
+// case step_of_a_const_state: takes the state by value or const, so that it stays where it is: write `StepReport step(State&
+// case step_of_any_const_state: takes the state by value or const, so that it stays where it is: write `StepReport step(State&
+// case step_of_a_const_template: takes the state by value or const, so that it stays where it is: write `StepReport step(State&
+// case static_step_of_a_const_state: takes the state by value or const, so that it stays where it is: write `StepReport step(State&
 // case step_of_whole_dt: takes dt as a whole number, or one of fewer digits than Scalar, which rounds it: write `StepReport step(State& state, const Scalar& dt)`
 // case step_of_float: takes dt as a whole number, or one of fewer digits than Scalar, which rounds it: write `StepReport step(State& state, const Scalar& dt)`
-// case estimate_of_a_copy: takes the state by value, so that it stays where it is: write `StepReport step(State&
+// case estimate_of_a_copy: takes the state by value or const, so that it stays where it is: write `StepReport step(State&
 // case inner_without_memory: shows its memory: write `template <class Visitor> void visit_memory(
 // case fresh_as_data: fresh() of this observer cannot be called: write `bool fresh() const`
 // case time_as_float: takes the time as a whole number, or one of fewer digits than Scalar, which rounds it: write `const Scalar& t`
@@ -35,7 +39,9 @@
 // case begins_at_whole_times: step_until, begin or reached of this stepper takes a time as a whole number, or one of fewer digits
 // case reached_whole_times: step_until, begin or reached of this stepper takes a time as a whole number, or one of fewer digits
 // case surface_of_whole_numbers: this surface cannot be called, or tells no more than true and false, or whole numbers: write
-// case step_until_of_a_copy: takes the state by value, so that it stays where it is: write `StepReport step(State&
+// case step_until_of_a_copy: takes the state by value or const, so that it stays where it is: write `StepReport step(State&
+// case step_until_of_a_const_state: takes the state by value or const, so that it stays where it is: write `StepReport step(State&
+// case step_until_of_any_const_state: takes the state by value or const, so that it stays where it is: write `StepReport step(State&
 // case step_until_alone: has a step_until() as one that chooses its steps, and lacks another part of ChoosesSteps
 // case state_of_other_size: the state is of another type than the one that the stepper moves
 // case const_state: the state is const, and a run moves it: leave `const` out, or give it a copy
@@ -162,6 +168,19 @@ struct MyStepper {
   StepReport step(auto z, const double& dt) {
 #elif defined(step_of_a_longer_copy)
   StepReport step(Point z, const double& dt, int = 1) {
+#elif defined(step_of_a_const_state)
+  StepReport step(const Point& given, const double& dt) {
+    Point z = given;
+#elif defined(step_of_any_const_state)
+  auto step(const auto& given, const double& dt) const {
+    auto z = given;
+#elif defined(step_of_a_const_template)
+  template <class State, class Number>
+  StepReport step(const State& given, Number dt) {
+    State z = given;
+#elif defined(static_step_of_a_const_state)
+  static StepReport step(const Point& given, const double& dt) {
+    Point z = given;
 #elif defined(step_of_whole_dt)
   StepReport step(Point& z, int dt) {
 #elif defined(step_of_float)
@@ -172,11 +191,15 @@ struct MyStepper {
   StepReport step(Point& z, const double& dt) {
 #endif
     z.q()[0] += dt;
-    return {};
+    return StepReport{};
   }
 #endif
 #ifdef step_until_of_a_copy
   StepReport step_until(Point z, const double& dt, const double&) { return step(z, dt); }
+#elif defined(step_until_of_a_const_state)
+  StepReport step_until(const Point&, const double&, const double&) { return {}; }
+#elif defined(step_until_of_any_const_state)
+  StepReport step_until(const auto&, const double&, const double&) { return {}; }
 #elif defined(step_until_alone)
   StepReport step_until(Point& z, const double& dt, const double&) { return step(z, dt); }
 #endif
@@ -322,6 +345,9 @@ int main() {
 #elif defined(stepper_without_state) || defined(stepper_without_step) || defined(step_of_a_copy) ||     \
     defined(step_of_a_copy_on_lvalues) || defined(step_until_of_a_copy) || defined(step_until_alone) || \
     defined(step_of_any_copy) || defined(step_of_a_longer_copy) || defined(step_of_whole_dt) ||         \
+    defined(step_of_a_const_state) || defined(step_of_any_const_state) ||                               \
+    defined(step_of_a_const_template) || defined(static_step_of_a_const_state) ||                       \
+    defined(step_until_of_a_const_state) || defined(step_until_of_any_const_state) ||                   \
     defined(step_of_float) || defined(hamiltonian_not_const) || defined(dof_not_const) ||               \
     defined(dof_of_an_argument)
   MyStepper stepper;

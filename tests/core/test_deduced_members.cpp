@@ -112,6 +112,9 @@ struct DriftOfAll : Drift {
     return Drift::step(z, dt);
   }
 };
+struct DriftOfAnyState : Drift {
+  auto step(auto&& z, const double& dt) { return Drift::step(z, dt); }
+};
 
 /// For packs, too.
 struct InPacks : Sized<1> {
@@ -238,6 +241,7 @@ TEST_CASE("Steppers take parts that deduce all", "[hamiltonian_door]") {
   check_run(Drift(), start);
   check_run(DriftOfNumbers(), start);
   check_run(DriftOfAll(), start);
+  check_run(DriftOfAnyState(), start);
   check_run(FlowSplitting(Flowing{}, schemes::aba82<double>()), start);
   check_run(ExplicitSplitting(WithParts{}, schemes::strang<double>()), z);
   check_run(GaussLegendre(WithParts{}), z);

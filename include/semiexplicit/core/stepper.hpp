@@ -98,20 +98,23 @@ concept ChoosesSteps = Stepper<S> && requires(S& s, const S& c, typename S::Stat
 
 namespace detail {
 
+/// Whether a function takes the state, its first parameter, by value or const.
 template <class Function>
-constexpr bool takes_state_by_value(Function) {
+constexpr bool cannot_move_state(Function) {
   using Found = Parameters<Function>;
-  if constexpr (Found::count >= 2)
-    return !std::is_reference_v<typename Found::template FromLast<Found::count - 1>>;
-  else
+  if constexpr (Found::count >= 2) {
+    using Given = typename Found::template FromLast<Found::count - 1>;
+    return !std::is_reference_v<Given> || std::is_const_v<std::remove_reference_t<Given>>;
+  } else {
     return false;
+  }
 }
-/// Whether a step moves a copy of the state.
+/// Whether a step leaves the state where it is.
 template <class S>
-constexpr bool moves_a_copy() {
+constexpr bool leaves_state() {
   using State = typename S::State;
-  return takes_state_by_value(pointer_to_step<S, State, typename S::Scalar, true>()) ||
-         takes_state_by_value(pointer_to_step_until<S, State, State, true>());
+  return cannot_move_state(pointer_to_step<S, State, typename S::Scalar, true>()) ||
+         cannot_move_state(pointer_to_step_until<S, State, State, true>());
 }
 
 /// The optional members of a stepper, written so that they would be taken for absent.
@@ -153,9 +156,10 @@ consteval bool is_stepper() {
                   "this stepper has no step: write `StepReport step(State& state, const Scalar& dt)` in it, "
                   "not const");
   if constexpr (NamesScalarAndState<S>)
-    static_assert(!moves_a_copy<S>(),
-                  "the step of this stepper takes the state by value, so that it stays where it is: write "
-                  "`StepReport step(State& state, const Scalar& dt)`");
+    static_assert(
+        !leaves_state<S>(),
+        "the step of this stepper takes the state by value or const, so that it stays where it is: write "
+        "`StepReport step(State& state, const Scalar& dt)`");
   if constexpr (NamesScalarAndState<S> && requires { typename S::State::Scalar; })
     static_assert(
         std::same_as<typename S::Scalar, typename S::State::Scalar>,

@@ -634,6 +634,29 @@ TEST_CASE("an invariant that is zero, as a sum of large terms, is met") {
   CHECK(cost.spent_gradients < 2e6);
 }
 
+TEST_CASE("a small motion far from the origin is no invariant") {
+  // q - X = x0 cos t.
+  for (const double far : {1e6, 1e9}) {
+    CAPTURE(far);
+    const auto h = from_energy<1>(
+        [far](const auto& q, const auto& p) { return (p[0] * p[0] + (q[0] - far) * (q[0] - far)) / 2; });
+    const PhasePoint<double, 1> start(far * (1 + 4e-12), 0);
+    const double x0 = start.q()[0] - far;
+    const auto square = [far](const auto& q, const auto&) { return (q[0] - far) * (q[0] - far); };
+    const auto cost = cost_of_accuracy(h, start, 20.0, {.observable = square, .targets = {1e-2}});
+    CHECK(cost.relative);
+    CHECK_FALSE(cost.invariant);
+    const auto row = cost.cheapest(1e-2);
+    REQUIRE(row);
+    auto z = start;
+    double worst = 0;
+    cost.run(z, *row, [&](double t, const auto& at) {
+      worst = std::max(worst, std::abs(std::pow((at.q()[0] - far) / x0, 2) - std::pow(std::cos(t), 2)));
+    });
+    CHECK(worst < 3e-2);
+  }
+}
+
 TEST_CASE("absolute targets may be in any unit") {
   const PhasePoint<double, 2> start = planet;
   const auto h = from_energy<2>([](const auto& q, const auto& p) {

@@ -146,6 +146,70 @@ struct Curved {
   }
 };
 
+/// A pendulum, H = p²/2m − 2m cos q, about whose lower point nothing tells a size of q; with a factor.
+struct Pendulum {
+  using Scalar = double;
+  static constexpr int Dof = 1;
+  double m = 1, curvature = 1;
+  double energy(In<double, 1> q, In<double, 1> p) const {
+    return p[0] * p[0] / (2 * m) - 2 * m * std::cos(q[0]);
+  }
+  void gradient(In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
+    dHdq[0] = 2 * m * std::sin(q[0]);
+    dHdp[0] = p[0] / m;
+  }
+  void hessian(In<double, 1> q, In<double, 1>, Eigen::Ref<Eigen::Matrix2d> result) const {
+    result << curvature * 2 * m * std::cos(q[0]), 0, 0, 1 / m;
+  }
+};
+
+/// H = p²/2m + m q²/2 as its exact flow, in as many units.
+struct Oscillator {
+  using Scalar = double;
+  static constexpr int Dof = 1;
+  double m = 1;
+  bool first_order = false;
+  double energy(In<double, 1> q, In<double, 1> p) const {
+    return p[0] * p[0] / (2 * m) + m * q[0] * q[0] / 2;
+  }
+  void gradient(In<double, 1> q, In<double, 1> p, Out<double, 1> dHdq, Out<double, 1> dHdp) const {
+    dHdq[0] = m * q[0];
+    dHdp[0] = p[0] / m;
+  }
+  Status flow(const double& t, const auto& q, const auto& p, auto& dq, auto& dp) const {
+    const double turned = first_order ? 0 : std::cos(t) - 1, far = first_order ? t : std::sin(t);
+    dq[0] = turned * q[0] + far * p[0] / m;
+    dp[0] = turned * p[0] - far * m * q[0];
+    return Status::success;
+  }
+  std::string flow_name() const { return "oscillator"; }
+  void rest_position_gradient(In<double, 1>, Out<double, 1> dHdq) const { dHdq.setZero(); }
+};
+
+/// H = p²/2 + (1 + 3 [q < 0]) q²/2, with packs; `mixed`: one branch for all lanes.
+template <bool mixed>
+struct Kinked {
+  using Scalar = double;
+  static constexpr int Dof = 1;
+  using PackGradientOf = Kinked;
+  double energy(In<double, 1> q, In<double, 1> p) const {
+    return p[0] * p[0] / 2 + (q[0] > 0 ? 1 : 4) * q[0] * q[0] / 2;
+  }
+  template <class Q, class D>
+  void gradient(const Q& q, const Q& p, D&& dHdq, D&& dHdp) const {
+    const auto right = q[0] > 0.0;
+    dHdp[0] = 1.0 * p[0];
+    dHdq[0] = 1.0 * q[0];
+    if constexpr (std::is_same_v<decltype(right), const bool>) {
+      if (!right) dHdq[0] *= 4;
+    } else if constexpr (mixed) {
+      if (!any_of(right)) dHdq[0] = 4.0 * dHdq[0];
+    } else {
+      where(!right, dHdq[0]) = 4.0 * dHdq[0];
+    }
+  }
+};
+
 template <class Scalar>
 int refused_chains() {
   int wrong = 0;
@@ -230,6 +294,38 @@ TEST_CASE("Second derivatives that are not those of the gradient are wrong", "[c
   const std::string own = words(Curved<true>{.own = 1.01}, z);
   CHECK(says(own, "dH/dp[0] has another derivative"));
   CHECK_FALSE(says(own, "dH/dq"));
+}
+
+TEST_CASE("A coordinate that is zero in units far from the others hides nothing", "[check_gradient]") {
+  for (int exponent = -24; exponent <= 24; exponent += 3) {
+    CAPTURE(exponent);
+    const double m = std::pow(10.0, exponent);
+    for (const PhasePoint<double, 1>& z : {PhasePoint<double, 1>(0, m), PhasePoint<double, 1>(1, 0)}) {
+      CHECK(check_gradient(Pendulum{m}, z).ok());
+      CHECK(check_gradient(Oscillator{m}, z).ok());
+    }
+    const PhasePoint<double, 1> low(0, m);
+    for (const double factor : {-1.0, 0.0, 1.01}) CHECK_FALSE(check_gradient(Pendulum{m, factor}, low).ok());
+  }
+  CHECK_FALSE(check_gradient(Oscillator{1, true}, PhasePoint<double, 1>(1, 0)).ok());
+  // A planet in polar coordinates, in metres and seconds, on an axis of its potential.
+  const auto planet = from_energy<2>([](const auto& q, const auto& p) {
+    return p[0] * p[0] / 2 + p[1] * p[1] / (2 * q[0] * q[0]) - 1.3e20 / q[0] * (1 + 0.01 * cos(2 * q[1]));
+  });
+  CHECK(check_gradient(planet, PhasePoint<double, 2>({1.5e11, 0}, {0, 4.46e15})).ok());
+  using Kinetic = orbits::Kinetic<double, 2>;
+  using Attraction = orbits::Attraction<double, 2>;
+  const auto falls =
+      stepper_for(Scene(Kinetic{}, Attraction{.gm = 1.327e20}), exactly<Kinetic, Attraction>());
+  CHECK(check_gradient(falls.hamiltonian(), PhasePoint<double, 2>({1.4e11, 0.5e11}, {0, 0})).ok());
+}
+
+TEST_CASE("A gradient of packs that takes one branch for all lanes is wrong", "[check_gradient]") {
+  for (const double q : {0.5, -0.5}) {
+    CHECK(words(Kinked<false>(), PhasePoint<double, 1>(q, 0.3)) == right);
+    CHECK(says(words(Kinked<true>(), PhasePoint<double, 1>(q, 0.3)),
+               "dH/dq[0] is another number where the gradient is called with packs"));
+  }
 }
 
 }  // namespace test_check_members

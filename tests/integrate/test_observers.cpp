@@ -229,6 +229,20 @@ TEST_CASE("A first value that is zero up to rounding is not what errors are rela
   CHECK(spin(1.0f / 3, 1.01).relative);
   CHECK(spin(1.0 / 3, 1 + 1e-15).worst == Approx(0.125));
   CHECK(spin(1.0 / 3, 2).worst == Approx(0.75));
+
+  // A small oscillation far from the origin: its energy is far above what rounding of q makes of it.
+  const auto spring = []<class Scalar>(Scalar far) {
+    Invariants<Scalar, 1> all;
+    all.add("E",
+            [far](const auto& q, const auto& p) { return (p[0] * p[0] + (q[0] - far) * (q[0] - far)) / 2; });
+    const Scalar size = far * 2000 * Eigen::NumTraits<Scalar>::epsilon();
+    all(0, PhasePoint<Scalar, 1>(far + size, 0));
+    all(1, PhasePoint<Scalar, 1>(far + size / 2, 0));
+    return all.rows().front();
+  };
+  CHECK(spring(1e6).relative);
+  CHECK(spring(1e6).worst == Approx(0.75).epsilon(0.01));
+  CHECK(spring(1e3f).worst == Approx(0.75).epsilon(0.01));
 }
 
 TEST_CASE("A CSV file reads back exactly", "[observers]") {

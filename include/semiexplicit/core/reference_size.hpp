@@ -42,18 +42,19 @@ Scalar largest_beside(const PhasePoint<Scalar, Dof>& z, const Scalar& change, co
 }
 
 /// The size that an error of f at z = (q, p), where it is `value`, is relative to. The terms' size is how far
-/// f moves when all entries of z change by a small factor: four values of f, whatever the dimension.
+/// f moves when all entries of z change by a small factor: four values of f, whatever the dimension. It is
+/// that of 100 roundings: by far more a function that is quadratic in a small distance far from the origin
+/// would have terms that it has not.
 template <class Scalar, int Dof, class F>
 ReferenceSize<Scalar> reference_size(const F& f, const Scalar& value, const PhasePoint<Scalar, Dof>& z) {
   using std::abs;
   using std::isfinite;
-  using std::sqrt;
-  const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon(), change = sqrt(epsilon);
+  const Scalar change = 100 * Eigen::NumTraits<Scalar>::epsilon();
   ReferenceSize<Scalar> result;
   if (!isfinite(value)) return result;
   result.terms = largest_beside(
       z, change, [&](const auto& near) { return Scalar(abs(f(near.q(), near.p()) - value) / change); });
-  result.relative = abs(value) > 100 * epsilon * result.terms;
+  result.relative = abs(value) > change * result.terms;
   if (result.relative) result.size = abs(value);
   return result;
 }

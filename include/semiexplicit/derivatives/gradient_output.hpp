@@ -159,12 +159,10 @@ class Disagreement {
 
   explicit Disagreement(Eigen::Index dof) : off_(dof), terms_(dof) {}
 
-  /// Another member says x. One whose uncertainty is infinite says nothing.
-  void note(Eigen::Index i, const Scalar& x, const Scalar& expected, const Scalar& uncertainty) {
+  /// Another member says x.
+  void note(Eigen::Index i, const Scalar& x, const Scalar& expected) {
     using std::abs;
-    using std::isinf;
-    if (isinf(uncertainty)) return;
-    const Scalar found = abs(x - expected) - uncertainty;
+    const Scalar found = abs(x - expected);
     auto& off = off_.vector()[i];
     if (!(found <= off)) off = found == found ? found : std::numeric_limits<Scalar>::infinity();
   }
@@ -202,22 +200,23 @@ class OtherGradients {
       : hamiltonian_(hamiltonian), z_(z), sizes_(sizes_of_halves(z)), outputs_(outputs) {}
 
   /// Of the entries that are written, those that differ are marked as `mark`. `call(point, differs)` says
-  /// differs(i, x, uncertainty) of entry i; where it throws std::logic_error the point is out of the domain.
+  /// differs(i, x) of entry i; where it throws std::logic_error the point is out of the domain.
   template <class Call>
-  void compare(GradientOutput mark, const Call& call) {
+  void compare(GradientOutput mark, const Call& call, int points_elsewhere = 0) {
     using std::sqrt;
     constexpr int points = 4;
     Disagreement<State> disagreement(z_.dof());
     State point = z_, given = z_;
     std::uint64_t random = 1;
-    for (int k = 0; k < points; ++k) {
-      if (k > 0) point.vector() += in_its_sizes(point, random).vector() / 4;
+    for (int k = 0; k < points + points_elsewhere; ++k) {
+      if (k >= points)
+        point = elsewhere(z_, random);
+      else if (k > 0)
+        point.vector() += in_its_sizes(point, random).vector() / 4;
       try {
         gradient_at(hamiltonian_, point.vector().data(), given.vector().data(), z_.dof());
         if (!all_finite(given.vector())) continue;
-        call(point, [&](Eigen::Index i, const Scalar& x, const Scalar& uncertainty) {
-          disagreement.note(i, x, given.vector()[i], uncertainty);
-        });
+        call(point, [&](Eigen::Index i, const Scalar& x) { disagreement.note(i, x, given.vector()[i]); });
       } catch (const std::logic_error&) {
         continue;
       }
@@ -226,36 +225,108 @@ class OtherGradients {
     disagreement.mark(outputs_, mark, sqrt(Eigen::NumTraits<Scalar>::epsilon()));
   }
 
-  /// The same of the derivative of the gradient along a direction that changes every entry, which
-  /// `product(direction, result)` writes.
+  /// The same of the derivative of the gradient along directions, which `product(direction, result)` writes:
+  /// one changes every entry that is not zero, one those of q that are, one those of p.
   template <class Product>
   void compare_derivative(const Product& product) {
-    using std::sqrt;
-    Disagreement<State> disagreement(z_.dof());
     std::uint64_t random = 1;
-    const State direction = in_its_sizes(z_, random);
-    State at = z_, found(z_.dof());
-    try {
-      product(direction, found);
-    } catch (const std::logic_error&) {
-      return;
+    const State sized = in_its_sizes(z_, random);
+    for (const int part : {0, 1, 2}) {
+      State direction = sized, at = z_, found(z_.dof());
+      for (Eigen::Index i = 0; i < z_.vector().size(); ++i)
+        if (part != (z_.vector()[i] != Scalar(0) ? 0 : i < z_.dof() ? 1 : 2)) direction.vector()[i] = 0;
+      if (direction.vector().isZero(0)) continue;
+      try {
+        product(direction, found);
+      } catch (const std::logic_error&) {
+        return;
+      }
+      const auto along = [&](const Scalar& s, auto& column) {
+        at.vector() = z_.vector() + s * direction.vector();
+        gradient_at(hamiltonian_, at.vector().data(), column.data(), z_.dof());
+      };
+      const auto said = judge_slopes(found.vector(), State(z_.dof()).vector(), coarse(), along, Scalar(1) / 9,
+                                     part == 0 ? Steps::one : Steps::all);
+      for (std::size_t i = 0; i < outputs_.size(); ++i)
+        if (said.wrong[i] && outputs_[i] == GradientOutput::written)
+          outputs_[i] = GradientOutput::other_hessian;
     }
-    const auto slopes = agreed_slopes(
-        z_.vector().size(),
-        [&](const Scalar& s, auto& column) {
-          at.vector() = z_.vector() + s * direction.vector();
-          gradient_at(hamiltonian_, at.vector().data(), column.data(), z_.dof());
-        },
-        Scalar(1) / 9);
-    for (Eigen::Index i = 0; i < z_.vector().size(); ++i) {
-      const auto& slope = slopes[static_cast<std::size_t>(i)];
-      disagreement.note(i, found.vector()[i], slope.value, slope.uncertainty);
-      if (slope.judges) disagreement.count(i, slope.value);
-    }
-    disagreement.mark(outputs_, GradientOutput::other_hessian,
-                      sqrt(sqrt(Eigen::NumTraits<Scalar>::epsilon())));
   }
 
+  /// A point with other signs, if the gradient is finite there; else one near z, or z.
+  State elsewhere(const State& z, std::uint64_t& random) const {
+    const State aside = in_its_sizes(z, random);
+    for (const double far : {1.0, -0.25, 0.0}) {
+      State point = z, there = z;
+      point.vector() = far == 1 ? aside.vector() : (z.vector() + Scalar(far) * aside.vector()).eval();
+      try {
+        gradient_at(hamiltonian_, point.vector().data(), there.vector().data(), z.dof());
+        if (all_finite(there.vector())) return point;
+      } catch (const std::logic_error&) {
+        continue;
+      }
+    }
+    return z;
+  }
+
+  /// What the derivatives of functions of one number at 0 say of given numbers.
+  struct Said {
+    std::vector<bool> wrong;
+    std::optional<Scalar> step;  ///< the first at which all agree
+  };
+  /// How many steps they are taken with.
+  enum class Steps {
+    one,        ///< the given one, and others only where a number is none of the derivatives by that
+    agreement,  ///< as many as it takes until all agree
+    all         ///< that one and smaller ones
+  };
+  /// Says which of `given` are not the derivatives at 0 of the functions that f(s, column) writes, by more
+  /// than `part` of them and `slack`. Where a coordinate is zero nothing tells how far to go: `step` may be
+  /// too far by any factor, where slopes are noise, or too near, where nothing moves. So a number that is not
+  /// zero is right where any step shows it, and one that is zero is wrong where any shows another.
+  template <class F>
+  static Said judge_slopes(const auto& given, const auto& slack, const Scalar& part, const F& f,
+                           const Scalar& step, Steps steps) {
+    using std::abs;
+    const Eigen::Index size = given.size();
+    const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon();
+    std::vector<bool> contradicted(static_cast<std::size_t>(size)), shown = contradicted;
+    Said result{contradicted, std::nullopt};
+    Scalar scaled = step;
+    constexpr int most = 25;  // some 1e30
+    for (int k = 0; k <= 2 * most; ++k, scaled = k <= most ? scaled / 16 : scaled * 16) {
+      if (k == most + 1) scaled = 16 * step;
+      const auto slopes = agreed_slopes(size, f, scaled);
+      const auto half = [&](Eigen::Index i) { return i < size / 2 ? 0 : 1; };
+      Scalar largest[2] = {Scalar(0), Scalar(0)};
+      for (Eigen::Index i = 0; i < size; ++i)
+        if (const auto& slope = slopes[static_cast<std::size_t>(i)]; slope.judges)
+          largest[half(i)] = std::max<Scalar>(largest[half(i)], abs(slope.value));
+      bool agree = true, clear = true;
+      for (Eigen::Index i = 0; i < size; ++i) {
+        const auto at = static_cast<std::size_t>(i);
+        const auto& slope = slopes[at];
+        const Scalar x = given[i], own = std::max<Scalar>(abs(x), abs(slope.value)),
+                     noise =
+                         64 * epsilon * largest[half(i)] + slack[i] + (std::numeric_limits<Scalar>::min)();
+        const bool is_zero = abs(x) <= noise, sharp = slope.uncertainty <= coarse() * own + noise;
+        const bool admits = slope.judges && slope.admits(x, part * own + noise);
+        agree = agree && admits && (is_zero || sharp);
+        if (slope.judges && !admits) {
+          contradicted[at] = contradicted[at] || !is_zero || slope.uncertainty <= own / 4;
+          clear = clear && contradicted[at];
+        }
+        shown[at] = shown[at] || (admits && sharp && !is_zero);
+        result.wrong[at] = contradicted[at] && !shown[at];
+        clear = clear && !result.wrong[at];
+      }
+      if (agree && !result.step) result.step = scaled;
+      if (steps == Steps::agreement ? agree : clear && (steps == Steps::one || k >= most)) break;
+    }
+    return result;
+  }
+
+ private:
   /// The derivative at 0 of each of `size` functions of one number, which f(s, column) writes; where steps of
   /// different sizes do not agree on it nothing is known. Where f throws std::logic_error it is NaN.
   template <class F>
@@ -289,7 +360,12 @@ class OtherGradients {
     return slopes;
   }
 
- private:
+  /// What a slope has to be known to.
+  static Scalar coarse() {
+    using std::sqrt;
+    return sqrt(sqrt(Eigen::NumTraits<Scalar>::epsilon()));
+  }
+
   /// A direction that changes each entry by up to its own size.
   State in_its_sizes(const State& z, std::uint64_t& random) const {
     State direction = z;
@@ -307,23 +383,29 @@ class OtherGradients {
   std::vector<GradientOutput>& outputs_;
 };
 
-/// The gradient for packs: what each lane says.
+/// The gradient for packs: what each lane says, beside other points in the others.
 template <HasPackGradient H>
 SEMIEXPLICIT_COLD void compare_packs(const H& hamiltonian, OtherGradients<H>& others) {
   using P = Pack<typename H::Scalar>;
-  others.compare(GradientOutput::other_packs, [&](const auto& z, const auto& differs) {
-    const auto d = static_cast<std::size_t>(z.dof());
-    std::vector<P> at(2 * d), packs(2 * d);
-    for (std::size_t i = 0; i < 2 * d; ++i)
-      for (std::size_t lane = 0; lane < P::size(); ++lane)
-        at[i][lane] = z.vector()[static_cast<Eigen::Index>(i)], packs[i][lane] = 1;
-    const P *q = at.data(), *p = q + d;
-    P *dHdq = packs.data(), *dHdp = dHdq + d;
-    hamiltonian.gradient(q, p, dHdq, dHdp);
-    for (std::size_t i = 0; i < 2 * d; ++i)
-      for (std::size_t lane = 0; lane < P::size(); ++lane)
-        differs(static_cast<Eigen::Index>(i), packs[i][lane], 0);
-  });
+  std::uint64_t random = 1;
+  others.compare(
+      GradientOutput::other_packs,
+      [&](const auto& z, const auto& differs) {
+        const auto d = static_cast<std::size_t>(z.dof());
+        std::vector<P> at(2 * d), packs(2 * d);
+        for (std::size_t own = 0; own < P::size(); ++own) {
+          for (std::size_t lane = 0; lane < P::size(); ++lane) {
+            const auto point = lane == own ? z : others.elsewhere(z, random);
+            for (std::size_t i = 0; i < 2 * d; ++i)
+              at[i][lane] = point.vector()[static_cast<Eigen::Index>(i)], packs[i][lane] = 1;
+          }
+          const P *q = at.data(), *p = q + d;
+          P *dHdq = packs.data(), *dHdp = dHdq + d;
+          hamiltonian.gradient(q, p, dHdq, dHdp);
+          for (std::size_t i = 0; i < 2 * d; ++i) differs(static_cast<Eigen::Index>(i), packs[i][own]);
+        }
+      },
+      4);
 }
 
 #ifdef SEMIEXPLICIT_HAS_LANES
@@ -336,7 +418,7 @@ SEMIEXPLICIT_COLD void compare_lanes(const H& hamiltonian, OtherGradients<H>& ot
     hamiltonian.lane_gradient(at.data, at.data + at.d, gradient.data, gradient.data + at.d);
     std::decay_t<decltype(z)> found = z;
     gradient.store(found.vector().data());
-    for (Eigen::Index i = 0; i < 2 * z.dof(); ++i) differs(i, found.vector()[i], 0);
+    for (Eigen::Index i = 0; i < 2 * z.dof(); ++i) differs(i, found.vector()[i]);
   });
 }
 #endif
@@ -350,7 +432,7 @@ SEMIEXPLICIT_COLD void compare_halves(const H& hamiltonian, OtherGradients<H>& o
     OutColumn<H> by_q(found.vector().data(), d), by_p(found.vector().data() + d, d);
     hamiltonian.position_gradient(InColumn<H>(z.vector().data(), d), by_q);
     hamiltonian.momentum_gradient(InColumn<H>(z.vector().data() + d, d), by_p);
-    for (Eigen::Index i = 0; i < 2 * d; ++i) differs(i, found.vector()[i], 0);
+    for (Eigen::Index i = 0; i < 2 * d; ++i) differs(i, found.vector()[i]);
   });
 }
 
@@ -375,8 +457,8 @@ SEMIEXPLICIT_COLD void compare_ranges(const H& hamiltonian, OtherGradients<H>& o
       Scalar *dHdq = found.data(), *dHdp = dHdq + size;
       hamiltonian.gradient_range(begin, end, q, p, dHdq, dHdp);
       for (Eigen::Index i = begin; i < end; ++i) {
-        differs(i, found[i - begin], 0);
-        differs(d + i, found[size + i - begin], 0);
+        differs(i, found[i - begin]);
+        differs(d + i, found[size + i - begin]);
       }
     }
   });
@@ -389,7 +471,7 @@ SEMIEXPLICIT_COLD void compare_parts(const H& hamiltonian, OtherGradients<H>& ot
   using Column = Vector<Scalar, H::Dof>;
   others.compare(GradientOutput::other_parts, [&](const auto& z, const auto& differs) {
     const Eigen::Index d = z.dof();
-    std::decay_t<decltype(z)> rest(d), coupled(d);
+    std::decay_t<decltype(z)> rest(d), given(d);
     if constexpr (HasPositionRest<H>) {
       OutColumn<H> by_q(rest.vector().data(), d);
       hamiltonian.rest_position_gradient(InColumn<H>(z.vector().data(), d), by_q);
@@ -399,14 +481,14 @@ SEMIEXPLICIT_COLD void compare_parts(const H& hamiltonian, OtherGradients<H>& ot
       hamiltonian.rest_momentum_gradient(InColumn<H>(z.vector().data() + d, d), by_p);
     }
     if constexpr (HasCoupledRest<H>) {
-      gradient_at(hamiltonian.coupled_rest(), z.vector().data(), coupled.vector().data(), d);
-      rest.vector() += coupled.vector();
+      gradient_at(hamiltonian.coupled_rest(), z.vector().data(), given.vector().data(), d);
+      rest.vector() += given.vector();
     }
-    // A tenth of the time in which the largest entry of a half goes by its own size.
-    gradient_at(hamiltonian, z.vector().data(), coupled.vector().data(), d);
+    // From a tenth of the time in which the largest entry of a half goes by its own size.
+    gradient_at(hamiltonian, z.vector().data(), given.vector().data(), d);
     const auto sizes = sizes_of_halves(z);
-    const Scalar rate = std::max<Scalar>({largest_absolute(coupled.p()) / sizes[0].largest,
-                                          largest_absolute(coupled.q()) / sizes[1].largest,
+    const Scalar rate = std::max<Scalar>({largest_absolute(given.p()) / sizes[0].largest,
+                                          largest_absolute(given.q()) / sizes[1].largest,
                                           (std::numeric_limits<Scalar>::min)()});
     Column q = z.q(), p = z.p(), dq = q, dp = p;
     const auto move = [&](const Scalar& t, const auto& from, auto& moved) {
@@ -422,29 +504,36 @@ SEMIEXPLICIT_COLD void compare_parts(const H& hamiltonian, OtherGradients<H>& ot
       moved << dq, dp;
       if (status != Status::success) moved.setConstant(std::numeric_limits<Scalar>::quiet_NaN());
     };
-    const Scalar step = Scalar(0.1) / rate;
-    const auto slopes = OtherGradients<H>::agreed_slopes(
-        2 * d, [&](const Scalar& t, auto& moved) { move(t, z.vector(), moved); }, step);
+    using std::abs;
+    using std::sqrt;
+    const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon(), part = sqrt(epsilon);
+    const Scalar largest[2] = {largest_absolute(z.q()), largest_absolute(z.p())};
+    const auto partner = [&](Eigen::Index i) { return i < d ? i + d : i - d; };  // whose slope is the motion
+    std::decay_t<decltype(z)> motion(d), slack(d);
+    for (Eigen::Index i = 0; i < 2 * d; ++i) {
+      const Scalar all = given.vector()[i], other = rest.vector()[i];
+      motion.vector()[partner(i)] = i < d ? Scalar(other - all) : Scalar(all - other);
+      slack.vector()[partner(i)] = part * std::max<Scalar>(abs(all), abs(other));
+    }
+    const auto said = OtherGradients<H>::judge_slopes(
+        motion.vector(), slack.vector(), part,
+        [&](const Scalar& t, auto& moved) { move(t, z.vector(), moved); }, Scalar(0.1) / rate,
+        OtherGradients<H>::Steps::agreement);
+    const auto is_wrong = [&](Eigen::Index i) { differs(i, std::numeric_limits<Scalar>::quiet_NaN()); };
+    for (Eigen::Index i = 0; i < 2 * d; ++i)
+      if (said.wrong[static_cast<std::size_t>(partner(i))]) is_wrong(i);
+    if (!said.step) return;
     // Of the time 2t it is that of t, twice.
+    const Scalar step = *said.step;
     std::decay_t<decltype(z)> once(d), twice(d), again(d), there = z;
     move(step, z.vector(), once.vector());
     there.vector() += once.vector();
     move(step, there.vector(), again.vector());
     move(2 * step, z.vector(), twice.vector());
-    const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon();
-    const Scalar largest[2] = {largest_absolute(z.q()), largest_absolute(z.p())};
     for (Eigen::Index i = 0; i < 2 * d; ++i) {
-      const Eigen::Index partner = i < d ? i + d : i - d;  // of which the slope is the motion
-      const auto& slope = slopes[static_cast<std::size_t>(partner)];
-      const Scalar moved = i < d ? Scalar(-slope.value) : slope.value;
-      differs(i, rest.vector()[i] + moved, slope.uncertainty);
-      using std::abs;
-      using std::sqrt;
-      const Scalar in_all = twice.vector()[partner],
-                   off = abs(once.vector()[partner] + again.vector()[partner] - in_all);
-      if (off >
-          sqrt(epsilon) * (abs(in_all) + abs(once.vector()[partner])) + 64 * epsilon * largest[i < d ? 1 : 0])
-        differs(i, std::numeric_limits<Scalar>::quiet_NaN(), Scalar(0));
+      const Scalar first = once.vector()[partner(i)], in_all = twice.vector()[partner(i)],
+                   off = abs(first + again.vector()[partner(i)] - in_all);
+      if (off > part * (abs(in_all) + abs(first)) + 64 * epsilon * largest[i < d ? 1 : 0]) is_wrong(i);
     }
   });
 }

@@ -71,7 +71,7 @@ constexpr bool gradient_does_not_fit() {
 /// The time, or another number, behind the outputs, where a default stands in for it.
 template <class H>
 constexpr bool gradient_ends_with_a_number() {
-  return ends_with_a_number<4>(pointer_to_gradient<H, InColumn<H>, OutColumn<H>>());
+  return ends_with_a_number<4>(pointer_to_gradient<H, OutColumn<H>>());
 }
 template <class H>
 concept HasMutableGradient = requires(H& h, const InColumn<H>& q, const InColumn<H>& p, OutColumn<H>& dHdq,
@@ -163,8 +163,8 @@ constexpr OutputFaults faults_of_optional_members() {
 /// Whether one of them takes a number behind its outputs, where a default stands in for it.
 template <class H>
 constexpr bool optional_member_ends_with_a_number() {
-  return ends_with_a_number<2>(pointer_to_position_gradient<H, InColumn<H>, OutColumn<H>>()) ||
-         ends_with_a_number<2>(pointer_to_momentum_gradient<H, InColumn<H>, OutColumn<H>>());
+  return ends_with_a_number<2>(pointer_to_position_gradient<H, OutColumn<H>>()) ||
+         ends_with_a_number<2>(pointer_to_momentum_gradient<H, OutColumn<H>>());
 }
 
 /// Compiles unless H has a hessian or a hessian_times that cannot be called, which second derivatives by
@@ -285,7 +285,7 @@ consteval bool is_time_dependent() {
     return is_hamiltonian<H>();
   } else if constexpr (TimeDependentHamiltonian<H>) {
     using Scalar = typename H::Scalar;
-    constexpr bool rounded = rounds<Scalar, 5, 0>(pointer_to_gradient<H, InColumn<H>, OutColumn<H>>()) ||
+    constexpr bool rounded = rounds<Scalar, 5, 0>(pointer_to_gradient<H, OutColumn<H>>()) ||
                              rounds<Scalar, 3, 0>(pointer_to_energy<H, InColumn<H>>()) ||
                              rounds<Scalar, 3, 0>(pointer_to_time_derivative<H, InColumn<H>>());
     static_assert(!rounded,

@@ -88,6 +88,13 @@ class PhasePoint {
 
 namespace detail {
 
+/// What observers of integrate() are shown: a state with its positions and momenta.
+template <class State>
+concept HasHalves = requires(const State& z) {
+  z.q();
+  z.p();
+};
+
 /// Throws std::invalid_argument, in the name of `who`, where a state has not the number of degrees of freedom
 /// that `whose` has.
 inline void require_same_dof(const char* who, Eigen::Index state, const char* whose, Eigen::Index own,

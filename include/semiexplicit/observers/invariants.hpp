@@ -70,7 +70,7 @@ class Invariants {
     return *this;
   }
 
-  template <class State>
+  template <detail::HasHalves State>
   void operator()(const Scalar& t, const State& state) {
     using std::abs;
     if constexpr (Dof != Eigen::Dynamic)

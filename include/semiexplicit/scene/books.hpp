@@ -198,7 +198,7 @@ class Books {
   Books(const Books&) = default;
   Books& operator=(const Books&) = default;
 
-  template <class State>
+  template <detail::HasHalves State>
   void operator()(const Scalar& t, const State& state, const IntegrationReport& run = {}) {
     const In<Scalar, Dof> q = state.q(), p = state.p();
     detail::require_same_dof("Books", q.size(), "scene", last_.dof());

@@ -44,6 +44,8 @@
 // case step_until_of_any_const_state: takes the state by value or const, so that it stays where it is: write `StepReport step(State&
 // case step_until_alone: has a step_until() as one that chooses its steps, and lacks another part of ChoosesSteps
 // case state_of_other_size: the state is of another type than the one that the stepper moves
+// case record_of_other_size: the state has another number of degrees of freedom than this observer: give an observer of its Dof
+// case invariants_of_other_size: the state has another number of degrees of freedom than this observer: give an observer of its Dof
 // case const_state: the state is const, and a run moves it: leave `const` out, or give it a copy
 // case const_stepper: the stepper is const, and a step changes it: leave `const` out
 // case saved_without_memory: shows its memory: write `template <class Visitor> void visit_memory(
@@ -111,6 +113,7 @@
 #include <semiexplicit/observers/every.hpp>
 #include <semiexplicit/observers/invariants.hpp>
 #include <semiexplicit/observers/poincare_section.hpp>
+#include <semiexplicit/observers/record.hpp>
 #include <semiexplicit/schemes/named.hpp>
 #include <semiexplicit/steppers/semiexplicit.hpp>
 #include <semiexplicit/systems/product.hpp>
@@ -391,6 +394,10 @@ int main() {
   MyStepper stepper;
   Checkpoints checkpoints("file", {}, stepper, options);
   integrate(stepper, z, options, checkpoints);
+#elif defined(record_of_other_size)
+  integrate(Semiexplicit(H, scheme), z, options, every(2, Record<double, 3>()));
+#elif defined(invariants_of_other_size)
+  integrate(Semiexplicit(H, scheme), z, options, Invariants<double, 2>());
 #elif defined(stepper_of_other_numbers)
   MyStepper stepper;
   integrate(stepper, z, {.dt = 0.1f, .steps = 10}, right);
@@ -545,6 +552,7 @@ int main() {
   Semiexplicit stepper(systems::Product<double>(), scheme, MySolver());
   integrate(stepper, z, {.dt = 0.1, .steps = 10}, right, observer);
   integrate(Semiexplicit(H, scheme), z, {.dt = 0.1, .steps = 10}, right);  // a temporary
+  integrate(Semiexplicit(H, scheme), z, options, Record<double, 1>(), Record<double, Eigen::Dynamic>());
   integrate(
       Chooses{}, z, options, [](auto, const auto&) {}, [](long double, const auto&) {});
   Invariants(H)

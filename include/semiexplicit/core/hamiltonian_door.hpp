@@ -86,6 +86,17 @@ template <class H>
 concept NamesEnergy = requires {
   &H::energy;
 };
+/// An energy(q, p) of columns that do not fit, as far as its type tells.
+template <class H>
+constexpr bool energy_does_not_fit() {
+  if constexpr (HasScalar<H> && HasDof<H> && NamesEnergy<H>) {
+    using Found = Parameters<decltype(&H::energy)>;
+    if constexpr (Found::count == 2)
+      return does_not_fit<typename Found::template FromLast<1>, H>() ||
+             does_not_fit<typename Found::template FromLast<0>, H>();
+  }
+  return false;
+}
 /// Dof is there, but may be no constant.
 template <class H>
 concept NamesDof = requires(H& h) {
@@ -307,7 +318,13 @@ consteval bool is_time_dependent() {
 /// The same for the energy, which some functions need: H(q, p), const, a number.
 template <class H>
 consteval bool has_energy() {
-  if constexpr (HasEnergy<H>) {
+  if constexpr (energy_does_not_fit<H>()) {
+    static_assert(
+        !energy_does_not_fit<H>(),
+        "the energy of this Hamiltonian takes columns of another size or of other numbers than its Dof "
+        "and Scalar: write `Scalar energy(In<Scalar, Dof> q, In<Scalar, Dof> p) const`");
+    return false;
+  } else if constexpr (HasEnergy<H>) {
     using Column = InColumn<H>;
     using At = const Column&;
     const auto energy = [](const auto& h) -> decltype(h.energy(std::declval<At>(), std::declval<At>())) {};

@@ -200,6 +200,7 @@ class Books {
 
   template <detail::HasHalves State>
   void operator()(const Scalar& t, const State& state, const IntegrationReport& run = {}) {
+    static_assert(detail::is_state_of<State, Dof>());
     const In<Scalar, Dof> q = state.q(), p = state.p();
     detail::require_same_dof("Books", q.size(), "scene", last_.dof());
     const Scalar before = energy_;

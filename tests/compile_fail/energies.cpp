@@ -10,6 +10,7 @@
 // case check_of_energy_of_other_size: the energy of this Hamiltonian takes columns of another size or of other numbers than its Dof and Scalar: write `Scalar energy(
 // case cost_of_energy_of_other_size: the energy of this Hamiltonian takes columns of another size or of other numbers than its Dof and Scalar: write `Scalar energy(
 // case energy_of_long_columns: compiles
+// case energy_of_rows: compiles
 // case energy_with_a_default: compiles
 // case check_without_energy: has no public energy, by which the run is to be judged: write `Scalar energy(
 // case cost_without_energy: has no public energy, by which the run is to be judged: write `Scalar energy(
@@ -44,6 +45,8 @@ struct Mine {
   double energy(In<double, 3> q, In<double, 3> p) const { return q.dot(p); }
 #elif defined(energy_of_long_columns)
   double energy(const Eigen::VectorXd& q, const Eigen::VectorXd& p) const { return q.dot(p); }
+#elif defined(energy_of_rows)
+  double energy(const Eigen::RowVector2d& q, const Eigen::RowVector2d& p) const { return q.dot(p); }
 #elif defined(energy_with_a_default)
   double energy(Column q, Column p, const Eigen::Vector3d& field = Eigen::Vector3d(1, 1, 1)) const {
     return q.dot(p) * field[0];

@@ -50,12 +50,12 @@ template <class T, class H>
 constexpr bool does_not_fit() {
   using Column = std::remove_cvref_t<T>;
   if constexpr (requires {
-                  Column::RowsAtCompileTime;
+                  Column::SizeAtCompileTime;
                   typename Column::Scalar;
                 })
     return !std::same_as<typename Column::Scalar, typename H::Scalar> ||
-           (H::Dof != Eigen::Dynamic && Column::RowsAtCompileTime != Eigen::Dynamic &&
-            Column::RowsAtCompileTime != H::Dof);
+           (H::Dof != Eigen::Dynamic && Column::SizeAtCompileTime != Eigen::Dynamic &&
+            Column::SizeAtCompileTime != H::Dof);
   else
     return false;
 }

@@ -6,6 +6,12 @@
 // case energy_is_whole: the energy of this Hamiltonian is a whole number, or one of fewer digits than Scalar: let it return a Scalar
 // case energy_of_float: the energy of this Hamiltonian is a whole number, or one of fewer digits than Scalar: let it return a Scalar
 // case energy_time_last: the energy of this Hamiltonian ends with a number, which would always be its default: the time comes first
+// case energy_of_other_size: the energy of this Hamiltonian takes columns of another size or of other numbers than its Dof and Scalar: write `Scalar energy(
+// case check_of_energy_of_other_size: the energy of this Hamiltonian takes columns of another size or of other numbers than its Dof and Scalar: write `Scalar energy(
+// case cost_of_energy_of_other_size: the energy of this Hamiltonian takes columns of another size or of other numbers than its Dof and Scalar: write `Scalar energy(
+// case energy_of_long_columns: compiles
+// case energy_of_rows: compiles
+// case energy_with_a_default: compiles
 // case check_without_energy: has no public energy, by which the run is to be judged: write `Scalar energy(
 // case cost_without_energy: has no public energy, by which the run is to be judged: write `Scalar energy(
 // case cost_of_whole_numbers: this function tells no more than true and false, whole numbers, or ones of fewer digits than Scalar, which hides how far it strayed
@@ -34,6 +40,17 @@ struct Mine {
   auto energy(const auto& q, const auto& p, double t = 1) const { return t * q.dot(p); }
 #elif defined(energy_is_no_number)
   const char* energy(Column, Column) const { return "much"; }
+#elif defined(energy_of_other_size) || defined(check_of_energy_of_other_size) || \
+    defined(cost_of_energy_of_other_size)
+  double energy(In<double, 3> q, In<double, 3> p) const { return q.dot(p); }
+#elif defined(energy_of_long_columns)
+  double energy(const Eigen::VectorXd& q, const Eigen::VectorXd& p) const { return q.dot(p); }
+#elif defined(energy_of_rows)
+  double energy(const Eigen::RowVector2d& q, const Eigen::RowVector2d& p) const { return q.dot(p); }
+#elif defined(energy_with_a_default)
+  double energy(Column q, Column p, const Eigen::Vector3d& field = Eigen::Vector3d(1, 1, 1)) const {
+    return q.dot(p) * field[0];
+  }
 #elif defined(energy_of_other_arguments)
   double energy(const PhasePoint<double, 2>& z) const { return z.q().dot(z.p()); }
 #else
@@ -53,9 +70,9 @@ struct Driven {
 
 int main() {
   const PhasePoint<double, 2> z({1, 2}, {3, 4});
-#if defined(check_without_energy)
+#if defined(check_without_energy) || defined(check_of_energy_of_other_size)
   check_gradient(Mine(), z);
-#elif defined(cost_without_energy)
+#elif defined(cost_without_energy) || defined(cost_of_energy_of_other_size)
   cost_of_accuracy(Mine(), z, 10);
 #elif defined(cost_of_whole_numbers)
   cost_of_accuracy(Mine(), z, 10, {.observable = [](const auto& q, const auto&) { return int(q[0]); }});
@@ -65,5 +82,6 @@ int main() {
   Invariants invariants{Autonomous(Driven())};
 #else
   Invariants invariants{Mine()};
+  invariants(0.0, z);
 #endif
 }

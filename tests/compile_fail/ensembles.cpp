@@ -9,8 +9,15 @@
 // case float_time_of_whole: takes the time as a whole number, or one of fewer digits than double, or the member as no whole one: of members write
 // case of_both: can be called of members and of the whole, and one of both would never be: give two observers
 // case one_by_value: takes dHdq or dHdp by value, so what it writes is lost: take both as Out<Scalar, Dof>
+// case each_forgotten: for one of integrate()'s a member give each(observers)
+// case each_of_invariants_forgotten: for one of integrate()'s a member give each(observers)
+// case each_of_csv_forgotten: for one of integrate()'s a member give each(observers)
+// case each_of_every_forgotten: for one of integrate()'s a member give each(observers)
+// case each_of_books_forgotten: for one of integrate()'s a member give each(observers)
 #include <semiexplicit/ensemble.hpp>
+#include <semiexplicit/scene.hpp>
 #include <semiexplicit/schemes/named.hpp>
+#include <semiexplicit/semiexplicit.hpp>
 
 using namespace semiexplicit;
 
@@ -61,7 +68,24 @@ int main() {
   ensemble.run({.dt = 0.1, .steps = 1}, [](float, const EnsembleReport&) {});
 #elif defined(of_both)
   ensemble.run({.dt = 0.1, .steps = 1}, OfBoth{});
+#elif defined(each_forgotten)
+  Record<double, 1> record;
+  ensemble.run({.dt = 0.1, .steps = 1}, record);
+#elif defined(each_of_invariants_forgotten)
+  Invariants<double, 1> invariants;
+  ensemble.run({.dt = 0.1, .steps = 1}, invariants);
+#elif defined(each_of_csv_forgotten)
+  ensemble.run({.dt = 0.1, .steps = 1}, CsvTrajectory("file", 1));
+#elif defined(each_of_every_forgotten)
+  Record<double, 1> record;
+  ensemble.run({.dt = 0.1, .steps = 1}, every(2, record));
+#elif defined(each_of_books_forgotten)
+  Books<double, 1> books{RuntimeScene<double, 1>(std::vector<AnyEffect<double, 1>>{})};
+  ensemble.run({.dt = 0.1, .steps = 1}, books);
 #else
+  std::vector<Record<double, 1>> records(2);
+  std::vector sparse(2, every(2, Record<double, 1>()));
+  ensemble.run({.dt = 0.1, .steps = 1}, each(records), each(sparse), Progress(0.1));
   ensemble.run(
       {.dt = 0.1, .steps = 1}, [](Eigen::Index, double, const PhasePoint<double, 1>&) {},
       [](auto, auto, const auto&) {}, [](double, const EnsembleReport&) {}, [](int, double, const auto&) {},

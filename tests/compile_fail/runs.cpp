@@ -44,12 +44,22 @@
 // case step_until_of_any_const_state: takes the state by value or const, so that it stays where it is: write `StepReport step(State&
 // case step_until_alone: has a step_until() as one that chooses its steps, and lacks another part of ChoosesSteps
 // case state_of_other_size: the state is of another type than the one that the stepper moves
+// case record_of_other_size: the state has another number of degrees of freedom than this observer: give an observer of its Dof
+// case invariants_of_other_size: the state has another number of degrees of freedom than this observer: give an observer of its Dof
 // case const_state: the state is const, and a run moves it: leave `const` out, or give it a copy
 // case const_stepper: the stepper is const, and a step changes it: leave `const` out
 // case saved_without_memory: shows its memory: write `template <class Visitor> void visit_memory(
 // case saved_without_options: lists its options, or a run could be resumed with others: write
 // case visitor_by_value: visit_memory() takes its visitor by value, so that nothing is saved: write `template <class
 // case list_by_value: lists its options, or a run could be resumed with others: write
+// case visitor_of_constants: visits what is const, or a temporary, so that nothing can be put back: leave `const` out behind its parameters
+// case visitor_of_constant_lists: visits what is const, or a temporary, so that nothing can be put back: leave `const` out behind its parameters
+// case visitor_of_constant_matrices: visits what is const, or a temporary, so that nothing can be put back: leave `const` out behind its parameters
+// case visitor_of_constant_texts: visits what is const, or a temporary, so that nothing can be put back: leave `const` out behind its parameters
+// case visitor_of_temporaries: visits what is const, or a temporary, so that nothing can be put back: leave `const` out behind its parameters
+// case deduced_visitor_of_constants: visits what is const, or a temporary, so that nothing can be put back: leave `const` out behind its parameters
+// case const_visitor_of_nothing: compiles
+// case const_visitor_by_reference: compiles
 // case inner_visitor_by_value: visit_memory() takes its visitor by value, so that nothing is saved: write `template <class
 // case inner_memory_by_value: visit_memory() takes its visitor by value, so that nothing is saved: write `template <class
 // case referred_observer_behind_checkpoints: an observer that a checkpoint can keep stands behind Checkpoints
@@ -92,6 +102,8 @@
 // case saved_within_events: Checkpoints save the run where a step ends, and within at_times(), a section, events() or
 // case saved_within_estimate: Checkpoints save the run where a step ends, and within at_times(), a section, events() or
 #include <functional>
+#include <memory>
+#include <string>
 #include <vector>
 
 #include <semiexplicit/checkpoint/checkpoints.hpp>
@@ -101,6 +113,7 @@
 #include <semiexplicit/observers/every.hpp>
 #include <semiexplicit/observers/invariants.hpp>
 #include <semiexplicit/observers/poincare_section.hpp>
+#include <semiexplicit/observers/record.hpp>
 #include <semiexplicit/schemes/named.hpp>
 #include <semiexplicit/steppers/semiexplicit.hpp>
 #include <semiexplicit/systems/product.hpp>
@@ -220,8 +233,43 @@ struct MyStepper {
   template <class List>
   void describe(List&) const {}
 #endif
+  double sum = 0;
 #ifdef visitor_by_value
   void visit_memory(auto) {}
+#elif defined(visitor_of_constants)
+  void visit_memory(auto&& visit) const { visit(sum); }
+#elif defined(deduced_visitor_of_constants)
+  template <class Visitor>
+  auto visit_memory(Visitor& visit) const {
+    visit(sum);
+  }
+#elif defined(visitor_of_constant_lists)
+  std::vector<double> kept{};
+  void visit_memory(CheckpointMemory& visit) const { visit(kept); }
+#elif defined(visitor_of_constant_matrices)
+  Eigen::Vector2d kept{};
+  void visit_memory(auto&& visit) const { visit(kept); }
+#elif defined(visitor_of_constant_texts)
+  std::string kept{};
+  void visit_memory(auto&& visit) const { visit(kept); }
+#elif defined(visitor_of_temporaries)
+  void visit_memory(auto&& visit) { visit(sum + 1); }
+#elif defined(const_visitor_of_nothing)
+  void visit_memory(auto&&) const {}
+#elif defined(const_visitor_by_reference)
+  struct Kept {
+    double sum;
+    std::vector<double> list;
+    Eigen::Matrix2d matrix;
+    Eigen::ArrayXf array;
+    std::string text;
+    bool flag;
+  };
+  std::shared_ptr<Kept> kept = std::make_shared<Kept>();
+  auto visit_memory(auto&& visit) const {
+    visit(kept->sum), visit(kept->list), visit(kept->matrix), visit(kept->array), visit(kept->text),
+        visit(kept->flag);
+  }
 #elif !defined(saved_without_memory)
   template <class Visitor>
   void visit_memory(Visitor&&) {}
@@ -339,6 +387,17 @@ int main() {
     defined(list_by_value)
   MyStepper stepper;
   Checkpoints checkpoints("file", {}, stepper, options);
+#elif defined(visitor_of_constants) || defined(visitor_of_constant_lists) ||       \
+    defined(visitor_of_constant_matrices) || defined(visitor_of_constant_texts) || \
+    defined(visitor_of_temporaries) || defined(deduced_visitor_of_constants) ||    \
+    defined(const_visitor_of_nothing) || defined(const_visitor_by_reference)
+  MyStepper stepper;
+  Checkpoints checkpoints("file", {}, stepper, options);
+  integrate(stepper, z, options, checkpoints);
+#elif defined(record_of_other_size)
+  integrate(Semiexplicit(H, scheme), z, options, every(2, Record<double, 3>()));
+#elif defined(invariants_of_other_size)
+  integrate(Semiexplicit(H, scheme), z, options, Invariants<double, 2>());
 #elif defined(stepper_of_other_numbers)
   MyStepper stepper;
   integrate(stepper, z, {.dt = 0.1f, .steps = 10}, right);
@@ -493,6 +552,7 @@ int main() {
   Semiexplicit stepper(systems::Product<double>(), scheme, MySolver());
   integrate(stepper, z, {.dt = 0.1, .steps = 10}, right, observer);
   integrate(Semiexplicit(H, scheme), z, {.dt = 0.1, .steps = 10}, right);  // a temporary
+  integrate(Semiexplicit(H, scheme), z, options, Record<double, 1>(), Record<double, Eigen::Dynamic>());
   integrate(
       Chooses{}, z, options, [](auto, const auto&) {}, [](long double, const auto&) {});
   Invariants(H)

@@ -38,6 +38,27 @@ struct Oscillator : Sized<2> {
   }
 };
 
+/// Only outputs are deduced.
+struct OutputsDeduced : Oscillator {
+  auto gradient(Read q, Read p, auto& dHdq, auto& dHdp) const {
+    dHdq = q;
+    dHdp = p;
+  }
+};
+struct OutputsForwarded : Oscillator {
+  auto gradient(Read q, Read p, auto&& dHdq, auto&& dHdp) const noexcept {
+    dHdq = q;
+    dHdp = p;
+  }
+};
+struct OutputsAlike : Oscillator {
+  template <class Output>
+  auto gradient(const Read& q, const Read& p, Output& dHdq, Output& dHdp) const {
+    dHdq = q;
+    dHdp = p;
+  }
+};
+
 /// A spring that time changes; the time is the only template parameter, one of three, or none.
 struct TimeDeduced : Sized<2> {
   auto energy(const auto& t, Read q, Read p) const {
@@ -70,6 +91,14 @@ struct ColumnsDeduced : Sized<2> {
   }
   template <class Column, class Output>
   auto gradient(double t, const Column& q, const Column& p, Output& dHdq, Output& dHdp) const {
+    TimeDeduced().gradient(t, q, p, dHdq, dHdp);
+    return TimeDeduced().time_derivative(t, q, p);
+  }
+};
+
+struct DrivenOutputsDeduced : Sized<2> {
+  auto energy(double t, Read q, Read p) const { return TimeDeduced().energy(t, q, p); }
+  auto gradient(double t, Read q, Read p, auto& dHdq, auto& dHdp) const {
     TimeDeduced().gradient(t, q, p, dHdq, dHdp);
     return TimeDeduced().time_derivative(t, q, p);
   }
@@ -161,6 +190,10 @@ struct Flowing : Oscillator {
   auto rest_position_gradient(const auto& q, auto& dHdq) const { dHdq = q; }
 };
 
+struct FlowingBesideOutputs : Flowing {
+  auto rest_position_gradient(Read q, auto& dHdq) const { dHdq = q; }
+};
+
 struct Slope {
   using Acts = OnPosition<double, 2>;
   static constexpr const char* name = "slope";
@@ -194,6 +227,20 @@ struct Squares {
   auto energy(const auto& x) const { return x[1] * x[1]; }
   auto add_gradient(const auto& x, auto&& dHdx) const { dHdx[1] += 2 * x[1]; }
 };
+struct SlopeOfOutputs : Slope {
+  auto add_gradient(const Eigen::Vector2d& q, auto& dHdq) const { dHdq += q; }
+};
+struct ShearOfOutputs : Shear {
+  auto add_gradient(Read q, Read p, auto& dHdq, auto& dHdp) const {
+    dHdq[0] += p[1];
+    dHdp[1] += q[0];
+  }
+};
+struct TurnOfOutputs : Turn {
+  auto add_force(const Eigen::Vector2d&, const Eigen::Vector2d& p, auto& force) const {
+    force += Eigen::Vector2d(p[1], -p[0]);
+  }
+};
 struct Sheet {
   auto add_potential(const auto& x, auto& a) const { a[1] += x[0] * x[0] / 2; }
   auto add_gradient(const auto& x, const auto& v, double factor, auto& out) const {
@@ -217,6 +264,14 @@ void check_run(const H& hamiltonian, const State& z, const std::string& what) {
 
 TEST_CASE("Hamiltonians and effects may deduce all that they take and return", "[hamiltonian_door]") {
   check_run(Oscillator(), start, "gradient");
+  check_run(OutputsDeduced(), start, "outputs");
+  check_run(OutputsForwarded(), start, "forwarded");
+  check_run(OutputsAlike(), start, "alike");
+  CHECK(check_gradient(OutputsDeduced(), start).ok());
+  CHECK(check_gradient(OutputsForwarded(), start).ok());
+  const Autonomous driven(DrivenOutputsDeduced{});
+  check_run(driven, driven.extended(start, 0), "driven");
+  CHECK(check_gradient(driven, driven.extended(start, 0.7)).ok());
   const Autonomous time(TimeDeduced{});
   const Autonomous all(AllDeduced{});
   const Autonomous columns(ColumnsDeduced{});
@@ -230,6 +285,7 @@ TEST_CASE("Hamiltonians and effects may deduce all that they take and return", "
   check_run(beside, beside.extended(start, 0), "beside");
   CHECK(check_gradient(beside, beside.extended(start, 0.7)).ok());
   check_run(Scene(Slope{}, Shear{}, Turn{}, Squares{}), start, "effects");
+  check_run(Scene(SlopeOfOutputs{}, ShearOfOutputs{}, TurnOfOutputs{}), start, "effects' outputs");
   check_run(Scene(effects::charges::MagneticKinetic(1.0, 1.0, Sheet{})),
             PhasePoint<double, 3>({1, 0, 0}, {0, 1, 0}), "field");
   const Autonomous charge(effects::charges::RelativisticCharge(1.0, 1.0, 1.0, Sheet{}));
@@ -243,6 +299,7 @@ TEST_CASE("Steppers take parts that deduce all", "[hamiltonian_door]") {
   check_run(DriftOfAll(), start);
   check_run(DriftOfAnyState(), start);
   check_run(FlowSplitting(Flowing{}, schemes::aba82<double>()), start);
+  check_run(FlowSplitting(FlowingBesideOutputs{}, schemes::aba82<double>()), start);
   check_run(ExplicitSplitting(WithParts{}, schemes::strang<double>()), z);
   check_run(GaussLegendre(WithParts{}), z);
   CHECK(check_gradient(WithParts(), z).ok());

@@ -50,12 +50,12 @@ template <class T, class H>
 constexpr bool does_not_fit() {
   using Column = std::remove_cvref_t<T>;
   if constexpr (requires {
-                  Column::RowsAtCompileTime;
+                  Column::SizeAtCompileTime;
                   typename Column::Scalar;
                 })
     return !std::same_as<typename Column::Scalar, typename H::Scalar> ||
-           (H::Dof != Eigen::Dynamic && Column::RowsAtCompileTime != Eigen::Dynamic &&
-            Column::RowsAtCompileTime != H::Dof);
+           (H::Dof != Eigen::Dynamic && Column::SizeAtCompileTime != Eigen::Dynamic &&
+            Column::SizeAtCompileTime != H::Dof);
   else
     return false;
 }
@@ -71,7 +71,7 @@ constexpr bool gradient_does_not_fit() {
 /// The time, or another number, behind the outputs, where a default stands in for it.
 template <class H>
 constexpr bool gradient_ends_with_a_number() {
-  return ends_with_a_number<4>(pointer_to_gradient<H, InColumn<H>, OutColumn<H>>());
+  return ends_with_a_number<4>(pointer_to_gradient<H, OutColumn<H>>());
 }
 template <class H>
 concept HasMutableGradient = requires(H& h, const InColumn<H>& q, const InColumn<H>& p, OutColumn<H>& dHdq,
@@ -86,6 +86,17 @@ template <class H>
 concept NamesEnergy = requires {
   &H::energy;
 };
+/// An energy(q, p) of columns that do not fit, as far as its type tells.
+template <class H>
+constexpr bool energy_does_not_fit() {
+  if constexpr (HasScalar<H> && HasDof<H> && NamesEnergy<H>) {
+    using Found = Parameters<decltype(&H::energy)>;
+    if constexpr (Found::count == 2)
+      return does_not_fit<typename Found::template FromLast<1>, H>() ||
+             does_not_fit<typename Found::template FromLast<0>, H>();
+  }
+  return false;
+}
 /// Dof is there, but may be no constant.
 template <class H>
 concept NamesDof = requires(H& h) {
@@ -163,8 +174,8 @@ constexpr OutputFaults faults_of_optional_members() {
 /// Whether one of them takes a number behind its outputs, where a default stands in for it.
 template <class H>
 constexpr bool optional_member_ends_with_a_number() {
-  return ends_with_a_number<2>(pointer_to_position_gradient<H, InColumn<H>, OutColumn<H>>()) ||
-         ends_with_a_number<2>(pointer_to_momentum_gradient<H, InColumn<H>, OutColumn<H>>());
+  return ends_with_a_number<2>(pointer_to_position_gradient<H, OutColumn<H>>()) ||
+         ends_with_a_number<2>(pointer_to_momentum_gradient<H, OutColumn<H>>());
 }
 
 /// Compiles unless H has a hessian or a hessian_times that cannot be called, which second derivatives by
@@ -285,7 +296,7 @@ consteval bool is_time_dependent() {
     return is_hamiltonian<H>();
   } else if constexpr (TimeDependentHamiltonian<H>) {
     using Scalar = typename H::Scalar;
-    constexpr bool rounded = rounds<Scalar, 5, 0>(pointer_to_gradient<H, InColumn<H>, OutColumn<H>>()) ||
+    constexpr bool rounded = rounds<Scalar, 5, 0>(pointer_to_gradient<H, OutColumn<H>>()) ||
                              rounds<Scalar, 3, 0>(pointer_to_energy<H, InColumn<H>>()) ||
                              rounds<Scalar, 3, 0>(pointer_to_time_derivative<H, InColumn<H>>());
     static_assert(!rounded,
@@ -307,7 +318,13 @@ consteval bool is_time_dependent() {
 /// The same for the energy, which some functions need: H(q, p), const, a number.
 template <class H>
 consteval bool has_energy() {
-  if constexpr (HasEnergy<H>) {
+  if constexpr (energy_does_not_fit<H>()) {
+    static_assert(
+        !energy_does_not_fit<H>(),
+        "the energy of this Hamiltonian takes columns of another size or of other numbers than its Dof "
+        "and Scalar: write `Scalar energy(In<Scalar, Dof> q, In<Scalar, Dof> p) const`");
+    return false;
+  } else if constexpr (HasEnergy<H>) {
     using Column = InColumn<H>;
     using At = const Column&;
     const auto energy = [](const auto& h) -> decltype(h.energy(std::declval<At>(), std::declval<At>())) {};

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -57,6 +58,22 @@ class CheckpointMemory {
     sequence(list);
   }
   void operator()(std::string& text) { sequence(text); }
+  // What is const, or a temporary, cannot be put back.
+  template <class T>
+  requires std::is_arithmetic_v<T>
+  void operator()(const T&) { refuse_constant<T>(); }
+  template <class Derived>
+  void operator()(const Eigen::PlainObjectBase<Derived>&) {
+    refuse_constant<Derived>();
+  }
+  template <class T>
+  void operator()(const std::vector<T>&) {
+    refuse_constant<T>();
+  }
+  template <std::same_as<std::string> T>
+  void operator()(const T&) {
+    refuse_constant<T>();
+  }
 
   const std::string& bytes() const { return bytes_; }
   /// How many of them have been read.
@@ -70,6 +87,14 @@ class CheckpointMemory {
   static constexpr std::size_t size_of = std::is_same_v<T, long double>&& std::numeric_limits<T>::digits == 64
                                              ? 10
                                              : sizeof(T);
+
+  template <class T>
+  static void refuse_constant() {
+    static_assert(
+        !std::same_as<T, T>,
+        "visit_memory() visits what is const, or a temporary, so that nothing can be put back: leave "
+        "`const` out behind its parameters, and visit members themselves");
+  }
 
   template <class List>
   void sequence(List& list) {

@@ -49,7 +49,8 @@ inline constexpr bool points_to_function =
 /// pointer_to_step<C, T, U>(), and so on: a null pointer of the type of that member of C, which may be a
 /// template of T and U; else a nullptr, about which nothing is known. No body is instantiated but where the
 /// return type is deduced: a template of one or three may deduce the time, of which T is no type. `all` says
-/// that none does.
+/// that none does. Of a member with outputs T is one that can be read, too: it may stand for any of its
+/// columns.
 #define SEMIEXPLICIT_POINTER_TO(member)                                 \
   template <class C, class T, class U = T, bool all = false>            \
   consteval auto pointer_to_##member() {                                \

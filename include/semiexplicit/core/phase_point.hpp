@@ -3,6 +3,8 @@
 #include <initializer_list>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
+#include <utility>
 
 #include <semiexplicit/core/vector.hpp>
 
@@ -87,6 +89,32 @@ class PhasePoint {
 };
 
 namespace detail {
+
+/// What observers of integrate() are shown: a state with its positions and momenta.
+template <class State>
+concept HasHalves = requires(const State& z) {
+  z.q();
+  z.p();
+};
+
+/// Compiles unless the types of a state and of an observer tell that their numbers of degrees of freedom
+/// differ.
+template <HasHalves State, int Dof>
+consteval bool is_state_of() {
+  using Column = std::remove_cvref_t<decltype(std::declval<const State&>().q())>;
+  constexpr bool fits = [] {
+    if constexpr (requires { Column::RowsAtCompileTime; })
+      return Dof == Eigen::Dynamic || Column::RowsAtCompileTime == Eigen::Dynamic ||
+             Column::RowsAtCompileTime == Dof;
+    else
+      return true;
+  }();
+  static_assert(
+      fits,
+      "the state has another number of degrees of freedom than this observer: give an observer of "
+      "its Dof, as Record<double, 2> for PhasePoint<double, 2>, and Invariants the Hamiltonian of the run");
+  return fits;
+}
 
 /// Throws std::invalid_argument, in the name of `who`, where a state has not the number of degrees of freedom
 /// that `whose` has.

@@ -15,6 +15,7 @@
 
 #include <Eigen/Core>
 
+#include <semiexplicit/core/phase_point.hpp>
 #include <semiexplicit/io/checkpoint_file.hpp>
 #include <semiexplicit/io/checksum.hpp>
 #include <semiexplicit/io/durable_file.hpp>
@@ -170,7 +171,7 @@ class CsvTrajectory {
   /// Throws std::invalid_argument where dof is negative; see DurableFile for the rest.
   CsvTrajectory(const std::filesystem::path& path, Eigen::Index dof) : writer_(path, columns(dof)) {}
 
-  template <class Scalar, class State>
+  template <class Scalar, detail::HasHalves State>
   void operator()(const Scalar& t, const State& state) {
     values_.assign(1, static_cast<double>(t));
     for (const auto& q : state.q()) values_.push_back(static_cast<double>(q));

@@ -13,6 +13,7 @@
 
 #include <semiexplicit/core/checkpointable.hpp>
 #include <semiexplicit/core/observer.hpp>
+#include <semiexplicit/core/phase_point.hpp>
 #include <semiexplicit/observers/run_clock.hpp>
 
 namespace semiexplicit {
@@ -43,7 +44,7 @@ class Every {
     if (n < 1) throw std::invalid_argument("every: n is below 1; give how many steps lie between two calls");
   }
 
-  template <class Scalar, class State>
+  template <class Scalar, detail::HasHalves State>
   bool operator()(const Scalar& t, const State& state, const IntegrationReport& run = {}) {
     if (Interpolates<Observer> && n_ > 1 && run.changes > 0 && run.dt != 0)
       throw std::invalid_argument(

@@ -70,8 +70,9 @@ class Invariants {
     return *this;
   }
 
-  template <class State>
+  template <detail::HasHalves State>
   void operator()(const Scalar& t, const State& state) {
+    static_assert(detail::is_state_of<State, Dof>());
     using std::abs;
     if constexpr (Dof != Eigen::Dynamic)
       detail::require_same_dof("Invariants", state.q().size(), "functions' columns", Dof);

@@ -19,8 +19,9 @@ template <class Scalar, int Dof>
 struct Record {
   static constexpr const char* name = "Record";
 
-  template <class State>
+  template <detail::HasHalves State>
   void operator()(const Scalar& time, const State& state) {
+    static_assert(detail::is_state_of<State, Dof>());
     if constexpr (Dof != Eigen::Dynamic) detail::require_same_dof("Record", state.q().size(), "type", Dof);
     if (!z.empty()) refuse_other_size(state.q().size());
     t.push_back(time);

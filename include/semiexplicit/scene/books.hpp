@@ -198,8 +198,9 @@ class Books {
   Books(const Books&) = default;
   Books& operator=(const Books&) = default;
 
-  template <class State>
+  template <detail::HasHalves State>
   void operator()(const Scalar& t, const State& state, const IntegrationReport& run = {}) {
+    static_assert(detail::is_state_of<State, Dof>());
     const In<Scalar, Dof> q = state.q(), p = state.p();
     detail::require_same_dof("Books", q.size(), "scene", last_.dof());
     const Scalar before = energy_;

@@ -256,9 +256,9 @@ constexpr bool member_ends_with_a_number() {
   using To = EffectOut<E>;
   constexpr std::size_t halves = ActsAs<E, OnBoth> ? 2 : 1;
   if constexpr (ActsAs<E, OnMotion>)
-    return ends_with_a_number<3>(pointer_to_add_force<E, At, To, true>());
+    return ends_with_a_number<3>(pointer_to_add_force<E, To, To, true>());
   else
-    return ends_with_a_number<2 * halves>(pointer_to_add_gradient<E, At, To, true>()) ||
+    return ends_with_a_number<2 * halves>(pointer_to_add_gradient<E, To, To, true>()) ||
            ends_with_a_number<halves>(pointer_to_energy<E, At, At, true>());
 }
 /// Whether its energy is a whole number, or one of fewer digits.

@@ -85,8 +85,8 @@ template <class H>
 constexpr bool part_ends_with_a_number() {
   using Column = Vector<typename H::Scalar, H::Dof>;
   return ends_with_a_number<5>(pointer_to_flow<H, Column>()) ||
-         ends_with_a_number<2>(pointer_to_rest_position_gradient<H, InColumn<H>, OutColumn<H>, true>()) ||
-         ends_with_a_number<2>(pointer_to_rest_momentum_gradient<H, InColumn<H>, OutColumn<H>, true>());
+         ends_with_a_number<2>(pointer_to_rest_position_gradient<H, OutColumn<H>, OutColumn<H>, true>()) ||
+         ends_with_a_number<2>(pointer_to_rest_momentum_gradient<H, OutColumn<H>, OutColumn<H>, true>());
 }
 /// Whether the flow's A is quadratic in p and the rest depends on q alone; see NearIntegrable.
 template <class H>

@@ -40,11 +40,20 @@ inline std::int64_t steps_in(double time, double dt) {
   return static_cast<std::int64_t>(std::abs(count - whole) <= 1e-9 * count ? whole : std::ceil(count));
 }
 
+/// Whether a name leads round in a circle, which std::filesystem throws for.
+inline bool is_endless_link(const std::filesystem::path& name) {
+  std::error_code failure;
+  const std::filesystem::file_status there = std::filesystem::status(name, failure);
+  return !status_known(there) && failure == std::errc::too_many_symbolic_link_levels;
+}
+
 /// Makes a folder that an option asks for. Throws std::invalid_argument where that fails.
 inline void make_folder(const std::filesystem::path& folder, const std::string& option) {
-  std::error_code failure;
+  if (is_endless_link(folder))
+    throw std::invalid_argument(option + ": " + folder.string() + ": the link leads nowhere; mend it");
+  std::error_code failure, none;
   std::filesystem::create_directories(folder, failure);
-  if (failure || !std::filesystem::is_directory(folder))
+  if (failure || !std::filesystem::is_directory(folder, none))
     throw std::invalid_argument(option + ": the folder '" + folder.string() + "' cannot be made" +
                                 (failure ? ": " + failure.message() : "; something else has that name"));
 }

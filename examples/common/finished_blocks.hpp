@@ -48,7 +48,8 @@ class FinishedBlocks {
   /// there is one that is not what save() wrote.
   std::optional<std::vector<double>> load(std::int64_t block) const {
     std::ifstream in(file(block), std::ios::binary);
-    if (!in && !std::filesystem::exists(file(block))) return {};
+    std::error_code failure;
+    if (!in && !std::filesystem::exists(file(block), failure)) return {};
     std::string bytes{std::istreambuf_iterator<char>(in), {}};
     const std::string first = head(block);
     const std::size_t size = bytes.size() - std::min(bytes.size(), tail("").size());

@@ -39,9 +39,12 @@ struct CheckpointRequest {
   CLI::Option* add_file(CLI::App& app, const std::string& about) {
     const auto in_a_folder = [](const std::string& text) -> std::string {
       const std::filesystem::path path(text), folder = path.parent_path();
-      if (std::filesystem::is_directory(path) || !path.has_filename())
+      for (const auto& name : {path, folder})
+        if (is_endless_link(name)) return name.string() + ": the link leads nowhere; mend it";
+      std::error_code failure;  // of which the file tells
+      if (std::filesystem::is_directory(path, failure) || !path.has_filename())
         return "'" + text + "' is a folder; give the name of a file in it";
-      if (!folder.empty() && !std::filesystem::is_directory(folder))
+      if (!folder.empty() && !std::filesystem::is_directory(folder, failure))
         return "the folder " + folder.string() + " is not there; make it first";
       return "";
     };

@@ -690,6 +690,28 @@ TEST_CASE("no target is lost in rounding because something far faster lies ahead
   CHECK(rounding(kepler, apoapsis, std::acos(-1.0), eccentricity) < 1e-13);
 }
 
+TEST_CASE(
+    "no error of an energy is said to be less than half a rounding of it: a constant that hides noise") {
+  const auto h = from_energy<1, float>(
+      [](const auto& q, const auto& p) { return (q[0] * q[0] + p[0] * p[0]) / 2 + 7956.f; });
+  const PhasePoint<float, 1> z(0.1f, 0.03f);
+  const float energy = h.energy(z.q(), z.p());
+  for (const bool absolute : {true, false})
+    for (const double T : {0.01, 1.0, 100.0}) {
+      CAPTURE(absolute, T);
+      const double unit = absolute ? 1 : energy, hopeless = 3.8e-6 / unit, enough = 6e-3 / unit;
+      const CostTable cost = cost_of_accuracy(h, z, T, {.targets = {enough, hopeless}, .absolute = absolute});
+      const double least = std::numeric_limits<float>::epsilon() / 2 * energy / unit;
+      CHECK_FALSE(cost.rows.empty());
+      for (const CostRow& row : cost.rows)
+        if (row.works()) CHECK(row.error >= least * (1 - 1e-12));
+      CHECK(cost.rounding >= least * (1 - 1e-12));
+      CHECK_FALSE(cost.cheapest(hopeless));
+      CHECK(cost.reach(hopeless) == Reach::rounding);
+      CHECK(cost.cheapest(enough));
+    }
+}
+
 TEST_CASE("the table does not depend on the locale") {
   const CostTable cost =
       cost_of_accuracy(systems::Product<double>(), PhasePoint<double, 1>(-3, 0), 10, {.targets = {1e-6}});

@@ -7,9 +7,14 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <iterator>
 #include <stdexcept>
 #include <string>
 #include <utility>
+
+#if __has_include(<unistd.h>)
+#include <sys/stat.h>
+#endif
 
 #include <semiexplicit/chaos.hpp>
 #include <semiexplicit/checkpoint.hpp>
@@ -241,6 +246,47 @@ TEST_CASE("Where a checkpoint cannot be written, that is said and the old one st
   begins(run.folder.path / "new");
   CHECK_FALSE(fs::exists(run.folder.path / "new"));
   CHECK_FALSE(fs::exists(run.folder.path / "new.part"));
+  CHECK(contents(run.file) == old);
+  // What only the operating system knows, in the words of a save, and nothing is touched.
+  const auto is_told = [&](const fs::path& path, const std::string& words) {
+    CAPTURE(path.string());
+    const std::string said = complaint([&] { begins(path); });
+    CHECK(says(said, words));
+    CHECK(z.vector() == run.start.vector());
+    CHECK(said_of(path) == said);
+  };
+  const auto here = [&](const std::string& name) { return run.folder.path / name; };
+  const auto write = [](const fs::path& path, const std::string& bytes) {
+    std::ofstream(path, std::ios::binary) << bytes;
+  };
+  const auto files = [&] {
+    return std::distance(fs::directory_iterator(run.folder.path), fs::directory_iterator());
+  };
+  write(here("other"), "a result");
+  write(here("rests.part"), "rows of another run");
+  write(here("empty.part"), "");
+  fs::create_directory(here("folder_there.part"));
+  fs::create_symlink("nowhere", here("dangling.part"));
+  const auto before = files();
+  is_told(here("other") / "x", "check that the folder exists");
+  is_told(here("other"), "a file of another kind is there; give another name");
+  is_told(here(std::string(252, 'n')), "cannot be written");
+  is_told(here("folder_there"), "folder_there.part: is in the way; remove it");
+  is_told(here("dangling"), "dangling.part: is in the way; remove it");
+  for (const fs::path folder : {"/proc", "/sys", "/dev/fd"})
+    if (fs::exists(folder)) is_told(folder / "x", "cannot be written");
+  begins(here("rests"));
+  begins(here("empty"));
+  begins(here(std::string(250, 'n')));
+  CHECK(files() == before);
+  CHECK(contents(here("other")) == "a result");
+  CHECK(contents(here("rests.part")) == "rows of another run");
+  CHECK(fs::is_symlink(here("dangling.part")));
+#if __has_include(<unistd.h>)
+  REQUIRE(mkfifo(here("pipe.part").c_str(), 0600) == 0);
+  is_told(here("pipe"), "pipe.part: is in the way; remove it");
+  CHECK(fs::is_fifo(here("pipe.part")));
+#endif
   CHECK(contents(run.file) == old);
   CHECK(refuses([&] { Checkpoints("x", {.every = -1}, stepper, run.options); }, "every is negative"));
   CHECK(refuses([&] { Checkpoints("x", {.seconds = 0}, stepper, run.options); }, "seconds is not positive"));

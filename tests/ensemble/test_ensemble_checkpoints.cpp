@@ -553,4 +553,24 @@ TEST_CASE("A member whose observer threw at once keeps the others from nothing",
   CHECK(ensemble.report(0).steps == 20);
 }
 
+TEST_CASE("An ensemble that begins without resume() says at once that no checkpoint can be written",
+          "[checkpoint]") {
+  const Folder folder;
+  const auto path = folder.path / "run.checkpoint", part = folder.path / "run.checkpoint.part";
+  std::filesystem::create_directory(part);
+  Ensemble ensemble(systems::NlsLattice<double, 5>(), lattices(), scheme);
+  const EnsembleOptions options{.dt = 0.01, .steps = 20, .every = 10};
+  EnsembleCheckpoints checkpoints(path, {.seconds = 1e9}, ensemble, options);
+  std::int64_t seen = 0;
+  const auto run = [&] {
+    ensemble.run(options, checkpoints, [&](double, const EnsembleReport& so_far) { seen = so_far.done; });
+  };
+  CHECK(says(complaint(run), "run.checkpoint.part: is in the way; remove it"));
+  CHECK(seen == 0);
+  std::filesystem::remove(part);
+  CHECK(complaint(run) == accepted);
+  CHECK(seen == 20);
+  CHECK(std::filesystem::is_empty(folder.path));
+}
+
 }  // namespace test_ensemble_checkpoints

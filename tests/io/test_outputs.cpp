@@ -355,7 +355,8 @@ TEST_CASE("What may not be written is said before the run", "[io]") {
                  ": cannot be written (No such file or directory); check that "
                  "the folder exists and is writable"));
   fs::create_symlink("protected.csv", folder.path / "x.csv.part");
-  CHECK(says(complaint([&] { CsvWriter writer(folder.path / "x.csv", {"t"}); }), "cannot be written"));
+  CHECK(says(complaint([&] { CsvWriter writer(folder.path / "x.csv", {"t"}); }),
+             "x.csv.part: is in the way; remove it"));
 }
 
 TEST_CASE("A second run on the same table is refused while the first lives", "[io]") {

@@ -33,6 +33,7 @@ class Forecast {
   SEMIEXPLICIT_COLD bool see_as_far_as(double length) {
     if (problem_.options.observable.is_energy()) {
       problem_.judged.terms = std::max(problem_.judged.terms, scout_.terms() / problem_.judged.unit);
+      by_rounding_ = problem_.epsilon / 2 * std::abs(static_cast<double>(problem_.first[0]));
       table_.rounding = problem_.rounding_of_invariant(table_.time_scale);
     } else {
       // Near rounding whatever is asked for: only then is seen how the error of the reference grows.
@@ -66,6 +67,8 @@ class Forecast {
     return followed;
   }
 
+  /// What rounding makes of the observable and no run sees, as all round to the same.
+  double least_error() const { return by_rounding_ / table_.unit; }
   /// The error of a run of the whole.
   double error_of_whole(const Probe& probe) const {
     return probe.error +
@@ -154,8 +157,6 @@ class Forecast {
   double loosest() const { return *std::max_element(table_.targets.begin(), table_.targets.end()); }
   double tightest() const { return *std::min_element(table_.targets.begin(), table_.targets.end()); }
 
-  /// What rounding makes of the observable and no run sees, as all round to the same; 0 of the energy.
-  double least_error() const { return by_rounding_ / table_.unit; }
   /// How well the reference knows the observable until there, in the unit of errors.
   double known_by_reference(const Probe& probe) const { return reference_.apart(probe.length) / table_.unit; }
 

@@ -116,8 +116,8 @@ class Problem {
     const ReferenceSize<Scalar> size = size_at(z0);
     table.relative = size.relative && !options.absolute;
     table.unit = judged.unit = options.absolute ? 1 : static_cast<double>(size.size);
-    judged.terms = static_cast<double>(size.terms) / judged.unit;
-    if (table.relative) judged.terms = std::max(1.0, judged.terms);
+    // Of a value that does not show what rounds it, a large constant in it, say: the value.
+    judged.terms = std::max(static_cast<double>(size.terms), static_cast<double>(norm(first))) / judged.unit;
   }
 
   /// The vector field at z, for a gradient call.

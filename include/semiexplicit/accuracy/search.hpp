@@ -214,10 +214,12 @@ class Search {
     return followed;
   }
 
-  /// A run of the whole time shows what rounding makes of an invariant; before, that is an estimate.
+  /// A run of the whole time shows what rounding makes of an invariant; before, that is an estimate. What
+  /// cannot be met is not chased.
   double aim_of(const Goal& goal) const {
     const bool shown = table_.invariant && table_.tried >= table_.time;
-    return std::max(goal.target, 2 * (shown ? problem_.judged.noise : table_.rounding));
+    const double least = forecast_.least_error(), reached = goal.target < least ? 2 * least : goal.target;
+    return std::max(reached, 2 * (shown ? problem_.judged.noise : table_.rounding));
   }
 
   double longest_step(const Candidate& candidate) const {

@@ -308,8 +308,8 @@ class Checkpoints {
     return detail::is_same_object(stepper_, stepper);
   }
   /// Throws std::logic_error where a run is to go on after so many steps from another z than resume() put
-  /// back, and where no file can be made, of which it makes none: std::invalid_argument for a pipe or a
-  /// device, else std::runtime_error.
+  /// back. What resume() and save() would refuse of the file, its contents aside, it refuses as they do, and
+  /// leaves all as it was.
   void require_start(const State& z, std::int64_t steps) const {
     file_.require_place();
     start_.require_put_back(

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cerrno>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -116,16 +115,17 @@ class CheckpointFile {
  public:
   explicit CheckpointFile(const std::filesystem::path& path) : path_(fixed(path)) {}
 
-  /// Throws where no file of that name can be written, without making one: std::invalid_argument for a pipe
-  /// or a device, std::runtime_error where the folder is missing or not writable, or the name is a folder. A
-  /// name that is empty is for read() and write() to refuse.
+  /// Throws where no file of that name can be written, as read() and write() do, or another run has it open,
+  /// and leaves all as it was: a .part that it makes is gone at once. A name that is empty is for those to
+  /// refuse.
   void require_place() const {
     if (path_.empty()) return;
     refuse_device();
-#if !defined(_WIN32)
-    const std::filesystem::path folder = Destination(path_).path.parent_path();
-    if (access(folder.c_str(), W_OK) != 0) throw_file_error(path_, "cannot be written", errno);
-#endif
+    refuse_other_kind();
+    const std::filesystem::path part = Destination(path_).part();
+    std::error_code failure;
+    if (std::filesystem::file_size(part, failure) != 0 || Destination::is_other_than_file(part))
+      take_place();  // which would remove an empty file
   }
 
   /// Hands the contents to restore(), and gives false where there is no such file. What that throws as
@@ -134,27 +134,19 @@ class CheckpointFile {
   template <class Restore>
   bool read(const Restore& restore) {
     refuse_device();  // opening a pipe would wait for its other end
-    const Destination refuses_bad_names(path_);
-    // Who is to be refused must not touch the .part, which another run is about to write.
-    Descriptor lock;
-    const bool mine = lock_.is(path_);
-    if (!mine) lock = lock_existing(path_, true);
-    // What cannot be written is to be said before the run.
-    const auto first = first_file(path_);
-    if (!mine && !lock)
-      lock = lock_existing(path_, true);  // the other run may just have saved for the first time
+    Place place = take_place();
     try {
       const auto file = read_if_there(path_);
       if (!file) {
-        first_ = first;
+        first_ = place.first;
         return false;
       }
       restore(CheckpointFrame::unpack(*file));
     } catch (const std::invalid_argument& reason) {
       throw std::invalid_argument("checkpoint " + path_.string() + ": " + reason.what());
     }
-    if (!mine) lock_ = std::move(lock);  // one on a file that was replaced since is worth nothing
-    takes_over_ = !mine && !lock_;
+    if (!place.mine) lock_ = std::move(place.lock);  // one on a file that was replaced since is worth nothing
+    takes_over_ = !place.mine && !lock_;
     return true;
   }
 
@@ -184,6 +176,23 @@ class CheckpointFile {
   }
 
  private:
+  struct Place {
+    bool mine;          ///< this object has the lock on the file already
+    Descriptor lock{};  ///< on the file, unless this process has it
+    std::shared_ptr<DurableFile> first{};
+  };
+  /// What cannot be written is said here, before the run.
+  Place take_place() const {
+    const Destination refuses_bad_names(path_);
+    // Who is to be refused must not touch the .part, which another run is about to write.
+    Place place{.mine = lock_.is(path_)};
+    if (!place.mine) place.lock = lock_existing(path_, true);
+    place.first = first_file(path_);
+    if (!place.mine && !place.lock)
+      place.lock = lock_existing(path_, true);  // the other run may just have saved for the first time
+    return place;
+  }
+
   /// What is to have that name: all objects of this process share what has not got it yet.
   static std::shared_ptr<DurableFile> first_file(const std::filesystem::path& path) {
     static std::mutex mutex;

@@ -55,6 +55,19 @@ struct Destination {
                                ": names in .part are for files that are being written; give another name");
   }
 
+  /// Whether something is there itself, be it a link, that is no regular file.
+  static bool is_other_than_file(const std::filesystem::path& path) {
+    std::error_code failure;
+    const auto there = std::filesystem::symlink_status(path, failure);
+    return std::filesystem::exists(there) && !std::filesystem::is_regular_file(there);
+  }
+
+  /// Where an output is written until it has its name.
+  std::filesystem::path part() const {
+    std::filesystem::path whole = path;
+    return whole += direct ? "" : ".part";
+  }
+
  private:
   /// The links there are not to be followed by name: what they show may be a pipe, or a file that another has
   /// open.
@@ -103,8 +116,7 @@ class DurableFile {
   /// stderr; where what is not committed is removed, only what begins otherwise than that write, and is so no
   /// rest of an earlier one. Of two of which one begins with the other the longer one stays.
   explicit DurableFile(std::filesystem::path name, Uncommitted uncommitted = Uncommitted::removed)
-      : name_(std::move(name)), to_(name_), part_(to_.path), uncommitted_(uncommitted) {
-    part_ += to_.direct ? "" : ".part";
+      : name_(std::move(name)), to_(name_), part_(to_.part()), uncommitted_(uncommitted) {
     if (to_.direct)
       open_direct();
     else
@@ -245,11 +257,13 @@ class DurableFile {
     }
     do {
       file_ = detail::Descriptor::open_part(part_, mode | 0600);
-      if (!file_) fail("cannot be written", errno);
-      if (!file_.regular()) {
+      const int reason = errno;
+      const bool other = file_ ? !file_.regular() : detail::Destination::is_other_than_file(part_);
+      if (other) {
         file_.close();
         throw std::runtime_error(part_.string() + ": is in the way; remove it");
       }
+      if (!file_) fail("cannot be written", reason);
       if (!file_.lock()) {
         file_.close();
         detail::throw_other_run(name_);

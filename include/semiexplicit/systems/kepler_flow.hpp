@@ -331,9 +331,9 @@ class UniversalKepler {
 /// The errors are a few roundings of the orbit's largest q and p, and what roundings of the state do to the
 /// orbit (from a periapsis at an eccentricity of 0.98 to 1e5 of them after a period), without a preferred
 /// sign: the energy of a million calls walks by some 1e-12 to an eccentricity of 0.5, by up to 1e-10 at 0.9
-/// and 1e-9 at 0.99. Where the calls come back to the same few places, the same roundings add up: with two to
-/// twelve calls a period, exactly, up to 3e-16 of the energy a call. Of n periods at once the phase has an
-/// error of n such roundings. About 0.2 µs a call.
+/// and 1e-9 at 0.99. Where the calls come back to the same few places, after a period or several, the same
+/// roundings add up: up to 3e-15 of the energy a call were seen to an eccentricity of 0.8, 5e-15 at 0.9,
+/// 3e-13 at 0.99. Of n periods at once the phase has an error of n such roundings. About 0.2 µs a call.
 ///
 /// Sources: E. Stiefel and G. Scheifele, Linear and Regular Celestial Mechanics (1971), section 11; J. Danby,
 /// Fundamentals of Celestial Mechanics, 2nd ed., sections 6.8 and 6.9; B. Conway, Celest. Mech. 39 (1986)

@@ -208,9 +208,10 @@ typename H::Scalar energy_rounding(const H& hamiltonian, const typename H::Scala
 ///
 /// Compares the gradient also with the other members that H may have, those for packs (HasPackGradient),
 /// registers (HasLaneGradient), halves (SeparableHamiltonian) and for ranges (HasRangeGradient, with its
-/// reach) at z and three points near it; with the exact flow and the rest (SplitHamiltonian), by some 150
-/// flows at each of these, where that of the time 2t has to be that of t, twice; and its derivative along one
-/// direction with hessian() and hessian_times(), by some 150 gradients each.
+/// reach) at z and three points near it, packs beside points with other signs; with the exact flow and the
+/// rest (SplitHamiltonian), by some 150 flows at each of these, where that of the time 2t has to be that of
+/// t, twice; and its derivative along one direction with hessian() and hessian_times(), by some 150 gradients
+/// each, and some 4000 more where coordinates of z are zero.
 ///
 ///     if (const auto check = check_gradient(H, z); !check.ok()) std::cerr << check << '\n';
 ///

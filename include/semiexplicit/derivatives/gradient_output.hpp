@@ -200,23 +200,24 @@ class OtherGradients {
       : hamiltonian_(hamiltonian), z_(z), sizes_(sizes_of_halves(z)), outputs_(outputs) {}
 
   /// Of the entries that are written, those that differ are marked as `mark`. `call(point, differs)` says
-  /// differs(i, x) of entry i; where it throws std::logic_error the point is out of the domain.
+  /// differs(i, x) of entry i, or differs(i, x, gradient) of another point; where it throws std::logic_error
+  /// the point is out of the domain.
   template <class Call>
-  void compare(GradientOutput mark, const Call& call, int points_elsewhere = 0) {
+  void compare(GradientOutput mark, const Call& call) {
     using std::sqrt;
     constexpr int points = 4;
     Disagreement<State> disagreement(z_.dof());
     State point = z_, given = z_;
     std::uint64_t random = 1;
-    for (int k = 0; k < points + points_elsewhere; ++k) {
-      if (k >= points)
-        point = elsewhere(z_, random);
-      else if (k > 0)
-        point.vector() += in_its_sizes(point, random).vector() / 4;
+    for (int k = 0; k < points; ++k) {
+      if (k > 0) point.vector() += in_its_sizes(point, random).vector() / 4;
       try {
         gradient_at(hamiltonian_, point.vector().data(), given.vector().data(), z_.dof());
         if (!all_finite(given.vector())) continue;
-        call(point, [&](Eigen::Index i, const Scalar& x) { disagreement.note(i, x, given.vector()[i]); });
+        call(point, [&](Eigen::Index i, const Scalar& x, const std::optional<Scalar>& elsewhere = {}) {
+          disagreement.note(i, x, elsewhere.value_or(given.vector()[i]));
+          if (elsewhere) disagreement.count(i, *elsewhere);
+        });
       } catch (const std::logic_error&) {
         continue;
       }
@@ -253,20 +254,27 @@ class OtherGradients {
     }
   }
 
-  /// A point with other signs, if the gradient is finite there; else one near z, or z.
-  State elsewhere(const State& z, std::uint64_t& random) const {
+  /// A point where all entries have the other sign and other sizes, or else one near z, whichever is first in
+  /// the domain; and the gradient there.
+  std::optional<std::pair<State, State>> elsewhere(const State& z) const {
+    std::uint64_t random = 2;
     const State aside = in_its_sizes(z, random);
-    for (const double far : {1.0, -0.25, 0.0}) {
-      State point = z, there = z;
-      point.vector() = far == 1 ? aside.vector() : (z.vector() + Scalar(far) * aside.vector()).eval();
+    std::pair<State, State> found(z, z);
+    auto& [point, gradient] = found;
+    for (const bool far : {true, false}) {
+      for (Eigen::Index i = 0; i < z.vector().size(); ++i) {
+        using std::copysign;
+        const Scalar x = z.vector()[i], by = aside.vector()[i];
+        point.vector()[i] = far ? copysign(by, -x) : Scalar(x - by / 4);
+      }
       try {
-        gradient_at(hamiltonian_, point.vector().data(), there.vector().data(), z.dof());
-        if (all_finite(there.vector())) return point;
-      } catch (const std::logic_error&) {
+        gradient_at(hamiltonian_, point.vector().data(), gradient.vector().data(), z.dof());
+        if (all_finite(gradient.vector())) return found;
+      } catch (...) {  // where the motion need not come to
         continue;
       }
     }
-    return z;
+    return std::nullopt;
   }
 
   /// What the derivatives of functions of one number at 0 say of given numbers.
@@ -383,29 +391,36 @@ class OtherGradients {
   std::vector<GradientOutput>& outputs_;
 };
 
-/// The gradient for packs: what each lane says, beside other points in the others.
+/// The gradient for packs: what each lane says, with z in all of them, and with another point in half of
+/// them.
 template <HasPackGradient H>
 SEMIEXPLICIT_COLD void compare_packs(const H& hamiltonian, OtherGradients<H>& others) {
   using P = Pack<typename H::Scalar>;
-  std::uint64_t random = 1;
-  others.compare(
-      GradientOutput::other_packs,
-      [&](const auto& z, const auto& differs) {
-        const auto d = static_cast<std::size_t>(z.dof());
-        std::vector<P> at(2 * d), packs(2 * d);
-        for (std::size_t own = 0; own < P::size(); ++own) {
-          for (std::size_t lane = 0; lane < P::size(); ++lane) {
-            const auto point = lane == own ? z : others.elsewhere(z, random);
-            for (std::size_t i = 0; i < 2 * d; ++i)
-              at[i][lane] = point.vector()[static_cast<Eigen::Index>(i)], packs[i][lane] = 1;
-          }
-          const P *q = at.data(), *p = q + d;
-          P *dHdq = packs.data(), *dHdp = dHdq + d;
-          hamiltonian.gradient(q, p, dHdq, dHdp);
-          for (std::size_t i = 0; i < 2 * d; ++i) differs(static_cast<Eigen::Index>(i), packs[i][own]);
-        }
-      },
-      4);
+  int seen = 0;
+  others.compare(GradientOutput::other_packs, [&](const auto& z, const auto& differs) {
+    if (++seen > 2) return;
+    const auto other = seen == 2 ? others.elsewhere(z) : std::nullopt;
+    const auto is_other = [&](std::size_t lane) { return other && lane >= P::size() / 2; };
+    const auto d = static_cast<std::size_t>(z.dof());
+    std::vector<P> at(2 * d), packs(2 * d);
+    for (std::size_t i = 0; i < 2 * d; ++i)
+      for (std::size_t lane = 0; lane < P::size(); ++lane) {
+        at[i][lane] = (is_other(lane) ? other->first : z).vector()[static_cast<Eigen::Index>(i)];
+        packs[i][lane] = 1;
+      }
+    const P *q = at.data(), *p = q + d;
+    P *dHdq = packs.data(), *dHdp = dHdq + d;
+    hamiltonian.gradient(q, p, dHdq, dHdp);
+    for (std::size_t k = 0; k < 2 * d; ++k) {
+      const auto i = static_cast<Eigen::Index>(k);
+      for (std::size_t lane = 0; lane < P::size(); ++lane) {
+        if (is_other(lane))
+          differs(i, packs[k][lane], other->second.vector()[i]);
+        else
+          differs(i, packs[k][lane]);
+      }
+    }
+  });
 }
 
 #ifdef SEMIEXPLICIT_HAS_LANES

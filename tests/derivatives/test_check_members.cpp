@@ -197,15 +197,15 @@ struct Kinked {
   }
   template <class Q, class D>
   void gradient(const Q& q, const Q& p, D&& dHdq, D&& dHdp) const {
-    const auto right = q[0] > 0.0;
+    const auto above = q[0] > 0.0;
     dHdp[0] = 1.0 * p[0];
     dHdq[0] = 1.0 * q[0];
-    if constexpr (std::is_same_v<decltype(right), const bool>) {
-      if (!right) dHdq[0] *= 4;
+    if constexpr (std::is_same_v<decltype(above), const bool>) {
+      if (!above) dHdq[0] *= 4;
     } else if constexpr (mixed) {
-      if (!any_of(right)) dHdq[0] = 4.0 * dHdq[0];
+      if (!any_of(above)) dHdq[0] = 4.0 * dHdq[0];
     } else {
-      where(!right, dHdq[0]) = 4.0 * dHdq[0];
+      where(!above, dHdq[0]) = 4.0 * dHdq[0];
     }
   }
 };

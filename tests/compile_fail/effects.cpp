@@ -10,8 +10,8 @@
 // case template_by_value: takes by value what it adds to, so that it adds nothing: write `auto& dHdq`
 // case mixed_by_value: takes by value what it adds to, so that it adds nothing: write `auto& dHdq`
 // case template_force_by_value: takes by value what it adds to, so that it adds nothing: write `auto& dHdq`
-// case gradient_answers: add_gradient or add_force of this effect returns a bool or a Status, and nobody asks: let it return nothing
-// case force_answers: add_gradient or add_force of this effect returns a bool or a Status, and nobody asks: let it return nothing
+// case gradient_answers: add_gradient or add_force of this effect returns a bool, an int or a Status, and nobody asks: let it return nothing
+// case force_answers: add_gradient or add_force of this effect returns a bool, an int or a Status, and nobody asks: let it return nothing
 // case time_last: a member of this effect ends with a number, which would always be its default: leave it out
 // case energy_time_last: a member of this effect ends with a number, which would always be its default: leave it out
 // case force_time_last: a member of this effect ends with a number, which would always be its default: leave it out

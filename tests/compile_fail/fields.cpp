@@ -10,7 +10,7 @@
 // case driven_without_derivative: one that depends on the time takes it first in both and in `void add_time_derivative(
 // case driven_at_whole_times: takes the time or the factor as a whole number, or one of fewer digits than the charge's, which rounds it: write `const auto& t`
 // case potential_time_last: takes a number behind the place, which would always be its default: the time comes first
-// case potential_answers: add_time_derivative of this field returns a bool or a Status, and nobody asks: let it return nothing
+// case potential_answers: add_time_derivative of this field returns a bool, an int or a Status, and nobody asks: let it return nothing
 // case time_last: add_potential or add_gradient of this field ends with a number, which would always be its default
 // case charge_of_whole_numbers: a charge of whole numbers: write 1.0 for 1
 // case two_components: the potential of this FieldFrom has not three components

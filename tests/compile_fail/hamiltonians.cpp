@@ -24,7 +24,8 @@
 // case driven_not_const: cannot be called with the time: write `void gradient(const Scalar& t, In<Scalar
 // case driven_without_time: does not depend on the time: give the stepper H itself
 // case time_last: ends with a number, which would always be its default: the time comes first
-// case gradient_answers: returns a bool or a Status, and nobody asks: let it return nothing, and throw, or write NaN
+// case gradient_returns_a_code: returns a bool, an int or a Status, and nobody asks: let it return nothing, and throw, or write NaN
+// case gradient_answers: returns a bool, an int or a Status, and nobody asks: let it return nothing, and throw, or write NaN
 // case separable_function: separable of this Hamiltonian is a function: write `static constexpr bool separable = true;`
 // case referred_lambda_by_value: takes dHdq or dHdp by value, so what it writes is lost: take both as
 // case driven_returns_float: returns another number than a Scalar: let it return dH/dt as a Scalar, or nothing
@@ -38,13 +39,13 @@
 // case mixed_lambda_by_value: takes dHdq or dHdp by value, so what it writes is lost: take both as
 // case function_by_value: takes dHdq or dHdp by value, so what it writes is lost: take both as
 // case any_time_last: ends with a number, which would always be its default: the time comes first
-// case halves_answer: position_gradient or momentum_gradient of this Hamiltonian returns a bool or a Status, and nobody asks: let it return nothing
-// case hessian_answers: position_gradient or momentum_gradient of this Hamiltonian returns a bool or a Status, and nobody asks: let it return nothing
+// case halves_answer: position_gradient or momentum_gradient of this Hamiltonian returns a bool, an int or a Status, and nobody asks: let it return nothing
+// case hessian_answers: position_gradient or momentum_gradient of this Hamiltonian returns a bool, an int or a Status, and nobody asks: let it return nothing
 // case halves_time_last: position_gradient or momentum_gradient of this Hamiltonian ends with a number, which would always be its default
-// case driven_answers: the gradient of this Hamiltonian returns a bool or a Status, and nobody asks: let it return nothing
+// case driven_answers: the gradient of this Hamiltonian returns a bool, an int or a Status, and nobody asks: let it return nothing
 // case time_derivative_of_float: energy or time_derivative of this Hamiltonian is a whole number, or one of fewer digits than Scalar
 // case driven_energy_is_whole: energy or time_derivative of this Hamiltonian is a whole number, or one of fewer digits than Scalar
-// case lambda_answers: make_hamiltonian: the gradient returns a bool or a Status, and nobody asks: let it return nothing
+// case lambda_answers: make_hamiltonian: the gradient returns a bool, an int or a Status, and nobody asks: let it return nothing
 // case lambda_time_last: make_hamiltonian: a function takes a number behind the others, which would always be its default
 // case lambda_energy_time_last: make_hamiltonian: a function takes a number behind the others, which would always be its default
 // case lambda_energy_is_whole: make_hamiltonian: the energy is a whole number, or one of fewer digits than Scalar
@@ -117,6 +118,12 @@ struct Mine {
 #elif defined(any_time_last)
   void gradient(const auto& q, const auto& p, auto& dHdq, auto& dHdp, double t = 0) const {
     dHdq = t * p, dHdp = q;
+  }
+#elif defined(gradient_returns_a_code)
+  int gradient(In<double, 2> q, In<double, 2> p, Out<double, 2> dHdq, Out<double, 2> dHdp) const {
+    dHdq = q;
+    dHdp = p;
+    return 0;
   }
 #elif defined(gradient_answers)
   bool gradient(Column q, Column p, Half dHdq, Half dHdp) const {

@@ -12,7 +12,7 @@
 // case quadratic_function: flow_is_quadratic of this Hamiltonian is a function: write `static constexpr bool
 // case flow_of_whole_time: flow or prepared of this Hamiltonian takes the time as a whole number, or one of fewer digits than Scalar, which rounds it: write `const Scalar& t`
 // case prepared_of_float: flow or prepared of this Hamiltonian takes the time as a whole number, or one of fewer digits than Scalar, which rounds it: write `const Scalar& t`
-// case rest_answers: rest_position_gradient or rest_momentum_gradient of this Hamiltonian returns a bool or a Status, and nobody asks: let it return nothing
+// case rest_answers: rest_position_gradient or rest_momentum_gradient of this Hamiltonian returns a bool, an int or a Status, and nobody asks: let it return nothing
 // case rest_time_last: rest_position_gradient or rest_momentum_gradient of this Hamiltonian ends with a number, which would always be its default
 // case coupled_into_copies: takes dHdq or dHdp by value, so what it writes is lost: take both as Out<Scalar, Dof>
 #include <semiexplicit/scene.hpp>

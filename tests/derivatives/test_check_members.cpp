@@ -146,6 +146,25 @@ struct Curved {
   }
 };
 
+/// H = (p² + q²)/2 + 0.15 q_1⁴ with a factor in its Hessian.
+struct HarmonicBeside {
+  using Scalar = double;
+  static constexpr int Dof = 2;
+  double first = 1;
+  double energy(In<double, 2> q, In<double, 2> p) const {
+    return (p.squaredNorm() + q.squaredNorm()) / 2 + 0.15 * std::pow(q[1], 4);
+  }
+  void gradient(In<double, 2> q, In<double, 2> p, Out<double, 2> dHdq, Out<double, 2> dHdp) const {
+    dHdq << q[0], q[1] + 0.6 * std::pow(q[1], 3);
+    dHdp = p;
+  }
+  void hessian(In<double, 2> q, In<double, 2>, Eigen::Ref<Eigen::Matrix4d> result) const {
+    result.setIdentity();
+    result(0, 0) = first;
+    result(1, 1) = 1 + 1.8 * q[1] * q[1];
+  }
+};
+
 /// A pendulum, H = p²/2m − 2m cos q, about whose lower point nothing tells a size of q; with a factor.
 struct Pendulum {
   using Scalar = double;
@@ -294,6 +313,10 @@ TEST_CASE("Second derivatives that are not those of the gradient are wrong", "[c
   const std::string own = words(Curved<true>{.own = 1.01}, z);
   CHECK(says(own, "dH/dp[0] has another derivative"));
   CHECK_FALSE(says(own, "dH/dq"));
+  // A harmonic coordinate beside an anharmonic one: steps far beyond these show noise of the other alone.
+  for (const double factor : {0.7, 1.5, 2.0})
+    CHECK_FALSE(check_gradient(HarmonicBeside{factor}, PhasePoint<double, 2>({0.1, 0.1}, {0.3, 0.4})).ok());
+  CHECK(check_gradient(HarmonicBeside{1}, PhasePoint<double, 2>({0.1, 0.1}, {0.3, 0.4})).ok());
 }
 
 TEST_CASE("A coordinate that is zero in units far from the others hides nothing", "[check_gradient]") {

@@ -225,9 +225,10 @@ class LambdaHamiltonian {
                     !detail::takes_time_last<false, Gradient, Read, Read, Written, Written, const Scalar&>(),
                 "make_hamiltonian: a function takes a number behind the others, which would always be its "
                 "default; one that depends on the time is a class, see Autonomous");
-  static_assert(!detail::is_answer<detail::ResultOf<Gradient, Read, Read, Written, Written>>,
-                "make_hamiltonian: the gradient returns a bool or a Status, and nobody asks: let it return "
-                "nothing, and throw, or write NaN, where there is none");
+  static_assert(
+      !detail::is_answer<detail::ResultOf<Gradient, Read, Read, Written, Written>>,
+      "make_hamiltonian: the gradient returns a bool, an int or a Status, and nobody asks: let it return "
+      "nothing, and throw, or write NaN, where there is none");
   static_assert(!detail::is_narrower<detail::ResultOf<Energy, Read, Read>, Scalar>,
                 "make_hamiltonian: the energy is a whole number, or one of fewer digits than Scalar: let it "
                 "return a Scalar");

@@ -124,6 +124,11 @@ constexpr bool deduces_all = requires {
   &H::template gradient<InColumn<H>, InColumn<H>, OutColumn<H>, OutColumn<H>>;
 };
 
+/// A number, as dH/dt is, of which the time's own door tells.
+template <class Call, class H>
+inline constexpr bool returns_other_number = std::is_integral_v<ResultOf<Call, H&, OutColumn<H>&>> &&
+                                             !std::is_same_v<ResultOf<Call, H&, OutColumn<H>&>, bool>;
+
 /// Compiles where the gradient, with the time or without, writes into what it is given, as far as its type
 /// tells.
 template <class H>
@@ -146,10 +151,12 @@ consteval bool gradient_writes() {
                 "the gradient of this Hamiltonian takes dHdq or dHdp by value, so what it writes is lost: "
                 "take both as Out<Scalar, Dof>");
   constexpr bool answered =
-      answers<decltype(of_point), H, OutColumn<H>>() || answers<decltype(of_time), H, OutColumn<H>>();
-  static_assert(!answered,
-                "the gradient of this Hamiltonian returns a bool or a Status, and nobody asks: let it return "
-                "nothing, and throw, or write NaN, where there is none");
+      answers<decltype(of_point), H, OutColumn<H>>() ||
+      (answers<decltype(of_time), H, OutColumn<H>>() && !returns_other_number<decltype(of_time), H>);
+  static_assert(
+      !answered,
+      "the gradient of this Hamiltonian returns a bool, an int or a Status, and nobody asks: let it return "
+      "nothing, and throw, or write NaN, where there is none");
   return !copies && !answered;
 }
 /// What is wrong with the outputs of the members that a Hamiltonian may have.
@@ -273,7 +280,7 @@ consteval bool is_hamiltonian() {
     static_assert(
         !faults.answered,
         "hessian, hessian_times, position_gradient or momentum_gradient of this Hamiltonian returns a "
-        "bool or a Status, and nobody asks: let it return nothing, and throw, or write NaN, where "
+        "bool, an int or a Status, and nobody asks: let it return nothing, and throw, or write NaN, where "
         "there is none");
     static_assert(
         !optional_member_ends_with_a_number<H>(),

@@ -226,9 +226,9 @@ constexpr bool loses_output() {
                     !takes(std::type_identity<NoMatrix<Column>>()));
 }
 
-/// A bool or a Status: what nobody asks of a member that writes to its outputs.
+/// A bool, an int or a Status: what nobody asks of a member that writes to its outputs.
 template <class T>
-inline constexpr bool is_answer = std::is_same_v<T, bool> || std::is_enum_v<T>;
+inline constexpr bool is_answer = std::is_integral_v<T> || std::is_enum_v<T>;
 /// Whether a member, called as for loses_output(), gives one: `Call` returns what the member does.
 template <class Call, class Object, class Given>
 constexpr bool answers() {

@@ -308,7 +308,8 @@ class OtherGradients {
       const auto half = [&](Eigen::Index i) { return i < size / 2 ? 0 : 1; };
       Scalar largest[2] = {Scalar(0), Scalar(0)};
       for (Eigen::Index i = 0; i < size; ++i)
-        if (const auto& slope = slopes[static_cast<std::size_t>(i)]; slope.judges)
+        if (const auto& slope = slopes[static_cast<std::size_t>(i)];
+            slope.judges && slope.uncertainty <= abs(slope.value))  // else it is noise
           largest[half(i)] = std::max<Scalar>(largest[half(i)], abs(slope.value));
       bool agree = true, clear = true;
       for (Eigen::Index i = 0; i < size; ++i) {

@@ -40,17 +40,19 @@ inline std::int64_t steps_in(double time, double dt) {
   return static_cast<std::int64_t>(std::abs(count - whole) <= 1e-9 * count ? whole : std::ceil(count));
 }
 
-/// Whether a name leads round in a circle, which std::filesystem throws for.
-inline bool is_endless_link(const std::filesystem::path& name) {
+/// What is wrong with a name that leads round in a circle, which std::filesystem throws for; else nothing.
+inline std::string complaint_of_link(const std::filesystem::path& name) {
   std::error_code failure;
-  const std::filesystem::file_status there = std::filesystem::status(name, failure);
-  return !status_known(there) && failure == std::errc::too_many_symbolic_link_levels;
+  std::filesystem::status(name, failure);
+  return failure == std::errc::too_many_symbolic_link_levels
+             ? name.string() + ": the link leads nowhere; mend it"
+             : "";
 }
 
 /// Makes a folder that an option asks for. Throws std::invalid_argument where that fails.
 inline void make_folder(const std::filesystem::path& folder, const std::string& option) {
-  if (is_endless_link(folder))
-    throw std::invalid_argument(option + ": " + folder.string() + ": the link leads nowhere; mend it");
+  if (const std::string complaint = complaint_of_link(folder); !complaint.empty())
+    throw std::invalid_argument(option + ": " + complaint);
   std::error_code failure, none;
   std::filesystem::create_directories(folder, failure);
   if (failure || !std::filesystem::is_directory(folder, none))

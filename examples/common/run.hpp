@@ -40,7 +40,7 @@ struct CheckpointRequest {
     const auto in_a_folder = [](const std::string& text) -> std::string {
       const std::filesystem::path path(text), folder = path.parent_path();
       for (const auto& name : {path, folder})
-        if (is_endless_link(name)) return name.string() + ": the link leads nowhere; mend it";
+        if (const std::string complaint = complaint_of_link(name); !complaint.empty()) return complaint;
       std::error_code failure;  // of which the file tells
       if (std::filesystem::is_directory(path, failure) || !path.has_filename())
         return "'" + text + "' is a folder; give the name of a file in it";

@@ -54,8 +54,7 @@ constexpr bool does_not_fit() {
                   typename Column::Scalar;
                 })
     return !std::same_as<typename Column::Scalar, typename H::Scalar> ||
-           (H::Dof != Eigen::Dynamic && Column::SizeAtCompileTime != Eigen::Dynamic &&
-            Column::SizeAtCompileTime != H::Dof);
+           !sizes_may_agree(Column::SizeAtCompileTime, H::Dof);
   else
     return false;
 }
@@ -124,11 +123,6 @@ constexpr bool deduces_all = requires {
   &H::template gradient<InColumn<H>, InColumn<H>, OutColumn<H>, OutColumn<H>>;
 };
 
-/// A number, as dH/dt is, of which the time's own door tells.
-template <class Call, class H>
-inline constexpr bool returns_other_number = std::is_integral_v<ResultOf<Call, H&, OutColumn<H>&>> &&
-                                             !std::is_same_v<ResultOf<Call, H&, OutColumn<H>&>, bool>;
-
 /// Compiles where the gradient, with the time or without, writes into what it is given, as far as its type
 /// tells.
 template <class H>
@@ -150,9 +144,9 @@ consteval bool gradient_writes() {
   static_assert(!copies,
                 "the gradient of this Hamiltonian takes dHdq or dHdp by value, so what it writes is lost: "
                 "take both as Out<Scalar, Dof>");
-  constexpr bool answered =
-      answers<decltype(of_point), H, OutColumn<H>>() ||
-      (answers<decltype(of_time), H, OutColumn<H>>() && !returns_other_number<decltype(of_time), H>);
+  using OfTime = ResultOf<decltype(of_time), H&, OutColumn<H>&>;  // a number is to be dH/dt; see Autonomous
+  constexpr bool answered = answers<decltype(of_point), H, OutColumn<H>>() || std::is_same_v<OfTime, bool> ||
+                            std::is_enum_v<OfTime>;
   static_assert(
       !answered,
       "the gradient of this Hamiltonian returns a bool, an int or a Status, and nobody asks: let it return "

@@ -103,9 +103,8 @@ template <HasHalves State, int Dof>
 consteval bool is_state_of() {
   using Column = std::remove_cvref_t<decltype(std::declval<const State&>().q())>;
   constexpr bool fits = [] {
-    if constexpr (requires { Column::RowsAtCompileTime; })
-      return Dof == Eigen::Dynamic || Column::RowsAtCompileTime == Eigen::Dynamic ||
-             Column::RowsAtCompileTime == Dof;
+    if constexpr (requires { Column::SizeAtCompileTime; })
+      return sizes_may_agree(Column::SizeAtCompileTime, Dof);
     else
       return true;
   }();

@@ -35,6 +35,11 @@ constexpr int twice(int dof) { return dof == Eigen::Dynamic ? Eigen::Dynamic : 2
 
 namespace detail {
 
+/// Whether two sizes, as far as they are known at compile time, may be the same.
+constexpr bool sizes_may_agree(int one, int other) {
+  return one == other || one == Eigen::Dynamic || other == Eigen::Dynamic;
+}
+
 /// The number of columns of a matrix of work space, at compile time where it is known and the matrix is not
 /// too large to be a member (Eigen allows 128 kB).
 template <class Scalar>

@@ -298,6 +298,7 @@ class OtherGradients {
     using std::abs;
     const Eigen::Index size = given.size();
     const Scalar epsilon = Eigen::NumTraits<Scalar>::epsilon();
+    const auto half = [&](Eigen::Index i) { return i < size / 2 ? 0 : 1; };
     std::vector<bool> contradicted(static_cast<std::size_t>(size)), shown = contradicted;
     Said result{contradicted, std::nullopt};
     Scalar scaled = step;
@@ -305,7 +306,6 @@ class OtherGradients {
     for (int k = 0; k <= 2 * most; ++k, scaled = k <= most ? scaled / 16 : scaled * 16) {
       if (k == most + 1) scaled = 16 * step;
       const auto slopes = agreed_slopes(size, f, scaled);
-      const auto half = [&](Eigen::Index i) { return i < size / 2 ? 0 : 1; };
       Scalar largest[2] = {Scalar(0), Scalar(0)};
       for (Eigen::Index i = 0; i < size; ++i)
         if (const auto& slope = slopes[static_cast<std::size_t>(i)];
@@ -414,12 +414,9 @@ SEMIEXPLICIT_COLD void compare_packs(const H& hamiltonian, OtherGradients<H>& ot
     hamiltonian.gradient(q, p, dHdq, dHdp);
     for (std::size_t k = 0; k < 2 * d; ++k) {
       const auto i = static_cast<Eigen::Index>(k);
-      for (std::size_t lane = 0; lane < P::size(); ++lane) {
-        if (is_other(lane))
-          differs(i, packs[k][lane], other->second.vector()[i]);
-        else
-          differs(i, packs[k][lane]);
-      }
+      for (std::size_t lane = 0; lane < P::size(); ++lane)
+        differs(i, packs[k][lane],
+                is_other(lane) ? std::optional<typename H::Scalar>(other->second.vector()[i]) : std::nullopt);
     }
   });
 }

@@ -318,8 +318,7 @@ consteval bool is_effect() {
                   "or Out<Scalar, Dof>");
     static_assert(!faults.answered,
                   "add_gradient or add_force of this effect returns a bool, an int or a Status, and nobody "
-                  "asks: let it "
-                  "return nothing, and throw, or add NaN, where there is none");
+                  "asks: let it return nothing, and throw, or add NaN, where there is none");
     static_assert(
         !member_ends_with_a_number<E>(),
         "a member of this effect ends with a number, which would always be its default: leave it out; "

@@ -154,10 +154,10 @@ class FlowSplitting {
   static_assert(!detail::faults_of_parts<H>().lost,
                 "flow, rest_position_gradient or rest_momentum_gradient of this Hamiltonian takes an output "
                 "by value, so what it writes is lost: take it as `auto& dq`, or Out<Scalar, Dof>");
-  static_assert(!detail::faults_of_parts<H>().answered,
-                "rest_position_gradient or rest_momentum_gradient of this Hamiltonian returns a bool, an int "
-                "or a Status, "
-                "and nobody asks: let it return nothing, and throw, or write NaN, where there is none");
+  static_assert(
+      !detail::faults_of_parts<H>().answered,
+      "rest_position_gradient or rest_momentum_gradient of this Hamiltonian returns a bool, an int "
+      "or a Status, and nobody asks: let it return nothing, and throw, or write NaN, where there is none");
   static_assert(
       !detail::part_ends_with_a_number<H>(),
       "flow, rest_position_gradient or rest_momentum_gradient of this Hamiltonian ends with a number, "

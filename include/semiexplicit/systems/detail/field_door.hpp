@@ -60,8 +60,7 @@ consteval bool field_adds() {
   static_assert(
       !faults.answered,
       "add_potential, add_gradient or add_time_derivative of this field returns a bool, an int or a "
-      "Status, and nobody "
-      "asks: let it return nothing, and throw, or add NaN, where there is none");
+      "Status, and nobody asks: let it return nothing, and throw, or add NaN, where there is none");
   static_assert(
       HasMembers<Field, Scalar> || HasDrivenMembers<Field, Scalar>,
       "this field has no `void add_potential(const auto& x, auto& a) const` with `void add_gradient(const "

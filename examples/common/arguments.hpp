@@ -43,7 +43,7 @@ inline std::int64_t steps_in(double time, double dt) {
 /// What is wrong with a name that leads round in a circle, which std::filesystem throws for; else nothing.
 inline std::string complaint_of_link(const std::filesystem::path& name) {
   std::error_code failure;
-  std::filesystem::status(name, failure);
+  [[maybe_unused]] const auto there = std::filesystem::status(name, failure);
   return failure == std::errc::too_many_symbolic_link_levels
              ? name.string() + ": the link leads nowhere; mend it"
              : "";
